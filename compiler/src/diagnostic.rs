@@ -1,0 +1,177 @@
+//! What the compiler says to a person: where, what, and what to write instead.
+
+use crate::source::{Sources, Span};
+use codespan_reporting::diagnostic as codespan;
+use codespan_reporting::files::SimpleFiles;
+use codespan_reporting::term;
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// The scene is drawn; something should be known.
+    Warning,
+    /// The scene can't be drawn.
+    Error,
+}
+
+/// One thing that the compiler says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnostic {
+    /// Its row in the table of codes.
+    pub code: Code,
+    /// From the table of codes.
+    pub severity: Severity,
+    /// What is wrong, in one sentence without a full stop.
+    pub message: String,
+    /// The text that is underlined.
+    pub span: Span,
+    /// Other places that matter, each with a few words.
+    pub labels: Vec<(Span, String)>,
+    /// What to write instead.
+    pub help: String,
+}
+
+impl Diagnostic {
+    /// A diagnostic of a code; its severity comes from the table. `help` says what to write instead.
+    pub fn new(code: Code, span: Span, message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self {
+            code,
+            severity: code.row().severity,
+            message: message.into(),
+            span,
+            labels: Vec::new(),
+            help: help.into(),
+        }
+    }
+
+    /// Adds another place that matters.
+    pub fn label(mut self, span: Span, words: impl Into<String>) -> Self {
+        self.labels.push((span, words.into()));
+        self
+    }
+}
+
+/// A row of the table of codes.
+pub struct CodeRow {
+    /// The code.
+    pub code: Code,
+    /// How it is printed: `syntax-unexpected`.
+    pub name: &'static str,
+    /// How bad it is.
+    pub severity: Severity,
+    /// Why it is wrong and how to mend it, for a person who meets it first.
+    pub explanation: &'static str,
+    /// The smallest program that triggers it.
+    pub program: &'static str,
+}
+
+macro_rules! codes {
+    ($($variant:ident, $name:literal, $severity:ident, $explanation:literal, $program:literal;)*) => {
+        /// Everything that the compiler can say.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Code { $(#[doc = $explanation] $variant,)* }
+
+        /// The table of codes, in the order of [`Code`].
+        pub const CODES: &[CodeRow] = &[$(CodeRow {
+            code: Code::$variant, name: $name, severity: Severity::$severity,
+            explanation: $explanation, program: $program,
+        },)*];
+
+        impl Code {
+            /// Its row in the table.
+            pub fn row(self) -> &'static CodeRow {
+                match self { $(Code::$variant => &CodeRow {
+                    code: Code::$variant, name: $name, severity: Severity::$severity,
+                    explanation: $explanation, program: $program,
+                },)* }
+            }
+        }
+    };
+}
+
+codes! {
+    Character, "character", Error, "A character that the language does not use.", "scene = sphere(1) $ box(1)";
+    NumberForm, "number-form", Error, "A number that can't be read, or is too large.", "let a = 1e999\nscene = sphere(1)";
+    StringForm, "string-form", Error, "A string that does not end on its line, or an escape that is not known.", "import \"a.sdf\nscene = sphere(1)";
+    ColorForm, "color-form", Error, "A colour is # and three or six hexadecimal digits.", "let c = #12\nscene = sphere(1)";
+    CommentForm, "comment-form", Error, "A /* without its */.", "scene = sphere(1) /* a ball";
+    Unexpected, "unexpected", Error, "Something else was expected here.", "scene = sphere(1) + ) box(1)";
+    Unclosed, "unclosed", Error, "A bracket without its partner.", "scene = sphere(1";
+    TooDeep, "too-deep", Error, "Nested deeper than the compiler follows.", "scene = ((…))";
+    Encoding, "encoding", Error, "The text is not UTF-8.", "";
+    Unreadable, "unreadable", Error, "A file that can't be read.", "import \"nowhere.sdf\"\nscene = sphere(1)";
+    ImportCircle, "import-circle", Error, "Files that import each other in a circle.", "import \"main.sdf\"\nscene = sphere(1)";
+    TwiceDeclared, "twice-declared", Error, "One name is declared twice in a file.", "let a = 1\nlet a = 2\nscene = sphere(a)";
+    Ambiguous, "ambiguous", Error, "A name comes from two imports.", "";
+    UnknownName, "unknown-name", Error, "A name that nothing declares.", "scene = spere(1)";
+    UnknownMember, "unknown-member", Error, "A dot before a name that the value does not have.", "scene = sphere(1).twst(y, 1)";
+    UnknownKey, "unknown-key", Error, "A block has no such key.", "camera { eyes: (0, 0, 3) }\nscene = sphere(1)";
+    UnknownType, "unknown-type", Error, "A type that the language does not have.", "field f(a: number) = length(p) - a\nscene = f(1)";
+    MissingArgument, "missing-argument", Error, "A call lacks an argument that has no default.", "scene = sphere()";
+    ExtraArgument, "extra-argument", Error, "A call has more arguments than the declaration takes.", "scene = sphere(1, 2)";
+    UnknownArgument, "unknown-argument", Error, "A named argument that the declaration does not have, or one given twice.", "scene = sphere(r: 1)";
+    TypeMismatch, "type-mismatch", Error, "A value of another type is needed here.", "scene = sphere(true)";
+    NoPoint, "no-point", Error, "`p`, `normal` or `world` where there is none.", "fn f(t) = t * p.x\nscene = sphere(f(1))";
+    NotConstant, "not-constant", Error, "This must be known while compiling.", "param n = 3 in 1..5\nscene = metaballs([for i in 0..n { (i, 0, 0, 1) }])";
+    BadValue, "bad-value", Error, "A value outside of what makes sense: a negative radius, a zero scale, an empty range.", "scene = sphere(-1)";
+    BadRange, "bad-range", Error, "A range or list of choices that does not fit its parameter.", "param a = 3 in 0..2\nscene = sphere(a)";
+    OutOfBounds, "out-of-bounds", Error, "An index beyond the end of its list.", "let l = [1, 2]\nscene = sphere(l[2])";
+    EndlessCall, "endless-call", Error, "A declaration calls itself and nothing ends it.", "shape a = a\nscene = a";
+    TooLarge, "too-large", Error, "The scene unfolds to more operations than the compiler takes.", "";
+    NoScene, "no-scene", Error, "The file has no `scene`, so there is nothing to draw.", "shape a = sphere(1)";
+    NoBound, "no-bound", Error, "No finite bound is known for this formula, so no ray could step safely.", "field f = 1 / p.x\nscene = f";
+    NoReach, "no-reach", Error, "The body of a repetition reaches too far, or without end.", "scene = for c in grid((1, 1, 1)) { plane(y) }";
+    PreludeOnly, "prelude-only", Error, "A claim can be made only in the prelude; the compiler derives it for you.", "field f exact = length(p) - 1\nscene = f";
+    NotDrawn, "not-drawn", Warning, "Understood and checked, but not drawn yet.", "mesh m \"a.obj\" { }\nscene = sphere(1)";
+    ExtentUsed, "extent-used", Warning, "A formula without a bound over all space: it is proven and drawn within the scene's extent.", "";
+    Jump, "jump", Warning, "A formula jumps here; rays stop before it and look again.", "";
+    Unused, "unused", Warning, "A parameter that nothing reads.", "param a = 1 in 0..2\nscene = sphere(1)";
+}
+
+/// Renders diagnostics with the lines that they speak of. `color` adds ANSI colours.
+pub fn render(sources: &Sources, diagnostics: &[Diagnostic], color: bool) -> String {
+    let mut files = SimpleFiles::new();
+    for (_, file) in sources.iter() {
+        files.add(file.name.clone(), file.text.to_string());
+    }
+    let config = term::Config::default();
+    let mut out = String::new();
+    for diagnostic in diagnostics {
+        let shown = to_codespan(diagnostic);
+        let written = if color {
+            let mut buffer = term::termcolor::Ansi::new(Vec::new());
+            let done = term::emit_to_write_style(&mut buffer, &config, &files, &shown);
+            done.ok().map(|()| String::from_utf8_lossy(&buffer.into_inner()).into_owned())
+        } else {
+            let mut text = String::new();
+            term::emit_to_string(&mut text, &config, &files, &shown).ok().map(|()| text)
+        };
+        match written {
+            Some(text) => out.push_str(&text),
+            None => out.push_str(&format!("{}\n", diagnostic.message)),
+        }
+    }
+    out
+}
+
+fn to_codespan(diagnostic: &Diagnostic) -> codespan::Diagnostic<usize> {
+    let severity = match diagnostic.severity {
+        Severity::Error => codespan::Severity::Error,
+        Severity::Warning => codespan::Severity::Warning,
+    };
+    let range = |span: Span| (span.file.0 as usize, span.start as usize..span.end as usize);
+    let (file, bytes) = range(diagnostic.span);
+    let mut labels = vec![codespan::Label::primary(file, bytes)];
+    labels.extend(diagnostic.labels.iter().map(|(span, words)| {
+        let (file, bytes) = range(*span);
+        codespan::Label::secondary(file, bytes).with_message(words)
+    }));
+    let mut shown = codespan::Diagnostic::new(severity)
+        .with_code(diagnostic.code.row().name)
+        .with_message(&diagnostic.message)
+        .with_labels(labels);
+    if !diagnostic.help.is_empty() {
+        shown = shown.with_notes(vec![format!("help: {}", diagnostic.help)]);
+    }
+    shown
+}

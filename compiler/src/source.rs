@@ -1,0 +1,88 @@
+//! Texts and places in them.
+
+use std::sync::Arc;
+
+/// Which text: an index into [`Sources`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct FileId(pub u32);
+
+/// A half-open range of bytes in one text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Span {
+    /// The text.
+    pub file: FileId,
+    /// First byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
+}
+
+impl Span {
+    /// A range of bytes in a text.
+    pub fn new(file: FileId, start: usize, end: usize) -> Self {
+        Self { file, start: start as u32, end: end as u32 }
+    }
+
+    /// The smallest range that holds both; `self` where they are of different texts.
+    pub fn to(self, other: Span) -> Self {
+        if self.file != other.file {
+            return self;
+        }
+        Self { file: self.file, start: self.start.min(other.start), end: self.end.max(other.end) }
+    }
+}
+
+/// One text with its name, as a person would write it on the command line.
+#[derive(Clone, Debug)]
+pub struct SourceFile {
+    /// The path, or `<prelude>/NAME.sdf`.
+    pub name: String,
+    /// The text.
+    pub text: Arc<str>,
+    /// Byte offset of each line's start.
+    line_starts: Vec<u32>,
+}
+
+/// All texts of one compilation: the prelude's, the scene's and its imports'.
+#[derive(Clone, Debug, Default)]
+pub struct Sources {
+    files: Vec<SourceFile>,
+}
+
+impl Sources {
+    /// Adds a text; the answer is its index.
+    pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<str>>) -> FileId {
+        let text: Arc<str> = text.into();
+        let line_starts =
+            std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i as u32 + 1)).collect();
+        self.files.push(SourceFile { name: name.into(), text, line_starts });
+        FileId(self.files.len() as u32 - 1)
+    }
+
+    /// The text of an index, if there is one.
+    pub fn get(&self, id: FileId) -> Option<&SourceFile> {
+        self.files.get(id.0 as usize)
+    }
+
+    /// All texts with their indices.
+    pub fn iter(&self) -> impl Iterator<Item = (FileId, &SourceFile)> {
+        self.files.iter().enumerate().map(|(i, f)| (FileId(i as u32), f))
+    }
+
+    /// Name of the text, line and column (both from 1, columns in characters) of a byte.
+    pub fn position(&self, file: FileId, byte: u32) -> (&str, u32, u32) {
+        let Some(source) = self.get(file) else { return ("", 1, 1) };
+        let line = source.line_starts.partition_point(|&start| start <= byte).max(1);
+        let start = source.line_starts.get(line - 1).copied().unwrap_or(0) as usize;
+        let end = (byte as usize).min(source.text.len());
+        let column = source.text.get(start..end).map_or(0, |s| s.chars().count());
+        (&source.name, line as u32, column as u32 + 1)
+    }
+
+    /// The text of a span, empty where it is not a whole piece of its text.
+    pub fn text(&self, span: Span) -> &str {
+        self.get(span.file)
+            .and_then(|f| f.text.get(span.start as usize..span.end as usize))
+            .unwrap_or("")
+    }
+}
