@@ -1,5 +1,10 @@
 //! From the text of a signed distance field to proven WGSL.
 
+pub mod compiled;
 pub mod diagnostic;
+pub mod functions;
+pub mod graph;
 pub mod source;
 pub mod syntax;
+
+pub use compiled::{Compiled, Export, Frame, Live, Loader, MemoryLoader, Module, Options, Outcome};

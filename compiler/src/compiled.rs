@@ -1,0 +1,468 @@
+//! What the compiler hands over: a module of WGSL, what a host must write into its uniform block, and the scene around it.
+
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::functions::Functions;
+use crate::graph::algebra::Reals;
+use crate::graph::{Graph, Leaf, NodeId, ShapeId};
+use crate::source::{Sources, Span};
+use crate::syntax::ast::Type;
+
+/// The outside world, as far as the compiler needs it: files by their name.
+pub trait Loader {
+    /// The bytes of a file, or why they can't be had. `path` is relative to the working directory, or absolute.
+    fn read(&self, path: &str) -> Result<Vec<u8>, String>;
+}
+
+/// Files in memory, for tests and for editors that hold unsaved text.
+#[derive(Clone, Debug, Default)]
+pub struct MemoryLoader {
+    files: std::collections::BTreeMap<String, Vec<u8>>,
+}
+
+impl MemoryLoader {
+    /// No file.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds or replaces a file.
+    pub fn with(mut self, path: &str, bytes: impl Into<Vec<u8>>) -> Self {
+        self.files.insert(path.to_owned(), bytes.into());
+        self
+    }
+}
+
+impl Loader for MemoryLoader {
+    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
+        self.files.get(path).cloned().ok_or_else(|| "there is no such file".to_owned())
+    }
+}
+
+/// Functions that a module can hold, in the order in which they are emitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Export {
+    /// `sf_field(p: vec3f) -> f32`
+    Field,
+    /// `sf_bound(p: vec3f) -> f32`
+    Bound,
+    /// `sf_distance(p: vec3f) -> f32`
+    Distance,
+    /// `sf_gradient(p: vec3f) -> vec4f`
+    Gradient,
+    /// `sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: f32) -> sf_Hit`
+    Trace,
+    /// `sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: f32) -> f32`
+    Shadow,
+    /// `sf_collision(center: vec3f, radius: f32) -> sf_Contact`
+    Collision,
+    /// `sf_occlusion(p: vec3f, normal: vec3f) -> f32`
+    Occlusion,
+    /// `sf_surface(p: vec3f, normal: vec3f) -> sf_Surface`
+    Surface,
+}
+
+impl Export {
+    /// All of them, in their order.
+    pub const ALL: [Export; 9] = [
+        Export::Field,
+        Export::Bound,
+        Export::Distance,
+        Export::Gradient,
+        Export::Trace,
+        Export::Shadow,
+        Export::Collision,
+        Export::Occlusion,
+        Export::Surface,
+    ];
+
+    /// The name on the command line, and in the module after its prefix.
+    pub fn name(self) -> &'static str {
+        match self {
+            Export::Field => "field",
+            Export::Bound => "bound",
+            Export::Distance => "distance",
+            Export::Gradient => "gradient",
+            Export::Trace => "trace",
+            Export::Shadow => "shadow",
+            Export::Collision => "collision",
+            Export::Occlusion => "occlusion",
+            Export::Surface => "surface",
+        }
+    }
+}
+
+/// What a module shall hold and how it is named.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// The functions asked for. What they call is emitted too.
+    pub exports: Vec<Export>,
+    /// Before every name of the module.
+    pub prefix: String,
+    /// Bind group of the uniform block.
+    pub group: u32,
+    /// Binding of the uniform block.
+    pub binding: u32,
+    /// Values of parameters that replace those in the text, by the name that a person sees (`spin`, `column.flutes`):
+    /// components of a number, colour or vector.
+    pub set: Vec<(String, Vec<f64>)>,
+    /// Choices of parameters that replace those in the text: the parameter's name and the choice's.
+    pub choose: Vec<(String, String)>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            exports: Export::ALL.to_vec(),
+            prefix: "sf_".to_owned(),
+            group: 0,
+            binding: 0,
+            set: Vec::new(),
+            choose: Vec::new(),
+        }
+    }
+}
+
+/// A parameter as a person sees it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// `spin`, or `column.flutes` for one of an import.
+    pub name: String,
+    /// `Bool`, `Int`, `Float`, `Vec(n)` or `Color`; `Str` where it chooses among names.
+    pub ty: Type,
+    /// Whether it is shown in degrees (its numbers are radians).
+    pub degrees: bool,
+    /// Its components at the start. A choice: the index of the chosen name.
+    pub default: Vec<f64>,
+    /// Least value of each component.
+    pub min: Vec<f64>,
+    /// Greatest value of each component.
+    pub max: Vec<f64>,
+    /// The names that it chooses among; empty for numbers.
+    pub choices: Vec<String>,
+    /// What a person should know of it.
+    pub description: Option<String>,
+    /// Where it is declared.
+    pub span: Span,
+    /// Index of its first component in [`Graph::parameters`]; a choice has none, and recompiles.
+    pub first: Option<u32>,
+}
+
+/// Values of what is live: time and the parameters' components.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Live {
+    /// Seconds.
+    pub time: f64,
+    /// A value for each of [`Graph::parameters`].
+    pub components: Vec<f64>,
+}
+
+/// Where a field of the uniform block takes its value from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum UniformSource {
+    /// The scene point at which `p` is zero: a `vec3f`.
+    Origin,
+    /// Seconds.
+    Time,
+    /// So many components from this index of [`Graph::parameters`] on.
+    Parameter(u32),
+    /// The multiple of a factor: an index into [`Graph::factors`]; the value is one over its Lipschitz factor, rounded down.
+    Factor(u32),
+}
+
+/// A field of the uniform block.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Uniform {
+    /// Its name in the struct.
+    pub name: String,
+    /// Where its value comes from.
+    pub source: UniformSource,
+    /// Number of 32-bit floats: 1 to 4.
+    pub components: u32,
+    /// Byte offset in the block.
+    pub offset: u32,
+}
+
+/// An emitted module.
+#[derive(Clone, Debug)]
+pub struct Module {
+    /// The text.
+    pub wgsl: String,
+    /// The functions in it that were asked for or are needed by them.
+    pub exports: Vec<Export>,
+    /// Name of the uniform block's struct and variable, empty where there is none.
+    pub uniform_name: String,
+    /// Fields of the uniform block.
+    pub uniforms: Vec<Uniform>,
+    /// Size of the uniform block in bytes, a multiple of 16; 0 where there is none.
+    pub uniform_size: u32,
+    /// Operations of the kernel in one evaluation of the field, and of the bound.
+    pub operations: (usize, usize),
+    /// What was left out of the module, and why.
+    pub skipped: Vec<String>,
+}
+
+/// A point and direction of view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where the eye is.
+    pub eye: [f64; 3],
+    /// What it looks at.
+    pub target: [f64; 3],
+    /// Vertical angle of view, radians.
+    pub fov: f64,
+}
+
+/// How a light throws shadows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shadow {
+    /// None.
+    None,
+    /// With a sharp edge.
+    Hard,
+    /// With a penumbra; larger is sharper.
+    Soft(f64),
+    /// From a shadow map: not drawn yet, drawn as [`Shadow::Hard`].
+    Map,
+}
+
+/// Where light comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightKind {
+    /// From infinitely far: the direction in which it travels, not necessarily of length one.
+    Direction([f64; 3]),
+    /// From a point; its strength falls with the square of the distance.
+    Position([f64; 3]),
+}
+
+/// A light at one moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// Its name.
+    pub name: String,
+    /// Where it comes from.
+    pub kind: LightKind,
+    /// Linear colour times intensity.
+    pub radiance: [f64; 3],
+    /// How it throws shadows.
+    pub shadow: Shadow,
+}
+
+/// What surrounds the scene, linear colours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sky {
+    /// Colour straight up.
+    pub zenith: [f64; 3],
+    /// Colour at the horizon and below.
+    pub horizon: [f64; 3],
+}
+
+/// Everything around the field at one moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Cameras with their names; the first is the one that is used. Never empty.
+    pub cameras: Vec<(String, Camera)>,
+    /// Lights in the order of the text.
+    pub lights: Vec<Light>,
+    /// What surrounds the scene.
+    pub sky: Sky,
+    /// How far occlusion reaches and how strong it is, 0 to 1.
+    pub ambient_occlusion: (f64, f64),
+    /// Whether there are shadows at all.
+    pub shadows: bool,
+    /// Beyond this distance from the eye nothing is drawn.
+    pub max_distance: f64,
+    /// Radius about the origin beyond which nothing is drawn and nothing is proven.
+    pub extent: f64,
+    /// Exposure in stops.
+    pub exposure: f64,
+}
+
+/// Entries of the scene's blocks, as nodes over parameters and time.
+#[derive(Clone, Debug, Default)]
+pub struct SceneBlocks {
+    /// Name, eye, target, field of view.
+    pub cameras: Vec<(String, [NodeId; 3], [NodeId; 3], NodeId)>,
+    /// Lights.
+    pub lights: Vec<LightNodes>,
+    /// Zenith and horizon.
+    pub sky: Option<([NodeId; 3], [NodeId; 3])>,
+    /// Reach and strength.
+    pub ambient_occlusion: Option<(NodeId, NodeId)>,
+    /// A condition.
+    pub shadows: Option<NodeId>,
+    /// Distance from the eye.
+    pub max_distance: Option<NodeId>,
+    /// Radius about the origin; constant.
+    pub extent: f64,
+    /// Stops.
+    pub exposure: Option<NodeId>,
+}
+
+/// A light's entries as nodes.
+#[derive(Clone, Debug)]
+pub struct LightNodes {
+    /// Its name.
+    pub name: String,
+    /// Whether `vector` is a position and not a direction.
+    pub position: bool,
+    /// Direction or position.
+    pub vector: [NodeId; 3],
+    /// Linear colour.
+    pub color: [NodeId; 3],
+    /// Intensity.
+    pub intensity: NodeId,
+    /// Shadow, and its penumbra's number where it is soft.
+    pub shadow: (Shadow, Option<NodeId>),
+}
+
+/// A compiled scene.
+#[derive(Clone, Debug)]
+pub struct Compiled {
+    /// The graph, with the functions of its shapes.
+    pub graph: Graph,
+    /// The scene's shape. Its space is that of the scene.
+    pub root: ShapeId,
+    /// Field, bound, distance, gradient and surface as nodes of the graph.
+    pub functions: Functions,
+    /// Parameters in the order of the text, those of imports after those of the file.
+    pub parameters: Vec<Parameter>,
+    /// What stands around the field.
+    pub blocks: SceneBlocks,
+    /// The emitted module.
+    pub module: Module,
+}
+
+/// What came of a compilation.
+#[derive(Debug)]
+pub struct Outcome {
+    /// All texts, for diagnostics.
+    pub sources: Sources,
+    /// Errors and warnings, in the order of their places.
+    pub diagnostics: Vec<Diagnostic>,
+    /// Every file that was read or looked for, the scene's own first: what a watcher should watch.
+    pub files: Vec<String>,
+    /// The scene, where nothing was an error.
+    pub compiled: Option<Compiled>,
+}
+
+impl Outcome {
+    /// Whether there is an error among the diagnostics.
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(|d| d.severity == Severity::Error)
+    }
+}
+
+impl Compiled {
+    /// Time zero and every parameter at its default.
+    pub fn live(&self) -> Live {
+        Live { time: 0.0, components: self.graph.parameters.iter().map(|p| p.default).collect() }
+    }
+
+    /// Values of nodes that read nothing but parameters and time.
+    pub fn values(&self, live: &Live, nodes: &[NodeId]) -> Vec<f64> {
+        self.graph.evaluate(
+            &mut Reals,
+            nodes,
+            |_, leaf| match leaf {
+                Leaf::Time => live.time,
+                Leaf::Parameter(i) => self.component(live, i),
+                _ => 0.0,
+            },
+            |_, _, _, _| 0.0,
+        )
+    }
+
+    /// A live component, clamped to its range; the default where `live` has none.
+    fn component(&self, live: &Live, index: u32) -> f64 {
+        let Some(known) = self.graph.parameters.get(index as usize) else { return 0.0 };
+        let value = live.components.get(index as usize).copied().unwrap_or(known.default);
+        if value.is_finite() { value.clamp(known.min, known.max) } else { known.default }
+    }
+
+    /// The uniform block's bytes. `origin` is the scene's point at which the module's `p` is zero.
+    pub fn uniform_bytes(&self, live: &Live, origin: [f64; 3]) -> Vec<u8> {
+        let mut bytes = vec![0; self.module.uniform_size as usize];
+        for uniform in &self.module.uniforms {
+            for i in 0..uniform.components {
+                let value = match uniform.source {
+                    UniformSource::Origin => origin.get(i as usize).copied().unwrap_or(0.0) as f32,
+                    UniformSource::Time => live.time as f32,
+                    UniformSource::Parameter(first) => self.component(live, first + i) as f32,
+                    UniformSource::Factor(f) => self.multiple(f),
+                };
+                let at = (uniform.offset + 4 * i) as usize;
+                if let Some(slot) = bytes.get_mut(at..at + 4) {
+                    slot.copy_from_slice(&value.to_le_bytes());
+                }
+            }
+        }
+        bytes
+    }
+
+    /// One over a factor's Lipschitz constant, rounded down.
+    pub fn multiple(&self, factor: u32) -> f32 {
+        let lipschitz = self.graph.factors.get(factor as usize).map_or(1.0, |f| f.lipschitz);
+        let nearest = (1.0 / lipschitz) as f32;
+        if f64::from(nearest) * lipschitz > 1.0 { nearest.next_down() } else { nearest }
+    }
+
+    /// The scene around the field at one moment.
+    pub fn frame(&self, live: &Live) -> Frame {
+        let one = |node: NodeId| self.values(live, &[node]).first().copied().unwrap_or(0.0);
+        let three = |nodes: &[NodeId; 3]| {
+            let v = self.values(live, nodes);
+            [0, 1, 2].map(|i| v.get(i).copied().unwrap_or(0.0))
+        };
+        let blocks = &self.blocks;
+        let mut cameras: Vec<(String, Camera)> = blocks
+            .cameras
+            .iter()
+            .map(|(name, eye, target, fov)| {
+                let camera = Camera { eye: three(eye), target: three(target), fov: one(*fov) };
+                (name.clone(), camera)
+            })
+            .collect();
+        if cameras.is_empty() {
+            let camera = Camera { eye: [4.0, 3.0, 6.0], target: [0.0; 3], fov: 0.7 };
+            cameras.push((String::new(), camera));
+        }
+        let lights = blocks
+            .lights
+            .iter()
+            .map(|light| {
+                let vector = three(&light.vector);
+                let (color, intensity) = (three(&light.color), one(light.intensity));
+                let shadow = match light.shadow {
+                    (Shadow::Soft(_), Some(k)) => Shadow::Soft(one(k).max(0.1)),
+                    (shadow, _) => shadow,
+                };
+                Light {
+                    name: light.name.clone(),
+                    kind: if light.position {
+                        LightKind::Position(vector)
+                    } else {
+                        LightKind::Direction(vector)
+                    },
+                    radiance: color.map(|c| c * intensity),
+                    shadow,
+                }
+            })
+            .collect();
+        let sky = match &blocks.sky {
+            Some((zenith, horizon)) => Sky { zenith: three(zenith), horizon: three(horizon) },
+            None => Sky { zenith: [0.24, 0.39, 0.63], horizon: [0.8, 0.86, 0.91] },
+        };
+        Frame {
+            cameras,
+            lights,
+            sky,
+            ambient_occlusion: blocks.ambient_occlusion.map_or((0.5, 1.0), |(reach, strength)| {
+                (one(reach).max(0.0), one(strength).clamp(0.0, 1.0))
+            }),
+            shadows: blocks.shadows.is_none_or(|s| one(s) != 0.0),
+            max_distance: blocks.max_distance.map_or(100.0, |d| one(d).max(1e-3)),
+            extent: blocks.extent,
+            exposure: blocks.exposure.map_or(0.0, one),
+        }
+    }
+}

@@ -1,0 +1,280 @@
+//! Intervals that hold every value that the real-valued operation can take, rounded outward.
+
+/// A closed interval `[lo, hi]`; never NaN. Empty where `lo > hi`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Lower end.
+    pub lo: f64,
+    /// Upper end.
+    pub hi: f64,
+}
+
+/// How far the results of the mathematics library may be from the true value, relative to one.
+const LIBM: f64 = 4.0 * f64::EPSILON;
+
+impl Interval {
+    /// All numbers.
+    pub const ALL: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+    /// No number.
+    pub const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
+    /// Zero alone.
+    pub const ZERO: Self = Self { lo: 0.0, hi: 0.0 };
+    /// One alone.
+    pub const ONE: Self = Self { lo: 1.0, hi: 1.0 };
+
+    /// The interval between two numbers; an end that is not a number opens that side.
+    pub fn new(lo: f64, hi: f64) -> Self {
+        Self {
+            lo: if lo.is_nan() { f64::NEG_INFINITY } else { lo },
+            hi: if hi.is_nan() { f64::INFINITY } else { hi },
+        }
+    }
+
+    /// One number.
+    pub fn point(value: f64) -> Self {
+        Self::new(value, value)
+    }
+
+    /// The interval between two computed numbers, each moved outward by one unit in the last place.
+    pub fn outward(lo: f64, hi: f64) -> Self {
+        Self::new(lo.next_down(), hi.next_up())
+    }
+
+    /// The same for the results of the mathematics library.
+    fn library(lo: f64, hi: f64) -> Self {
+        Self::new(lo - LIBM * lo.abs().max(1e-300), hi + LIBM * hi.abs().max(1e-300))
+    }
+
+    /// Whether it holds no number.
+    pub fn is_empty(self) -> bool {
+        self.lo > self.hi
+    }
+
+    /// Whether it is one number.
+    pub fn is_point(self) -> bool {
+        self.lo == self.hi
+    }
+
+    /// Whether both ends are finite.
+    pub fn is_finite(self) -> bool {
+        self.lo.is_finite() && self.hi.is_finite()
+    }
+
+    /// Whether it holds a number.
+    pub fn contains(self, value: f64) -> bool {
+        self.lo <= value && value <= self.hi
+    }
+
+    /// Largest absolute value in it.
+    pub fn magnitude(self) -> f64 {
+        if self.is_empty() { 0.0 } else { self.lo.abs().max(self.hi.abs()) }
+    }
+
+    /// Smallest absolute value in it.
+    pub fn mignitude(self) -> f64 {
+        if self.contains(0.0) { 0.0 } else { self.lo.abs().min(self.hi.abs()) }
+    }
+
+    /// Length, infinite where an end is.
+    pub fn width(self) -> f64 {
+        if self.is_empty() { 0.0 } else { self.hi - self.lo }
+    }
+
+    /// A number inside, near the middle, finite where there is one.
+    pub fn middle(self) -> f64 {
+        match (self.lo.is_finite(), self.hi.is_finite()) {
+            (true, true) => self.lo + (self.hi - self.lo) / 2.0,
+            (true, false) => (self.lo + 1.0).max(self.lo * 2.0),
+            (false, true) => (self.hi - 1.0).min(self.hi * 2.0),
+            (false, false) => 0.0,
+        }
+    }
+
+    /// Smallest interval that holds both.
+    pub fn hull(self, other: Self) -> Self {
+        if self.is_empty() {
+            other
+        } else if other.is_empty() {
+            self
+        } else {
+            Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+        }
+    }
+
+    /// What both hold.
+    pub fn intersect(self, other: Self) -> Self {
+        Self { lo: self.lo.max(other.lo), hi: self.hi.min(other.hi) }
+    }
+
+    /// Grown by `amount` on both sides.
+    pub fn grow(self, amount: f64) -> Self {
+        if self.is_empty() { self } else { Self::outward(self.lo - amount, self.hi + amount) }
+    }
+
+    /// `-x`
+    pub fn neg(self) -> Self {
+        Self { lo: -self.hi, hi: -self.lo }
+    }
+
+    /// `a + b`
+    pub fn add(self, b: Self) -> Self {
+        if self.is_empty() || b.is_empty() {
+            return Self::EMPTY;
+        }
+        Self::outward(self.lo + b.lo, self.hi + b.hi)
+    }
+
+    /// `a - b`
+    pub fn sub(self, b: Self) -> Self {
+        self.add(b.neg())
+    }
+
+    /// `a b`, with zero times infinity as zero (an end that is infinite is never reached).
+    pub fn mul(self, b: Self) -> Self {
+        if self.is_empty() || b.is_empty() {
+            return Self::EMPTY;
+        }
+        if self == Self::ZERO || b == Self::ZERO {
+            return Self::ZERO;
+        }
+        if self == Self::ONE {
+            return b;
+        }
+        if b == Self::ONE {
+            return self;
+        }
+        let product = |x: f64, y: f64| if x == 0.0 || y == 0.0 { 0.0 } else { x * y };
+        let (p, q) = (product(self.lo, b.lo), product(self.lo, b.hi));
+        let (r, s) = (product(self.hi, b.lo), product(self.hi, b.hi));
+        Self::outward(p.min(q).min(r).min(s), p.max(q).max(r).max(s))
+    }
+
+    /// `x x`
+    pub fn square(self) -> Self {
+        if self.is_empty() {
+            return self;
+        }
+        let (small, large) = (self.mignitude(), self.magnitude());
+        Self::new((small * small).next_down().max(0.0), (large * large).next_up())
+    }
+
+    /// `a / b`. Where `b` may be zero: all numbers (with the kernel's rule that `a / 0` is 0).
+    pub fn div(self, b: Self) -> Self {
+        if self.is_empty() || b.is_empty() {
+            return Self::EMPTY;
+        }
+        if self == Self::ZERO {
+            return Self::ZERO;
+        }
+        if b == Self::ZERO {
+            return Self::ZERO;
+        }
+        if b.contains(0.0) {
+            if b.lo < 0.0 && b.hi > 0.0 {
+                return Self::ALL;
+            }
+            // One side only: the quotient keeps its sign; zero itself answers 0.
+            let toward = if b.hi > 0.0 { b.hi } else { b.lo };
+            let quotient = |x: f64| {
+                if x == 0.0 { 0.0 } else if toward.is_infinite() { 0.0 } else { x / toward }
+            };
+            let far = |x: f64| if x == 0.0 { 0.0 } else { x * toward.signum() * f64::INFINITY };
+            let ends = [quotient(self.lo), quotient(self.hi), far(self.lo), far(self.hi), 0.0];
+            return Self::outward(
+                ends.iter().copied().fold(f64::INFINITY, f64::min),
+                ends.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            );
+        }
+        let quotient = |x: f64, y: f64| {
+            if x == 0.0 {
+                0.0
+            } else if y.is_infinite() {
+                // The limit is zero; a bound of either sign holds it.
+                if x.is_infinite() { f64::NAN } else { 0.0 }
+            } else {
+                x / y
+            }
+        };
+        let ends = [
+            quotient(self.lo, b.lo),
+            quotient(self.lo, b.hi),
+            quotient(self.hi, b.lo),
+            quotient(self.hi, b.hi),
+        ];
+        if ends.iter().any(|e| e.is_nan()) {
+            return Self::ALL;
+        }
+        Self::outward(
+            ends.iter().copied().fold(f64::INFINITY, f64::min),
+            ends.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        )
+    }
+
+    /// Smaller of two.
+    pub fn min(self, b: Self) -> Self {
+        if self.is_empty() || b.is_empty() {
+            return Self::EMPTY;
+        }
+        Self { lo: self.lo.min(b.lo), hi: self.hi.min(b.hi) }
+    }
+
+    /// Larger of two.
+    pub fn max(self, b: Self) -> Self {
+        if self.is_empty() || b.is_empty() {
+            return Self::EMPTY;
+        }
+        Self { lo: self.lo.max(b.lo), hi: self.hi.max(b.hi) }
+    }
+
+    /// `|x|`
+    pub fn abs(self) -> Self {
+        if self.is_empty() { self } else { Self { lo: self.mignitude(), hi: self.magnitude() } }
+    }
+
+    /// Image under a function that grows.
+    pub fn monotone(self, f: impl Fn(f64) -> f64) -> Self {
+        if self.is_empty() { self } else { Self::library(f(self.lo), f(self.hi)) }
+    }
+
+    /// Image under a step function that grows and is exact (floor and its kin).
+    pub fn steps(self, f: impl Fn(f64) -> f64) -> Self {
+        if self.is_empty() { self } else { Self::new(f(self.lo), f(self.hi)) }
+    }
+
+    /// `sqrt(max(x, 0))`
+    pub fn sqrt(self) -> Self {
+        if self.is_empty() {
+            return self;
+        }
+        Self::new(
+            self.lo.max(0.0).sqrt().next_down().max(0.0),
+            self.hi.max(0.0).sqrt().next_up(),
+        )
+    }
+
+    /// `cos x`
+    pub fn cos(self) -> Self {
+        if self.is_empty() {
+            return self;
+        }
+        let tau = std::f64::consts::TAU;
+        if !self.is_finite() || self.width() >= tau || self.magnitude() > 1e9 {
+            return Self { lo: -1.0, hi: 1.0 };
+        }
+        // Reaches 1 at whole turns and -1 at half turns, looked for with a margin.
+        let margin = 1e-9;
+        let holds = |phase: f64| {
+            let first = ((self.lo - phase) / tau - margin).ceil();
+            first <= (self.hi - phase) / tau + margin
+        };
+        let (a, b) = (self.lo.cos(), self.hi.cos());
+        let lo = if holds(std::f64::consts::PI) { -1.0 } else { (a.min(b) - LIBM).max(-1.0) };
+        let hi = if holds(0.0) { 1.0 } else { (a.max(b) + LIBM).min(1.0) };
+        Self { lo, hi }
+    }
+
+    /// `sin x`
+    pub fn sin(self) -> Self {
+        self.sub(Self::point(std::f64::consts::FRAC_PI_2)).cos()
+    }
+}

@@ -1,0 +1,555 @@
+//! The kernel: every operation of the graph, one row each.
+//!
+//! A row ([`Row`]) says what the operation is called, what it computes in 64 bits and in intervals, how it is written in WGSL and how
+//! accurate that is. Its partial derivatives stand in [`partials`], once for every algebra. Partial functions are made total the
+//! same way everywhere: no operation gives NaN.
+
+use super::algebra::Algebra;
+use super::interval::Interval;
+use super::{Claim, Graph, Node, NodeId, FAR};
+
+/// How a WGSL implementation may err, from the accuracy table of the WGSL specification (§ 15.7.4).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Accuracy {
+    /// Correctly rounded, or exact.
+    Rounded,
+    /// So many units in the last place of the result.
+    Ulp(f64),
+    /// An absolute error, inside the range that the specification names.
+    Absolute(f64),
+    /// Inherited from the expression that it is written as.
+    Inherited,
+}
+
+/// Whether a value is a number or a condition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A number.
+    Number,
+    /// A condition.
+    Condition,
+}
+
+/// One operation.
+pub struct Row {
+    /// Which.
+    pub op: Op,
+    /// Its name in printed graphs, and in the language where it has one there.
+    pub name: &'static str,
+    /// How many arguments it takes.
+    pub arity: u8,
+    /// Whether a person can call it by its name (the others are operators or made by the compiler).
+    pub callable: bool,
+    /// What it gives.
+    pub result: Kind,
+    /// What its value is, in words.
+    pub doc: &'static str,
+    /// WGSL, arguments as `{0}`, `{1}`; a helper function's name starts with `sf_` and is replaced by the prefix of the module.
+    pub wgsl: &'static str,
+    /// Binding strength of that text: 9 for calls and names, 8 unary, 7 `* / %`, 6 `+ -`, 4 comparison, 2 `&&`, 1 `||`.
+    pub strength: u8,
+    /// How accurate that is.
+    pub accuracy: Accuracy,
+    /// Whether its value jumps.
+    pub jumps: bool,
+    /// The value in 64 bits. Takes `arity` arguments; missing ones count as 0.
+    pub value: fn([f64; 4]) -> f64,
+    /// All values over intervals.
+    pub interval: fn([Interval; 4]) -> Interval,
+}
+
+macro_rules! kernel {
+    ($($op:ident $name:literal $arity:literal $callable:ident $result:ident $jumps:ident $strength:literal
+       $accuracy:expr, $wgsl:literal, |$v:pat_param| $value:expr, |$i:pat_param| $interval:expr, $doc:literal;)*) => {
+        /// An operation of the kernel.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Op { $(#[doc = $doc] $op,)* }
+
+        /// The kernel, in the order of [`Op`].
+        pub static KERNEL: &[Row] = &[$(Row {
+            op: Op::$op, name: $name, arity: $arity, callable: $callable, result: Kind::$result, doc: $doc,
+            wgsl: $wgsl, strength: $strength, accuracy: $accuracy, jumps: $jumps,
+            value: |$v| $value, interval: |$i| $interval,
+        },)*];
+
+        impl Op {
+            /// Its row.
+            pub fn row(self) -> &'static Row {
+                #[allow(clippy::indexing_slicing)] // The table has a row for each variant, in their order.
+                &KERNEL[self as usize]
+            }
+        }
+    };
+}
+
+use Accuracy::{Absolute, Inherited, Rounded, Ulp};
+use Interval as I;
+
+fn truth(condition: bool) -> f64 {
+    if condition { 1.0 } else { 0.0 }
+}
+
+/// A condition over intervals: surely false, surely true, or either.
+fn either(surely: bool, never: bool) -> Interval {
+    if surely {
+        I::ONE
+    } else if never {
+        I::ZERO
+    } else {
+        I { lo: 0.0, hi: 1.0 }
+    }
+}
+
+/// Largest argument for which an exponential stays finite in 32 bits.
+const EXP_LIMIT: f64 = 88.0;
+
+kernel! {
+    Add "add" 2 false Number false 6 Rounded, "{0} + {1}",
+        |[a, b, ..]| a + b, |[a, b, ..]| a.add(b), "`a + b`";
+    Sub "sub" 2 false Number false 6 Rounded, "{0} - {1}",
+        |[a, b, ..]| a - b, |[a, b, ..]| a.sub(b), "`a - b`";
+    Mul "mul" 2 false Number false 7 Rounded, "{0} * {1}",
+        |[a, b, ..]| a * b, |[a, b, ..]| a.mul(b), "`a * b`";
+    Square "square" 1 false Number false 9 Rounded, "sf_square({0})",
+        |[a, ..]| a * a, |[a, ..]| a.square(), "`a * a`";
+    Div "div" 2 false Number false 9 Ulp(2.5), "sf_div({0}, {1})",
+        |[a, b, ..]| if b == 0.0 { 0.0 } else { a / b }, |[a, b, ..]| a.div(b), "`a / b`, and 0 where `b` is 0";
+    Neg "neg" 1 false Number false 8 Rounded, "-{0}",
+        |[a, ..]| -a, |[a, ..]| a.neg(), "`-a`";
+    Min "min" 2 true Number false 9 Rounded, "min({0}, {1})",
+        |[a, b, ..]| a.min(b), |[a, b, ..]| a.min(b), "The smaller of two numbers.";
+    Max "max" 2 true Number false 9 Rounded, "max({0}, {1})",
+        |[a, b, ..]| a.max(b), |[a, b, ..]| a.max(b), "The larger of two numbers.";
+    Abs "abs" 1 true Number false 9 Rounded, "abs({0})",
+        |[a, ..]| a.abs(), |[a, ..]| a.abs(), "The number without its sign.";
+    Sign "sign" 1 true Number true 9 Rounded, "sign({0})",
+        |[a, ..]| if a > 0.0 { 1.0 } else if a < 0.0 { -1.0 } else { 0.0 },
+        |[a, ..]| a.steps(|a| if a > 0.0 { 1.0 } else if a < 0.0 { -1.0 } else { 0.0 }),
+        "1 above zero, -1 below, 0 at zero.";
+    Floor "floor" 1 true Number true 9 Rounded, "floor({0})",
+        |[a, ..]| a.floor(), |[a, ..]| a.steps(f64::floor), "The whole number at or below.";
+    Ceil "ceil" 1 true Number true 9 Rounded, "ceil({0})",
+        |[a, ..]| a.ceil(), |[a, ..]| a.steps(f64::ceil), "The whole number at or above.";
+    Trunc "trunc" 1 true Number true 9 Rounded, "trunc({0})",
+        |[a, ..]| a.trunc(), |[a, ..]| a.steps(f64::trunc), "The whole number toward zero.";
+    Round "round" 1 true Number true 9 Rounded, "round({0})",
+        |[a, ..]| a.round_ties_even(), |[a, ..]| a.steps(f64::round_ties_even), "The nearest whole number, halves to the even one.";
+    Sqrt "sqrt" 1 true Number false 9 Inherited, "sqrt(max({0}, 0.0))",
+        |[a, ..]| a.max(0.0).sqrt(), |[a, ..]| a.sqrt(), "The square root, and 0 below zero.";
+    Exp "exp" 1 true Number false 9 Ulp(64.0), "exp(min({0}, 88.0))",
+        |[a, ..]| a.min(EXP_LIMIT).exp(),
+        |[a, ..]| a.monotone(|a| a.min(EXP_LIMIT).exp()).max(I::ZERO), "e to the power `a` (which counts as at most 88).";
+    Log "log" 1 true Number false 9 Absolute(1e-6), "log(max({0}, 1e-37))",
+        |[a, ..]| a.max(1e-37).ln(), |[a, ..]| a.monotone(|a| a.max(1e-37).ln()), "The natural logarithm, of at least 1e-37.";
+    Pow "pow" 2 true Number false 9 Ulp(128.0), "pow(max({0}, 0.0), {1})",
+        |[a, b, ..]| power(a, b), |[a, b, ..]| power_interval(a, b),
+        "`a` to the power `b`; below zero `a` counts as zero, unless `b` is a constant whole number.";
+    Sin "sin" 1 true Number false 9 Absolute(4.8828125e-4), "sin({0})",
+        |[a, ..]| a.sin(), |[a, ..]| a.sin(), "The sine.";
+    Cos "cos" 1 true Number false 9 Absolute(4.8828125e-4), "cos({0})",
+        |[a, ..]| a.cos(), |[a, ..]| a.cos(), "The cosine.";
+    Asin "asin" 1 true Number false 9 Absolute(5e-4), "asin(clamp({0}, -1.0, 1.0))",
+        |[a, ..]| a.clamp(-1.0, 1.0).asin(), |[a, ..]| a.monotone(|a| a.clamp(-1.0, 1.0).asin()), "The angle whose sine it is.";
+    Acos "acos" 1 true Number false 9 Absolute(5e-4), "acos(clamp({0}, -1.0, 1.0))",
+        |[a, ..]| a.clamp(-1.0, 1.0).acos(), |[a, ..]| a.neg().monotone(|a| (-a).clamp(-1.0, 1.0).acos()), "The angle whose cosine it is.";
+    Atan "atan_of" 1 false Number false 9 Ulp(4096.0), "atan({0})",
+        |[a, ..]| a.atan(), |[a, ..]| a.monotone(f64::atan), "The angle whose tangent it is.";
+    Atan2 "atan2" 2 true Number true 9 Ulp(4096.0), "sf_atan2({0}, {1})",
+        |[a, b, ..]| if a == 0.0 && b == 0.0 { 0.0 } else { a.atan2(b) }, |[a, b, ..]| atan2_interval(a, b),
+        "The angle of the point (`b`, `a`), from -pi to pi; 0 at the origin.";
+    Tanh "tanh" 1 true Number false 9 Ulp(64.0), "tanh(clamp({0}, -10.0, 10.0))",
+        |[a, ..]| a.clamp(-10.0, 10.0).tanh(), |[a, ..]| a.monotone(|a| a.clamp(-10.0, 10.0).tanh()), "The hyperbolic tangent.";
+    Length2 "length2" 2 false Number false 9 Inherited, "length(vec2f({0}, {1}))",
+        |[a, b, ..]| a.hypot(b), |[a, b, ..]| a.square().add(b.square()).sqrt(), "The length of (`a`, `b`).";
+    Length3 "length3" 3 false Number false 9 Inherited, "length(vec3f({0}, {1}, {2}))",
+        |[a, b, c, ..]| (a * a + b * b + c * c).sqrt(),
+        |[a, b, c, ..]| a.square().add(b.square()).add(c.square()).sqrt(), "The length of (`a`, `b`, `c`).";
+    Length4 "length4" 4 false Number false 9 Inherited, "length(vec4f({0}, {1}, {2}, {3}))",
+        |[a, b, c, d]| (a * a + b * b + c * c + d * d).sqrt(),
+        |[a, b, c, d]| a.square().add(b.square()).add(c.square()).add(d.square()).sqrt(), "The length of (`a`, `b`, `c`, `d`).";
+    TurnU "turn_u" 3 false Number false 9 Inherited, "sf_turn_u({0}, {1}, {2})",
+        |[u, v, t, _]| u * t.cos() - v * t.sin(), |[u, v, t, _]| turn_interval(u, v, t),
+        "First coordinate of (`u`, `v`) turned by the angle `t`: `u cos t - v sin t`.";
+    TurnV "turn_v" 3 false Number false 9 Inherited, "sf_turn_v({0}, {1}, {2})",
+        |[u, v, t, _]| u * t.sin() + v * t.cos(),
+        |[u, v, t, _]| turn_interval(u, v, t.sub(I::point(std::f64::consts::FRAC_PI_2))),
+        "Second coordinate of (`u`, `v`) turned by the angle `t`: `u sin t + v cos t`.";
+    Select "select" 3 false Number false 9 Rounded, "select({2}, {1}, {0})",
+        |[c, a, b, _]| if c != 0.0 { a } else { b },
+        |[c, a, b, _]| if c == I::ONE { a } else if c == I::ZERO { b } else { a.hull(b) }, "`if c { a } else { b }`";
+    Lt "lt" 2 false Condition true 4 Rounded, "{0} < {1}",
+        |[a, b, ..]| truth(a < b), |[a, b, ..]| either(a.hi < b.lo, a.lo >= b.hi), "`a < b`";
+    Le "le" 2 false Condition true 4 Rounded, "{0} <= {1}",
+        |[a, b, ..]| truth(a <= b), |[a, b, ..]| either(a.hi <= b.lo, a.lo > b.hi), "`a <= b`";
+    Eq "eq" 2 false Condition true 4 Rounded, "{0} == {1}",
+        |[a, b, ..]| truth(a == b), |[a, b, ..]| either(a.is_point() && a == b, a.hi < b.lo || a.lo > b.hi), "`a == b`";
+    And "and" 2 false Condition false 2 Rounded, "{0} && {1}",
+        |[a, b, ..]| truth(a != 0.0 && b != 0.0), |[a, b, ..]| a.min(b), "`a && b`";
+    Or "or" 2 false Condition false 1 Rounded, "{0} || {1}",
+        |[a, b, ..]| truth(a != 0.0 || b != 0.0), |[a, b, ..]| a.max(b), "`a || b`";
+    Not "not" 1 false Condition false 8 Rounded, "!{0}",
+        |[a, ..]| truth(a == 0.0), |[a, ..]| I::ONE.sub(a).max(I::ZERO).min(I::ONE).steps(f64::round), "`!a`";
+    Hash "hash_of" 4 false Number true 9 Rounded, "sf_hash({0}, {1}, {2}, {3})",
+        |[a, b, c, d]| hash(a, b, c, d), |[a, b, c, d]| hash_interval(a, b, c, d),
+        "A number in 0..1 made of four whole numbers, the same on every machine.";
+}
+
+/// `a` to the power `b`, where `a` counts as at least zero and the result as at most 1e30.
+fn power(a: f64, b: f64) -> f64 {
+    let a = a.max(0.0);
+    if a == 0.0 { truth(b == 0.0) } else { a.powf(b).min(1e30) }
+}
+
+fn power_interval(a: Interval, b: Interval) -> Interval {
+    if a.is_empty() || b.is_empty() {
+        return I::EMPTY;
+    }
+    let a = a.max(I::ZERO);
+    let ends = [(a.lo, b.lo), (a.lo, b.hi), (a.hi, b.lo), (a.hi, b.hi)];
+    // Monotone in each argument on either side of a = 1 and b = 0, so the extremes lie at the ends and there.
+    let mut hull = ends.iter().fold(I::EMPTY, |h, &(x, y)| h.hull(I::point(power(x, y))));
+    if b.contains(0.0) || a.contains(1.0) {
+        hull = hull.hull(I::ONE);
+    }
+    if a.contains(0.0) {
+        hull = hull.hull(I::ZERO);
+        if b.lo < 0.0 {
+            hull = hull.hull(I::point(1e30));
+        }
+    }
+    hull.monotone(|x| x)
+}
+
+fn atan2_interval(y: Interval, x: Interval) -> Interval {
+    let pi = std::f64::consts::PI;
+    if y.is_empty() || x.is_empty() {
+        return I::EMPTY;
+    }
+    // The angle turns over from pi to -pi across the negative half of the x axis.
+    if x.lo <= 0.0 && y.contains(0.0) || !x.is_finite() || !y.is_finite() {
+        return I::new(-pi, pi);
+    }
+    let corners = [(y.lo, x.lo), (y.lo, x.hi), (y.hi, x.lo), (y.hi, x.hi)];
+    corners.iter().fold(I::EMPTY, |h, &(y, x)| h.hull(I::point(y.atan2(x)))).monotone(|a| a)
+}
+
+/// `u cos t - v sin t`: both as written, and within the length of (u, v).
+fn turn_interval(u: Interval, v: Interval, t: Interval) -> Interval {
+    let written = u.mul(t.cos()).sub(v.mul(t.sin()));
+    let reach = u.square().add(v.square()).sqrt().hi;
+    written.intersect(I::new(-reach, reach))
+}
+
+/// A number in 0..1 from four whole numbers: rounds of multiply and rotate on 32-bit words (PCG3D-like mixing,
+/// Jarzynski and Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020, § 4), then its upper 24 bits.
+pub fn hash(a: f64, b: f64, c: f64, d: f64) -> f64 {
+    let word = |x: f64| (x.round_ties_even().clamp(-2147483520.0, 2147483520.0) as i32) as u32;
+    let mix = |v: u32| v.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+    let (mut x, mut y, mut z, mut w) = (mix(word(a)), mix(word(b)), mix(word(c)), mix(word(d)));
+    for _ in 0..2 {
+        x = x.wrapping_add(y.wrapping_mul(w));
+        y = y.wrapping_add(z.wrapping_mul(x));
+        z = z.wrapping_add(x.wrapping_mul(y));
+        w = w.wrapping_add(y.wrapping_mul(z));
+        x ^= x >> 16;
+        y ^= y >> 16;
+        z ^= z >> 16;
+        w ^= w >> 16;
+    }
+    f64::from((x ^ w) >> 8) / 16_777_216.0
+}
+
+fn hash_interval(a: Interval, b: Interval, c: Interval, d: Interval) -> Interval {
+    let whole = |i: Interval| i.lo.round_ties_even() == i.hi.round_ties_even();
+    if whole(a) && whole(b) && whole(c) && whole(d) {
+        I::point(hash(a.lo, b.lo, c.lo, d.lo))
+    } else {
+        I { lo: 0.0, hi: 1.0 }
+    }
+}
+
+fn padded<T: Copy>(args: &[T], zero: T) -> [T; 4] {
+    let mut all = [zero; 4];
+    for (slot, value) in all.iter_mut().zip(args) {
+        *slot = *value;
+    }
+    all
+}
+
+/// The value of an operation.
+pub fn value(op: Op, args: &[f64]) -> f64 {
+    (op.row().value)(padded(args, 0.0))
+}
+
+/// All values of an operation over intervals.
+pub fn interval(op: Op, args: &[Interval]) -> Interval {
+    (op.row().interval)(padded(args, Interval::ZERO))
+}
+
+/// The partial derivatives of an operation by each of its arguments, in any algebra. `out` is the operation's own value. Of an
+/// operation that jumps: of its pieces. Of `min`, `max`, `abs` and `select`: of the branch taken.
+pub fn partials<A: Algebra>(
+    algebra: &mut A,
+    op: Op,
+    args: &[A::Value],
+    out: A::Value,
+) -> Vec<A::Value> {
+    let zero = algebra.constant(0.0);
+    let one = algebra.constant(1.0);
+    let arg = |i: usize| args.get(i).cloned().unwrap_or_else(|| zero.clone());
+    let (a, b, c) = (arg(0), arg(1), arg(2));
+    match op {
+        Op::Add => vec![one.clone(), one],
+        Op::Sub => {
+            let minus = algebra.constant(-1.0);
+            vec![one, minus]
+        }
+        Op::Mul => vec![b, a],
+        Op::Square => {
+            let twice = algebra.constant(2.0);
+            vec![algebra.op(Op::Mul, &[twice, a])]
+        }
+        Op::Div => {
+            let by_a = algebra.op(Op::Div, &[one, b.clone()]);
+            let slope = algebra.op(Op::Div, &[out, b]);
+            let by_b = algebra.op(Op::Neg, &[slope]);
+            vec![by_a, by_b]
+        }
+        Op::Neg => vec![algebra.constant(-1.0)],
+        Op::Min => {
+            let first = algebra.op(Op::Le, &[a, b]);
+            let by_a = algebra.op(Op::Select, &[first.clone(), one.clone(), zero.clone()]);
+            let by_b = algebra.op(Op::Select, &[first, zero, one]);
+            vec![by_a, by_b]
+        }
+        Op::Max => {
+            let first = algebra.op(Op::Lt, &[a, b]);
+            let by_a = algebra.op(Op::Select, &[first.clone(), zero.clone(), one.clone()]);
+            let by_b = algebra.op(Op::Select, &[first, one, zero]);
+            vec![by_a, by_b]
+        }
+        Op::Abs => {
+            let below = algebra.op(Op::Lt, &[a, zero]);
+            let minus = algebra.constant(-1.0);
+            vec![algebra.op(Op::Select, &[below, minus, one])]
+        }
+        Op::Sqrt => {
+            let twice = algebra.constant(2.0);
+            let below = algebra.op(Op::Mul, &[twice, out]);
+            vec![algebra.op(Op::Div, &[one, below])]
+        }
+        Op::Exp => vec![out],
+        Op::Log => vec![algebra.op(Op::Div, &[one, a])],
+        Op::Pow => {
+            let less = algebra.op(Op::Sub, &[b.clone(), one]);
+            let power = algebra.op(Op::Pow, &[a.clone(), less]);
+            let by_a = algebra.op(Op::Mul, &[b, power]);
+            let log = algebra.op(Op::Log, &[a]);
+            let by_b = algebra.op(Op::Mul, &[out, log]);
+            vec![by_a, by_b]
+        }
+        Op::Sin => vec![algebra.op(Op::Cos, &[a])],
+        Op::Cos => {
+            let sine = algebra.op(Op::Sin, &[a]);
+            vec![algebra.op(Op::Neg, &[sine])]
+        }
+        Op::Asin | Op::Acos => {
+            let square = algebra.op(Op::Square, &[a]);
+            let rest = algebra.op(Op::Sub, &[one.clone(), square]);
+            let root = algebra.op(Op::Sqrt, &[rest]);
+            let slope = algebra.op(Op::Div, &[one, root]);
+            vec![if op == Op::Asin { slope } else { algebra.op(Op::Neg, &[slope]) }]
+        }
+        Op::Atan => {
+            let square = algebra.op(Op::Square, &[a]);
+            let below = algebra.op(Op::Add, &[one.clone(), square]);
+            vec![algebra.op(Op::Div, &[one, below])]
+        }
+        Op::Atan2 => {
+            let aa = algebra.op(Op::Square, &[a.clone()]);
+            let bb = algebra.op(Op::Square, &[b.clone()]);
+            let square = algebra.op(Op::Add, &[aa, bb]);
+            let by_a = algebra.op(Op::Div, &[b, square.clone()]);
+            let slope = algebra.op(Op::Div, &[a, square]);
+            let by_b = algebra.op(Op::Neg, &[slope]);
+            vec![by_a, by_b]
+        }
+        Op::Tanh => {
+            let square = algebra.op(Op::Square, &[out]);
+            vec![algebra.op(Op::Sub, &[one, square])]
+        }
+        Op::Length2 | Op::Length3 | Op::Length4 => {
+            args.iter().map(|x| algebra.op(Op::Div, &[x.clone(), out.clone()])).collect()
+        }
+        Op::TurnU => {
+            let by_u = algebra.op(Op::Cos, std::slice::from_ref(&c));
+            let sine = algebra.op(Op::Sin, std::slice::from_ref(&c));
+            let by_v = algebra.op(Op::Neg, &[sine]);
+            let other = algebra.op(Op::TurnV, &[a, b, c]);
+            let by_t = algebra.op(Op::Neg, &[other]);
+            vec![by_u, by_v, by_t]
+        }
+        Op::TurnV => {
+            let by_u = algebra.op(Op::Sin, std::slice::from_ref(&c));
+            let by_v = algebra.op(Op::Cos, std::slice::from_ref(&c));
+            let by_t = algebra.op(Op::TurnU, &[a, b, c]);
+            vec![by_u, by_v, by_t]
+        }
+        Op::Select => {
+            let by_b = algebra.op(Op::Select, &[a.clone(), one.clone(), zero.clone()]);
+            let by_c = algebra.op(Op::Select, &[a, zero.clone(), one]);
+            vec![zero, by_b, by_c]
+        }
+        // Constant on each of their pieces.
+        Op::Sign | Op::Floor | Op::Ceil | Op::Trunc | Op::Round | Op::Lt | Op::Le | Op::Eq | Op::And
+        | Op::Or | Op::Not | Op::Hash => vec![zero; args.len()],
+    }
+}
+
+/// A simpler node of the same value (the rounding of a constant apart), or none.
+pub fn simplify(graph: &mut Graph, op: Op, args: &[NodeId]) -> Option<NodeId> {
+    let constants: Option<Vec<f64>> = args.iter().map(|&a| graph.as_constant(a)).collect();
+    if let Some(constants) = constants {
+        let folded = value(op, &constants);
+        return Some(graph.constant(folded));
+    }
+    let a = *args.first()?;
+    let b = args.get(1).copied().unwrap_or(a);
+    let (ca, cb) = (graph.as_constant(a), graph.as_constant(b));
+    let is = |c: Option<f64>, v: f64| c == Some(v);
+    match op {
+        Op::Add if is(ca, 0.0) => Some(b),
+        Op::Add | Op::Sub if is(cb, 0.0) => Some(a),
+        Op::Add => negated(graph, b).map(|n| graph.op(Op::Sub, &[a, n])),
+        Op::Sub if is(ca, 0.0) => Some(graph.op(Op::Neg, &[b])),
+        Op::Sub if a == b => Some(graph.constant(0.0)),
+        Op::Sub => negated(graph, b).map(|n| graph.op(Op::Add, &[a, n])),
+        Op::Mul if is(ca, 0.0) || is(cb, 0.0) => Some(graph.constant(0.0)),
+        // The square of one interval is not the product of two.
+        Op::Mul if a == b => Some(graph.op(Op::Square, &[a])),
+        Op::Mul if is(ca, 1.0) => Some(b),
+        Op::Mul if is(cb, 1.0) => Some(a),
+        Op::Mul if is(ca, -1.0) => Some(graph.op(Op::Neg, &[b])),
+        Op::Mul if is(cb, -1.0) => Some(graph.op(Op::Neg, &[a])),
+        Op::Div if is(cb, 1.0) => Some(a),
+        Op::Div if is(ca, 0.0) => Some(graph.constant(0.0)),
+        Op::Div => {
+            // Dividing by a power of two is multiplying, exactly.
+            let c = cb.filter(|c| c.is_normal() && c.to_bits().trailing_zeros() >= 52)?;
+            let inverse = graph.constant(1.0 / c);
+            Some(graph.op(Op::Mul, &[a, inverse]))
+        }
+        Op::Neg => match graph.node(a).clone() {
+            Node::Op(Op::Neg, inner) => inner.first().copied(),
+            Node::Op(Op::Sub, inner) => {
+                let (x, y) = (*inner.first()?, *inner.get(1)?);
+                Some(graph.op(Op::Sub, &[y, x]))
+            }
+            _ => None,
+        },
+        Op::Min if a == b => Some(a),
+        Op::Min if is(ca, FAR) => Some(b),
+        Op::Min if is(cb, FAR) => Some(a),
+        Op::Max if a == b => Some(a),
+        Op::Max if is(ca, -FAR) => Some(b),
+        Op::Max if is(cb, -FAR) => Some(a),
+        Op::Max if is(ca, FAR) || is(cb, FAR) => Some(graph.constant(FAR)),
+        Op::Min if is(ca, -FAR) || is(cb, -FAR) => Some(graph.constant(-FAR)),
+        Op::Abs => match graph.node(a).clone() {
+            Node::Op(Op::Neg, inner) => {
+                let x = *inner.first()?;
+                Some(graph.op(Op::Abs, &[x]))
+            }
+            Node::Op(Op::Abs | Op::Sqrt | Op::Square | Op::Length2 | Op::Length3 | Op::Length4, _) => Some(a),
+            _ => None,
+        },
+        Op::Pow if is(cb, 0.0) => Some(graph.constant(1.0)),
+        Op::Pow => {
+            // A constant whole exponent multiplies, and so takes negative numbers too.
+            let n = cb.filter(|n| n.fract() == 0.0 && n.abs() <= 16.0)?;
+            let mut result = graph.constant(1.0);
+            let (mut square, mut left) = (a, n.abs() as u32);
+            while left > 0 {
+                if left & 1 == 1 {
+                    result = graph.op(Op::Mul, &[result, square]);
+                }
+                left >>= 1;
+                if left > 0 {
+                    square = graph.op(Op::Mul, &[square, square]);
+                }
+            }
+            if n < 0.0 {
+                let one = graph.constant(1.0);
+                result = graph.op(Op::Div, &[one, result]);
+            }
+            Some(result)
+        }
+        Op::Sqrt => match graph.node(a).clone() {
+            // sqrt(x²) is |x|, whatever the sign.
+            Node::Op(Op::Square, inner) => {
+                let x = *inner.first()?;
+                Some(graph.op(Op::Abs, &[x]))
+            }
+            _ => None,
+        },
+        Op::Length2 | Op::Length3 | Op::Length4 => {
+            // A component that is always zero does not count.
+            let rest: Vec<NodeId> =
+                args.iter().copied().filter(|&x| graph.as_constant(x) != Some(0.0)).collect();
+            if rest.len() == args.len() {
+                return None;
+            }
+            Some(match *rest {
+                [] => graph.constant(0.0),
+                [x] => graph.op(Op::Abs, &[x]),
+                [_, _] => graph.op(Op::Length2, &rest),
+                _ => graph.op(Op::Length3, &rest),
+            })
+        }
+        Op::TurnU if is(graph.as_constant(*args.get(2)?), 0.0) => Some(a),
+        Op::TurnV if is(graph.as_constant(*args.get(2)?), 0.0) => Some(b),
+        Op::Select => {
+            let c = *args.get(2)?;
+            if b == c {
+                return Some(b);
+            }
+            ca.map(|condition| if condition != 0.0 { b } else { c })
+        }
+        Op::And if is(ca, 1.0) => Some(b),
+        Op::And if is(cb, 1.0) => Some(a),
+        Op::And if is(ca, 0.0) || is(cb, 0.0) => Some(graph.constant(0.0)),
+        Op::Or if is(ca, 0.0) => Some(b),
+        Op::Or if is(cb, 0.0) => Some(a),
+        Op::Or if is(ca, 1.0) || is(cb, 1.0) => Some(graph.constant(1.0)),
+        Op::Not => match graph.node(a).clone() {
+            Node::Op(Op::Not, inner) => inner.first().copied(),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+fn negated(graph: &Graph, id: NodeId) -> Option<NodeId> {
+    match graph.node(id) {
+        Node::Op(Op::Neg, inner) => inner.first().copied(),
+        _ => None,
+    }
+}
+
+/// Whether a node is a number or a condition.
+pub fn kind(graph: &Graph, id: NodeId) -> Kind {
+    match graph.node(id) {
+        Node::Op(op, _) => op.row().result,
+        _ => Kind::Number,
+    }
+}
+
+impl Claim {
+    /// The name of the claim in printed graphs.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Claim::Lipschitz(_) => "lipschitz",
+            Claim::Continuous => "continuous",
+        }
+    }
+}

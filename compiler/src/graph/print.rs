@@ -1,0 +1,1 @@
+//! The graph as text, for people and tests.
