@@ -165,6 +165,10 @@ pub enum UniformSource {
     Time,
     /// So many components from this index of [`Graph::parameters`] on.
     Parameter(u32),
+    /// How far occlusion reaches.
+    OcclusionReach,
+    /// How strong occlusion is, 0 to 1.
+    OcclusionStrength,
     /// The multiple of a factor: an index into [`Graph::factors`]; the value is one over its Lipschitz factor, rounded down.
     Factor(u32),
 }
@@ -382,12 +386,15 @@ impl Compiled {
     /// The uniform block's bytes. `origin` is the scene's point at which the module's `p` is zero.
     pub fn uniform_bytes(&self, live: &Live, origin: [f64; 3]) -> Vec<u8> {
         let mut bytes = vec![0; self.module.uniform_size as usize];
+        let occlusion = self.frame(live).ambient_occlusion;
         for uniform in &self.module.uniforms {
             for i in 0..uniform.components {
                 let value = match uniform.source {
                     UniformSource::Origin => origin.get(i as usize).copied().unwrap_or(0.0) as f32,
                     UniformSource::Time => live.time as f32,
                     UniformSource::Parameter(first) => self.component(live, first + i) as f32,
+                    UniformSource::OcclusionReach => occlusion.0 as f32,
+                    UniformSource::OcclusionStrength => occlusion.1 as f32,
                     UniformSource::Factor(f) => self.multiple(f),
                 };
                 let at = (uniform.offset + 4 * i) as usize;

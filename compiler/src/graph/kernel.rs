@@ -548,7 +548,7 @@ impl Claim {
     /// The name of the claim in printed graphs.
     pub fn name(&self) -> &'static str {
         match self {
-            Claim::Lipschitz(_) => "lipschitz",
+            Claim::Lipschitz(..) => "lipschitz",
             Claim::Continuous => "continuous",
         }
     }

@@ -87,10 +87,19 @@ pub enum Node {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Claim {
     /// Its Lipschitz constant is at most the value of this formula, in which `Variable(i)` stands for
-    /// the constant of the claim's node `i + 1`. From the prelude.
-    Lipschitz(NodeId),
+    /// the constant of the `i`-th group of the claim's other nodes. From the prelude.
+    Lipschitz(NodeId, Arc<[ClaimGroup]>),
     /// The jumps inside (of a cell's index) cancel: the value is continuous.
     Continuous,
+}
+
+/// So many nodes of a claim that stand for one argument.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ClaimGroup {
+    /// Components of a vector (or one number): the constant is that of the vector.
+    Vector(u8),
+    /// Values of a shape at several points: the constant is the largest.
+    Values(u32),
 }
 
 /// A parameter's component that a formula can read.
