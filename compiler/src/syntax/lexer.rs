@@ -1,0 +1,634 @@
+//! Text to tokens. Every byte of the text belongs to a token or is white space; what can't be read is a token too, with a
+//! diagnostic.
+
+use super::ast::AngleUnit;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::source::{FileId, Span};
+use logos::Logos;
+
+/// What a token is. Keywords are names: the parser decides by their place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TokenKind {
+    /// A name or keyword.
+    Name,
+    /// `6`
+    Int,
+    /// `0.5`, `1e-3`
+    Float,
+    /// `45deg`
+    Angle,
+    /// `#rrggbb`, `#rgb`
+    Color,
+    /// `"text"`
+    Str,
+    /// A number, string or colour that a diagnostic speaks of.
+    BadLiteral,
+    /// Characters that the language does not use; a diagnostic speaks of them.
+    BadCharacter,
+    /// `// …`
+    LineComment,
+    /// `/* … */`
+    BlockComment,
+    /// `/// …`
+    Doc,
+    /// `//! …`
+    FileDoc,
+    /// `(`
+    ParenOpen,
+    /// `)`
+    ParenClose,
+    /// `[`
+    BracketOpen,
+    /// `]`
+    BracketClose,
+    /// `{`
+    BraceOpen,
+    /// `}`
+    BraceClose,
+    /// `,`
+    Comma,
+    /// `;`
+    Semicolon,
+    /// `:`
+    Colon,
+    /// `.`
+    Dot,
+    /// `..`
+    DotDot,
+    /// `=`
+    Equals,
+    /// `+`
+    Plus,
+    /// `-`
+    Minus,
+    /// `*`
+    Star,
+    /// `/`
+    Slash,
+    /// `%`
+    Percent,
+    /// `&`
+    And,
+    /// `&&`
+    AndAnd,
+    /// `|`
+    Or,
+    /// `||`
+    OrOr,
+    /// `!`
+    Not,
+    /// `==`
+    EqualsEquals,
+    /// `!=`
+    NotEquals,
+    /// `<`
+    Less,
+    /// `<=`
+    LessEquals,
+    /// `>`
+    Greater,
+    /// `>=`
+    GreaterEquals,
+    /// After the last token.
+    End,
+}
+
+/// A token and its bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Token {
+    /// What it is.
+    pub kind: TokenKind,
+    /// First byte.
+    pub start: u32,
+    /// One past the last byte.
+    pub end: u32,
+}
+
+impl Token {
+    /// Its characters in the text that it was read from.
+    pub fn text(self, text: &str) -> &str {
+        text.get(self.start as usize..self.end as usize).unwrap_or("")
+    }
+
+    /// Its place in a file.
+    pub fn span(self, file: FileId) -> Span {
+        Span { file, start: self.start, end: self.end }
+    }
+}
+
+#[derive(Logos, Clone, Copy, Debug, PartialEq, Eq)]
+#[logos(skip r"[ \t\r\n\x0c\u{feff}]+")]
+enum Raw {
+    #[regex(r"[A-Za-z_][A-Za-z0-9_]*")]
+    Name,
+    #[regex(r"[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?[A-Za-z0-9_]*")]
+    Number,
+    #[regex(r"\.[0-9]+([eE][+-]?[0-9]+)?[A-Za-z0-9_]*")]
+    DotNumber,
+    #[regex(r"#[A-Za-z0-9_]*")]
+    Color,
+    #[token("\"", |lexer| to_quote(lexer))]
+    Str,
+    #[regex(r"//[^\n]*", allow_greedy = true)]
+    LineComment,
+    #[token("/*", |lexer| to_comment_end(lexer))]
+    BlockComment,
+    #[token("(")]
+    ParenOpen,
+    #[token(")")]
+    ParenClose,
+    #[token("[")]
+    BracketOpen,
+    #[token("]")]
+    BracketClose,
+    #[token("{")]
+    BraceOpen,
+    #[token("}")]
+    BraceClose,
+    #[token(",")]
+    Comma,
+    #[token(";")]
+    Semicolon,
+    #[token(":")]
+    Colon,
+    #[token(".")]
+    Dot,
+    #[token("..")]
+    DotDot,
+    #[token("=")]
+    Equals,
+    #[token("+")]
+    Plus,
+    #[token("-")]
+    Minus,
+    #[token("*")]
+    Star,
+    #[token("/")]
+    Slash,
+    #[token("%")]
+    Percent,
+    #[token("&")]
+    And,
+    #[token("&&")]
+    AndAnd,
+    #[token("|")]
+    Or,
+    #[token("||")]
+    OrOr,
+    #[token("!")]
+    Not,
+    #[token("==")]
+    EqualsEquals,
+    #[token("!=")]
+    NotEquals,
+    #[token("<")]
+    Less,
+    #[token("<=")]
+    LessEquals,
+    #[token(">")]
+    Greater,
+    #[token(">=")]
+    GreaterEquals,
+}
+
+/// Goes to the closing quote, or to the end of the line where there is none.
+fn to_quote(lexer: &mut logos::Lexer<Raw>) {
+    let rest = lexer.remainder();
+    let mut escaped = false;
+    let mut length = rest.len();
+    for (i, c) in rest.char_indices() {
+        match c {
+            '\n' | '\r' => {
+                length = i;
+                break;
+            }
+            _ if escaped => escaped = false,
+            '\\' => escaped = true,
+            '"' => {
+                length = i + 1;
+                break;
+            }
+            _ => {}
+        }
+    }
+    lexer.bump(length);
+}
+
+/// Goes past the `*/` that ends this comment, or to the end of the text. Comments nest.
+fn to_comment_end(lexer: &mut logos::Lexer<Raw>) {
+    let rest = lexer.remainder().as_bytes();
+    let mut depth = 1usize;
+    let mut i = 0;
+    while depth > 0 {
+        match (rest.get(i), rest.get(i + 1)) {
+            (None, _) => break,
+            (Some(b'/'), Some(b'*')) => {
+                depth += 1;
+                i += 2;
+            }
+            (Some(b'*'), Some(b'/')) => {
+                depth -= 1;
+                i += 2;
+            }
+            _ => i += 1,
+        }
+    }
+    lexer.bump(i);
+}
+
+/// All tokens of a text, comments too, in order and without [`TokenKind::End`].
+pub fn lex(file: FileId, text: &str) -> (Vec<Token>, Vec<Diagnostic>) {
+    let mut reader = Reader { file, text, tokens: Vec::new(), diagnostics: Vec::new() };
+    let mut lexer = Raw::lexer(text);
+    while let Some(raw) = lexer.next() {
+        let mut range = lexer.span();
+        if raw == Ok(Raw::Number) && ends_in_bare_point(lexer.remainder()) {
+            lexer.bump(1);
+            range.end += 1;
+        }
+        reader.token(raw, range.start, range.end);
+    }
+    (reader.tokens, reader.diagnostics)
+}
+
+/// After a number: a point that starts neither a range nor a name (`1.` and not `1..2` or `1.max(2)`).
+fn ends_in_bare_point(rest: &str) -> bool {
+    let mut chars = rest.chars();
+    chars.next() == Some('.')
+        && !chars.next().is_some_and(|c| c == '.' || c == '_' || c.is_ascii_alphabetic())
+}
+
+struct Reader<'t> {
+    file: FileId,
+    text: &'t str,
+    tokens: Vec<Token>,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Reader<'_> {
+    fn token(&mut self, raw: Result<Raw, ()>, start: usize, end: usize) {
+        let text = self.text.get(start..end).unwrap_or("");
+        let kind = match raw {
+            Err(()) => {
+                self.character(text, start, end);
+                return;
+            }
+            Ok(Raw::Number) => self.number(text, start, end),
+            Ok(Raw::DotNumber) => self.dot_number(text, start, end),
+            Ok(Raw::Color) => self.color(text, start, end),
+            Ok(Raw::Str) => self.string(text, start, end),
+            Ok(Raw::LineComment) => comment_kind(text),
+            Ok(Raw::BlockComment) => {
+                if text.len() < 4 || !text.ends_with("*/") || !is_closed(text) {
+                    let opening = Span::new(self.file, start, start + 2);
+                    self.say(
+                        Code::CommentForm,
+                        opening,
+                        "this comment does not end",
+                        "write `*/` where it ends; comments nest, so each `/*` needs its own",
+                    );
+                }
+                TokenKind::BlockComment
+            }
+            Ok(raw) => plain_kind(raw),
+        };
+        self.push(kind, start, end);
+    }
+
+    fn push(&mut self, kind: TokenKind, start: usize, end: usize) {
+        self.tokens.push(Token { kind, start: start as u32, end: end as u32 });
+    }
+
+    fn say(&mut self, code: Code, span: Span, message: impl Into<String>, help: impl Into<String>) {
+        self.diagnostics.push(Diagnostic::new(code, span, message, help));
+    }
+
+    fn character(&mut self, text: &str, start: usize, end: usize) {
+        if let Some(last) = self.tokens.last_mut()
+            && last.kind == TokenKind::BadCharacter
+            && last.end as usize == start
+        {
+            last.end = end as u32;
+            if let Some(diagnostic) = self.diagnostics.last_mut() {
+                diagnostic.span.end = end as u32;
+                diagnostic.message = "the language does not use these characters".into();
+            }
+            return;
+        }
+        let help = match text.chars().next() {
+            Some('^') => {
+                "a power is written `pow(a, b)`, exclusive or of shapes `xor(a, b)`".into()
+            }
+            Some('?') => "a choice is written `if condition { a } else { b }`".into(),
+            Some('\'' | '`' | '“' | '”' | '„' | '‘' | '’' | '«' | '»') => {
+                "text stands between straight double quotes: \"text\"".into()
+            }
+            Some('~') => {
+                "the complement of a shape, and the opposite of a condition, is written `!a`".into()
+            }
+            Some('×' | '·' | '∙') => "multiplication is written `*`".into(),
+            Some('÷') => "division is written `/`".into(),
+            Some('−' | '–' | '—') => "the minus sign is written `-`".into(),
+            Some('°') => "degrees are written `45deg`".into(),
+            Some('≤') => "write `<=`".into(),
+            Some('≥') => "write `>=`".into(),
+            Some('≠') => "write `!=`".into(),
+            Some('∪') => "a union is written `a | b`".into(),
+            Some('∩') => "an intersection is written `a & b`".into(),
+            Some('\\') => {
+                "lines need nothing at their end, and a difference is written `a - b`".into()
+            }
+            Some(c) if c.is_alphabetic() => {
+                "names are made of the letters a to z, digits and `_`".into()
+            }
+            Some(c) if c.is_whitespace() || c.is_control() => {
+                "put a space in its place".to_string()
+            }
+            _ => "take it out".into(),
+        };
+        let message = match text.chars().next() {
+            Some(c) if c.is_whitespace() || c.is_control() => {
+                format!("the language does not use the character U+{:04X}", u32::from(c))
+            }
+            _ => format!("the language does not use the character `{text}`"),
+        };
+        self.say(Code::Character, Span::new(self.file, start, end), message, help);
+        self.push(TokenKind::BadCharacter, start, end);
+    }
+
+    fn number(&mut self, text: &str, start: usize, end: usize) -> TokenKind {
+        match read_number(text) {
+            Ok(Number::Int(_)) => TokenKind::Int,
+            Ok(Number::Float(_)) => TokenKind::Float,
+            Ok(Number::Angle(..)) => TokenKind::Angle,
+            Err((message, help)) => {
+                self.say(Code::NumberForm, Span::new(self.file, start, end), message, help);
+                TokenKind::BadLiteral
+            }
+        }
+    }
+
+    fn dot_number(&mut self, text: &str, start: usize, end: usize) -> TokenKind {
+        let glued = self.tokens.last().is_some_and(|t| t.end as usize == start);
+        let (message, help) = match self.tokens.last() {
+            Some(Token { kind: TokenKind::Name | TokenKind::ParenClose, .. }) if glued => (
+                format!("`{text}` is no component"),
+                "the components of a vector are .x, .y, .z and .w, the items of a list list[0], list[1]".to_string(),
+            ),
+            Some(Token { kind: TokenKind::Float, .. }) if glued => {
+                ("a number has one point only".to_string(), "take the second point out".to_string())
+            }
+            _ => (
+                "a number needs a digit before its point".to_string(),
+                format!("write `0{text}`"),
+            ),
+        };
+        self.say(Code::NumberForm, Span::new(self.file, start, end), message, help);
+        TokenKind::BadLiteral
+    }
+
+    fn color(&mut self, text: &str, start: usize, end: usize) -> TokenKind {
+        if read_color(text).is_some() {
+            return TokenKind::Color;
+        }
+        let digits = text.len().saturating_sub(1);
+        let hexadecimal = text.chars().skip(1).all(|c| c.is_ascii_hexdigit());
+        let (message, help) = match digits {
+            _ if !hexadecimal => (
+                format!("`{text}` is not a colour: its digits go from 0 to 9 and from a to f"),
+                "write # and three or six hexadecimal digits, as in `#d4af37`".to_string(),
+            ),
+            4 | 8 => (
+                format!("`{text}` has digits for transparency, which there is none of"),
+                format!("write `{}`", text.get(..digits - digits / 4 + 1).unwrap_or("#d4af37")),
+            ),
+            _ => (
+                format!("`{text}` is not a colour: it has {digits} digits"),
+                "write # and three or six hexadecimal digits, as in `#d4af37`".to_string(),
+            ),
+        };
+        self.say(Code::ColorForm, Span::new(self.file, start, end), message, help);
+        TokenKind::BadLiteral
+    }
+
+    fn string(&mut self, text: &str, start: usize, end: usize) -> TokenKind {
+        match read_string(text) {
+            Ok(_) => TokenKind::Str,
+            Err(StringError::Open) => {
+                self.say(
+                    Code::StringForm,
+                    Span::new(self.file, start, end),
+                    "this text does not end on its line",
+                    "write `\"` where it ends; a quote within is written `\\\"`",
+                );
+                TokenKind::BadLiteral
+            }
+            Err(StringError::Escape(at, length)) => {
+                self.say(
+                    Code::StringForm,
+                    Span::new(self.file, start + at, start + at + length),
+                    format!(
+                        "`{}` means nothing in a text",
+                        text.get(at..at + length).unwrap_or("\\")
+                    ),
+                    "known are \\\", \\\\, \\n and \\t; in a path write `/`",
+                );
+                TokenKind::BadLiteral
+            }
+        }
+    }
+}
+
+fn is_closed(comment: &str) -> bool {
+    let bytes = comment.as_bytes();
+    let (mut depth, mut i) = (0usize, 0);
+    while i < bytes.len() {
+        match (bytes.get(i), bytes.get(i + 1)) {
+            (Some(b'/'), Some(b'*')) => {
+                depth += 1;
+                i += 2;
+            }
+            (Some(b'*'), Some(b'/')) => {
+                depth = depth.saturating_sub(1);
+                i += 2;
+            }
+            _ => i += 1,
+        }
+    }
+    depth == 0
+}
+
+/// A row of slashes is a plain comment, so that a line of them documents nothing.
+fn comment_kind(text: &str) -> TokenKind {
+    if text.starts_with("///") && !text.starts_with("////") {
+        TokenKind::Doc
+    } else if text.starts_with("//!") {
+        TokenKind::FileDoc
+    } else {
+        TokenKind::LineComment
+    }
+}
+
+fn plain_kind(raw: Raw) -> TokenKind {
+    match raw {
+        Raw::Name => TokenKind::Name,
+        Raw::Number | Raw::DotNumber | Raw::Color | Raw::Str => TokenKind::BadLiteral,
+        Raw::LineComment => TokenKind::LineComment,
+        Raw::BlockComment => TokenKind::BlockComment,
+        Raw::ParenOpen => TokenKind::ParenOpen,
+        Raw::ParenClose => TokenKind::ParenClose,
+        Raw::BracketOpen => TokenKind::BracketOpen,
+        Raw::BracketClose => TokenKind::BracketClose,
+        Raw::BraceOpen => TokenKind::BraceOpen,
+        Raw::BraceClose => TokenKind::BraceClose,
+        Raw::Comma => TokenKind::Comma,
+        Raw::Semicolon => TokenKind::Semicolon,
+        Raw::Colon => TokenKind::Colon,
+        Raw::Dot => TokenKind::Dot,
+        Raw::DotDot => TokenKind::DotDot,
+        Raw::Equals => TokenKind::Equals,
+        Raw::Plus => TokenKind::Plus,
+        Raw::Minus => TokenKind::Minus,
+        Raw::Star => TokenKind::Star,
+        Raw::Slash => TokenKind::Slash,
+        Raw::Percent => TokenKind::Percent,
+        Raw::And => TokenKind::And,
+        Raw::AndAnd => TokenKind::AndAnd,
+        Raw::Or => TokenKind::Or,
+        Raw::OrOr => TokenKind::OrOr,
+        Raw::Not => TokenKind::Not,
+        Raw::EqualsEquals => TokenKind::EqualsEquals,
+        Raw::NotEquals => TokenKind::NotEquals,
+        Raw::Less => TokenKind::Less,
+        Raw::LessEquals => TokenKind::LessEquals,
+        Raw::Greater => TokenKind::Greater,
+        Raw::GreaterEquals => TokenKind::GreaterEquals,
+    }
+}
+
+/// A number as it is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Number {
+    /// Without point, exponent and unit.
+    Int(i64),
+    /// With a point or an exponent.
+    Float(f64),
+    /// With a unit.
+    Angle(f64, AngleUnit),
+}
+
+/// Reads a number; what is wrong and what to write instead where it can't be read.
+pub fn read_number(text: &str) -> Result<Number, (String, String)> {
+    if let Some(digits) = text.strip_suffix('.') {
+        let message = "a number needs a digit after its point".to_string();
+        return Err((message, format!("write `{digits}.0` or `{digits}`")));
+    }
+    let digits = |from: usize| text.bytes().skip(from).take_while(u8::is_ascii_digit).count();
+    let mut length = digits(0);
+    let mut whole = true;
+    if text.as_bytes().get(length) == Some(&b'.') {
+        whole = false;
+        length += 1 + digits(length + 1);
+    }
+    if matches!(text.as_bytes().get(length), Some(b'e' | b'E')) {
+        let sign = usize::from(matches!(text.as_bytes().get(length + 1), Some(b'+' | b'-')));
+        let exponent = digits(length + 1 + sign);
+        if exponent > 0 {
+            whole = false;
+            length += 1 + sign + exponent;
+        }
+    }
+    let (number, unit) = text.split_at_checked(length).unwrap_or((text, ""));
+    let unit = match unit {
+        "" => None,
+        "deg" => Some(AngleUnit::Deg),
+        "turn" => Some(AngleUnit::Turn),
+        "rad" => Some(AngleUnit::Rad),
+        _ => {
+            let message = format!("`{unit}` is not a unit");
+            let help = match unit {
+                "degrees" | "degree" | "d" => format!("write `{number}deg`"),
+                "turns" => format!("write `{number}turn`"),
+                "radians" | "r" => format!("write `{number}rad`"),
+                "f" | "F" | "lf" | "u" => {
+                    format!("write `{number}`: numbers have no suffix for their type")
+                }
+                "e" | "E" => "an exponent needs digits: `1e-3`".to_string(),
+                _ if unit.starts_with('_') => "write the digits without `_`".to_string(),
+                _ if unit.starts_with(['x', 'X']) => {
+                    "numbers are written with decimal digits".to_string()
+                }
+                _ => {
+                    format!("units are deg, turn and rad; a product is written `{number} * {unit}`")
+                }
+            };
+            return Err((message, help));
+        }
+    };
+    if whole && unit.is_none() {
+        return number
+            .parse()
+            .map(Number::Int)
+            .map_err(|_| too_large("whole numbers go up to 9223372036854775807"));
+    }
+    let value: f64 = number.parse().unwrap_or(f64::INFINITY);
+    let turned = if unit == Some(AngleUnit::Turn) { value * std::f64::consts::TAU } else { value };
+    if !(turned as f32).is_finite() {
+        return Err(too_large("numbers go up to 3.4e38, as those of the GPU do"));
+    }
+    Ok(unit.map_or(Number::Float(value), |unit| Number::Angle(value, unit)))
+}
+
+fn too_large(help: &str) -> (String, String) {
+    ("this number is too large".to_string(), help.to_string())
+}
+
+/// Reads `#rrggbb` or `#rgb`.
+pub fn read_color(text: &str) -> Option<[u8; 3]> {
+    let digits = text.strip_prefix('#')?;
+    let mut values = [0u8; 6];
+    let mut count = 0;
+    for c in digits.chars() {
+        *values.get_mut(count)? = c.to_digit(16)? as u8;
+        count += 1;
+    }
+    let [a, b, c, d, e, f] = values;
+    match count {
+        3 => Some([a * 17, b * 17, c * 17]),
+        6 => Some([a * 16 + b, c * 16 + d, e * 16 + f]),
+        _ => None,
+    }
+}
+
+/// Why a string can't be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StringError {
+    /// It has no closing quote.
+    Open,
+    /// An unknown escape: its first byte within the token, and its length.
+    Escape(usize, usize),
+}
+
+/// Reads a string with its quotes; the answer is its text with the escapes resolved.
+pub fn read_string(text: &str) -> Result<String, StringError> {
+    let mut out = String::new();
+    let mut chars = text.char_indices().skip(1);
+    let mut wrong = None;
+    while let Some((at, c)) = chars.next() {
+        match c {
+            '"' => return wrong.map_or(Ok(out), Err),
+            '\\' => match chars.next() {
+                Some((_, '"')) => out.push('"'),
+                Some((_, '\\')) => out.push('\\'),
+                Some((_, 'n')) => out.push('\n'),
+                Some((_, 't')) => out.push('\t'),
+                Some((_, other)) => {
+                    wrong = wrong.or(Some(StringError::Escape(at, 1 + other.len_utf8())));
+                }
+                None => return Err(StringError::Open),
+            },
+            _ => out.push(c),
+        }
+    }
+    Err(StringError::Open)
+}

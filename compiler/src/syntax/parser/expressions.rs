@@ -1,0 +1,659 @@
+//! Expressions: operators from the left by their level, then calls, dots and indices, then what stands by itself.
+
+use super::super::ast::*;
+use super::super::lexer::{Number, Token, TokenKind, read_color, read_number, read_string};
+use super::super::words;
+use super::Parser;
+use super::recovery::ListOf;
+use crate::diagnostic::Code;
+use crate::source::Span;
+
+const ARGUMENTS: ListOf = ListOf { plural: "arguments", example: "an argument" };
+const COMPONENTS: ListOf = ListOf { plural: "the components of a vector", example: "a number" };
+const ITEMS: ListOf = ListOf { plural: "the items of a list", example: "a value" };
+
+/// Operators of one level whose right side is not finished yet.
+struct Pending {
+    level: u8,
+    first: Expr,
+    rest: Vec<(BinaryOp, Span, Expr)>,
+    operator: (BinaryOp, Span),
+    height: usize,
+}
+
+impl Parser<'_> {
+    /// A value where no range may stand.
+    pub(super) fn value(&mut self) -> Expr {
+        let value = self.expr();
+        if !self.is(TokenKind::DotDot) {
+            return value;
+        }
+        let span = self.span(self.peek());
+        self.report(
+            Code::Unexpected,
+            span,
+            "a range can't stand here",
+            "a range stands after `in`, and as a value in a block: `for i in 0..n`, `radius: 0.02..0.06`",
+        );
+        self.bump();
+        if self.starts_operand() {
+            self.expr();
+        }
+        Expr { kind: ExprKind::Hole, span: self.span_from(value.span.start) }
+    }
+
+    /// A value or a range of values.
+    pub(super) fn value_or_range(&mut self) -> Expr {
+        let outside = std::mem::take(&mut self.height);
+        let from = self.expr();
+        let mut value = from;
+        if self.eat(TokenKind::DotDot).is_some() {
+            if self.is(TokenKind::Equals) {
+                self.unexpected(
+                    "a range is written `a..b`",
+                    "take the `=` out; both ends belong to a parameter's range, and a `for` leaves out the end",
+                );
+                self.bump();
+            }
+            let to = self.expr();
+            let span = value.span.to(to.span);
+            let kind = if self.grow(span) {
+                ExprKind::Range(Box::new(value), Box::new(to))
+            } else {
+                ExprKind::Hole
+            };
+            value = Expr { kind, span };
+        }
+        self.height = outside.max(self.height);
+        value
+    }
+
+    fn hole(&self) -> Expr {
+        let at = self.end();
+        Expr { kind: ExprKind::Hole, span: Span { file: self.file, start: at, end: at } }
+    }
+
+    /// A value without a range.
+    pub(super) fn expr(&mut self) -> Expr {
+        self.nested(Self::operators).unwrap_or_else(|| self.hole())
+    }
+
+    /// Operands and the operators between them. A stack holds what waits for its right side, so that neither a long chain
+    /// nor a change of level needs recursion.
+    fn operators(&mut self) -> Expr {
+        let mut waiting: Vec<Pending> = Vec::new();
+        let mut current = self.operand();
+        loop {
+            while self.is(TokenKind::BadCharacter) {
+                current = self.unknown_operator(&current);
+            }
+            let token = self.peek();
+            let Some((operator, level)) = binary(token.kind) else { break };
+            current = self.close_tighter(&mut waiting, current, level + 1);
+            let place = (operator, self.span(token));
+            match waiting.last_mut() {
+                Some(top) if top.level == level => {
+                    let done = std::mem::replace(&mut top.operator, place);
+                    top.rest.push((done.0, done.1, current));
+                    top.height = top.height.max(self.height);
+                }
+                _ => waiting.push(Pending {
+                    level,
+                    first: current,
+                    rest: Vec::new(),
+                    operator: place,
+                    height: self.height,
+                }),
+            }
+            self.height = 0;
+            self.bump();
+            current = self.operand();
+        }
+        self.close_tighter(&mut waiting, current, 0)
+    }
+
+    /// Makes chains of all that waits at `level` or tighter.
+    fn close_tighter(&mut self, waiting: &mut Vec<Pending>, mut current: Expr, level: u8) -> Expr {
+        while let Some(mut top) = waiting.pop_if(|top| top.level >= level) {
+            let span = top.first.span.to(current.span);
+            top.rest.push((top.operator.0, top.operator.1, current));
+            self.height = self.height.max(top.height);
+            let kind = if self.grow(span) {
+                ExprKind::Chain(Box::new(top.first), top.rest)
+            } else {
+                ExprKind::Hole
+            };
+            current = Expr { kind, span };
+        }
+        current
+    }
+
+    /// A character that the language does not use, where an operator could stand: what follows it is read and forgotten.
+    fn unknown_operator(&mut self, left: &Expr) -> Expr {
+        self.bump();
+        for _ in 0..2 {
+            if self.starts_operand() && !self.is_on_new_line() {
+                self.operand();
+            }
+            // `a ? b : c`
+            if self.eat(TokenKind::Colon).is_none() {
+                break;
+            }
+        }
+        self.last_report = Some(self.at);
+        self.height = 0;
+        Expr { kind: ExprKind::Hole, span: self.span_from(left.span.start) }
+    }
+
+    /// Signs, then a value with its calls, dots and indices.
+    fn operand(&mut self) -> Expr {
+        let outside = std::mem::take(&mut self.height);
+        let mut signs: Vec<(UnaryOp, Token)> = Vec::new();
+        loop {
+            match self.peek().kind {
+                TokenKind::Minus => signs.push((UnaryOp::Neg, self.bump())),
+                TokenKind::Not => signs.push((UnaryOp::Not, self.bump())),
+                TokenKind::Plus => {
+                    self.unexpected("a value has no `+` before it", "take the `+` out");
+                    self.bump();
+                }
+                TokenKind::BadCharacter => {
+                    self.bump();
+                    self.last_report = Some(self.at);
+                }
+                _ => break,
+            }
+        }
+        let mut value = self.postfix();
+        while let Some((operator, token)) = signs.pop() {
+            let span = self.span(token).to(value.span);
+            let kind = if self.grow(span) {
+                ExprKind::Unary(operator, Box::new(value))
+            } else {
+                ExprKind::Hole
+            };
+            value = Expr { kind, span };
+        }
+        self.height = outside.max(self.height);
+        value
+    }
+
+    fn postfix(&mut self) -> Expr {
+        let mut value = self.primary();
+        loop {
+            let token = self.peek();
+            let start = value.span.start;
+            let kind = match token.kind {
+                TokenKind::Dot => {
+                    self.bump();
+                    self.after_dot(value)
+                }
+                TokenKind::ParenOpen => {
+                    let callable = matches!(value.kind, ExprKind::Name(_) | ExprKind::Hole);
+                    if !callable {
+                        self.unexpected(
+                            "only a name can be called",
+                            "write an operator before the bracket, or a name",
+                        );
+                    }
+                    let arguments = self.arguments();
+                    match callable {
+                        true => ExprKind::Call(Box::new(value), arguments),
+                        false => ExprKind::Hole,
+                    }
+                }
+                TokenKind::BracketOpen => {
+                    let index = self.index();
+                    ExprKind::Index(Box::new(value), Box::new(index))
+                }
+                // `v.0`, `1.5.2`: said already.
+                TokenKind::BadLiteral if token.start == self.end() => {
+                    self.bump();
+                    ExprKind::Hole
+                }
+                _ => return value,
+            };
+            value = Expr { kind, span: self.span_from(start) };
+            if !self.grow(value.span) {
+                value.kind = ExprKind::Hole;
+            }
+        }
+    }
+
+    fn after_dot(&mut self, receiver: Expr) -> ExprKind {
+        if !self.is(TokenKind::Name) || self.is_on_new_line() && self.at_declaration() {
+            self.missing("a name", "after a dot stands a component, as in `p.x`, or a call, as in `s.translate(1, 0, 0)`");
+            let place = self.span_from(self.end());
+            return ExprKind::Dot(
+                Box::new(receiver),
+                Name { text: String::new(), span: place },
+                None,
+            );
+        }
+        let token = self.bump();
+        let name = self.name_of(token);
+        let arguments = self.is(TokenKind::ParenOpen).then(|| self.arguments());
+        ExprKind::Dot(Box::new(receiver), name, arguments)
+    }
+
+    fn index(&mut self) -> Expr {
+        let open = self.bump();
+        let span = self.span(open);
+        let mut items = self.list(open, TokenKind::BracketClose, &ITEMS, |p| Some(p.value()));
+        match items.len() {
+            1 => items.pop().unwrap_or_else(|| self.hole()),
+            _ => {
+                let span = span.to(self.span_from(open.start));
+                self.report(Code::Unexpected, span, "an index is one number", "write `list[i]`");
+                Expr { kind: ExprKind::Hole, span }
+            }
+        }
+    }
+
+    /// `(a, name: b)`.
+    pub(super) fn arguments(&mut self) -> Vec<Argument> {
+        let open = self.bump();
+        self.list(open, TokenKind::ParenClose, &ARGUMENTS, Self::argument)
+    }
+
+    fn argument(&mut self) -> Option<Argument> {
+        let mut name = None;
+        if self.is(TokenKind::Name) {
+            if self.next_is(TokenKind::Colon) {
+                let token = self.bump();
+                name = Some(self.name_of(token));
+                self.bump();
+            } else if self.next_is(TokenKind::Equals) && !self.at_declaration() {
+                let token = self.bump();
+                let written = self.name_of(token);
+                self.unexpected(
+                    "a named argument is written with `:`, found `=`",
+                    format!("write `{}: …`", written.text),
+                );
+                name = Some(written);
+                self.bump();
+            }
+        }
+        Some(Argument { name, value: self.value() })
+    }
+
+    fn primary(&mut self) -> Expr {
+        let token = self.peek();
+        let kind = match token.kind {
+            TokenKind::Int | TokenKind::Float | TokenKind::Angle => self.number(),
+            TokenKind::Color => {
+                self.bump();
+                read_color(token.text(self.text)).map_or(ExprKind::Hole, ExprKind::Color)
+            }
+            TokenKind::Str => {
+                self.bump();
+                read_string(token.text(self.text)).map_or(ExprKind::Hole, ExprKind::Str)
+            }
+            TokenKind::BadLiteral => {
+                self.bump();
+                ExprKind::Hole
+            }
+            TokenKind::ParenOpen => self.parentheses(),
+            TokenKind::BracketOpen => {
+                self.bump();
+                let items = self.list(token, TokenKind::BracketClose, &ITEMS, |p| Some(p.value()));
+                ExprKind::List(items)
+            }
+            TokenKind::BraceOpen => return self.block(),
+            TokenKind::Name => return self.word(token),
+            _ => {
+                self.missing("a value", "write a number, a name, a call, or something in brackets");
+                return self.hole();
+            }
+        };
+        let kind = if self.grow(self.span(token)) { kind } else { ExprKind::Hole };
+        Expr { kind, span: self.span_from(token.start) }
+    }
+
+    fn number(&mut self) -> ExprKind {
+        let token = self.bump();
+        let number = read_number(token.text(self.text));
+        let word = self.word_of(self.peek());
+        let unit = match word {
+            "deg" => Some(AngleUnit::Deg),
+            "turn" => Some(AngleUnit::Turn),
+            "rad" => Some(AngleUnit::Rad),
+            _ => None,
+        };
+        match (number, unit) {
+            (Ok(Number::Int(_) | Number::Float(_)), Some(unit)) if !self.is_on_new_line() => {
+                let text = token.text(self.text);
+                self.unexpected(
+                    "a unit stands right after its number",
+                    format!("write `{text}{word}`"),
+                );
+                self.bump();
+                ExprKind::Angle(text.parse().unwrap_or(0.0), unit)
+            }
+            (Ok(Number::Int(value)), _) => ExprKind::Int(value),
+            (Ok(Number::Float(value)), _) => ExprKind::Float(value),
+            (Ok(Number::Angle(value, unit)), _) => ExprKind::Angle(value, unit),
+            (Err(_), _) => ExprKind::Hole,
+        }
+    }
+
+    fn parentheses(&mut self) -> ExprKind {
+        let open = self.bump();
+        let mut items = self.list(open, TokenKind::ParenClose, &COMPONENTS, |p| Some(p.value()));
+        match items.len() {
+            1 => items.pop().map_or(ExprKind::Hole, |value| ExprKind::Paren(Box::new(value))),
+            2..=4 => ExprKind::Vector(items),
+            count => {
+                let span = self.span_from(open.start);
+                let message = match count {
+                    0 => "there is nothing between these brackets".to_string(),
+                    _ => format!("a vector has two to four components, not {count}"),
+                };
+                self.report(
+                    Code::Unexpected,
+                    span,
+                    message,
+                    "write `(a, b, c)` for a vector, `[a, b, c]` for a list",
+                );
+                ExprKind::Hole
+            }
+        }
+    }
+
+    fn word(&mut self, token: Token) -> Expr {
+        let word = token.text(self.text);
+        let kind = match word {
+            "true" | "false" => {
+                self.bump();
+                ExprKind::Bool(word == "true")
+            }
+            "for" => return self.nested(Self::repetition).unwrap_or_else(|| self.hole()),
+            "if" => return self.nested(Self::choice).unwrap_or_else(|| self.hole()),
+            _ if self.at_declaration() && self.is_on_new_line() => {
+                self.missing("a value", "write a number, a name, a call, or something in brackets");
+                return self.hole();
+            }
+            "let" => {
+                self.unexpected(
+                    "a `let` can't stand within a value",
+                    "open a block: `{ let a = 1; a + 2 }`",
+                );
+                self.bump();
+                self.skip_nested();
+                ExprKind::Hole
+            }
+            "in" | "else" | "while" => {
+                self.missing("a value", format!("before `{word}` a value is missing"));
+                return self.hole();
+            }
+            _ if words::is_reserved(word) => {
+                let help = match word {
+                    "scene" => {
+                        "what `scene` is made of can be named with `shape` and used by that name"
+                            .to_string()
+                    }
+                    _ => format!(
+                        "it starts a declaration; call the value something else than `{word}`"
+                    ),
+                };
+                self.unexpected(format!("the word `{word}` can't be the name of a value"), help);
+                self.bump();
+                ExprKind::Hole
+            }
+            _ => {
+                self.bump();
+                ExprKind::Name(word.to_string())
+            }
+        };
+        self.grow(self.span(token));
+        Expr { kind, span: self.span(token) }
+    }
+
+    /// `for index in source by fold { body }`.
+    fn repetition(&mut self) -> Expr {
+        let start = self.bump().start;
+        let index = self.loop_index();
+        let source = self.value_or_range();
+        let by = self.is_word("by").then(|| self.fold());
+        let body = self.body("the body of a `for`", "write `for i in 0..n { … }`");
+        let span = self.span_from(start);
+        let kind = ExprKind::For(Box::new(For { index, source, by, body }));
+        let kind = if self.grow(span) { kind } else { ExprKind::Hole };
+        Expr { kind, span }
+    }
+
+    /// `index in`, after `for`.
+    pub(super) fn loop_index(&mut self) -> Name {
+        let token = self.peek();
+        let index = if token.kind == TokenKind::Name && !self.is_word("in") {
+            if words::is_reserved(self.word_of(token)) {
+                let message =
+                    format!("the word `{}` can't be the name of a value", token.text(self.text));
+                self.unexpected(message, "write another name: `for i in 0..n { … }`");
+            }
+            self.bump();
+            self.name_of(token)
+        } else {
+            self.missing("a name", "write `for i in 0..n { … }`");
+            Name { text: String::new(), span: self.span_from(self.end()) }
+        };
+        if self.eat_word("in").is_none() {
+            self.missing("`in`", "write `for i in 0..n { … }`");
+            if self.is(TokenKind::Equals) || self.is(TokenKind::Colon) {
+                self.bump();
+            }
+        }
+        index
+    }
+
+    fn fold(&mut self) -> Fold {
+        let start = self.bump().start;
+        let token = self.peek();
+        let kind = match token.kind {
+            TokenKind::Plus | TokenKind::Star => {
+                self.bump();
+                FoldKind::Operator(if token.kind == TokenKind::Plus {
+                    BinaryOp::Add
+                } else {
+                    BinaryOp::Mul
+                })
+            }
+            TokenKind::Name => {
+                self.bump();
+                let mut callee = Expr {
+                    kind: ExprKind::Name(token.text(self.text).to_string()),
+                    span: self.span(token),
+                };
+                if self.eat(TokenKind::Dot).is_some() {
+                    if let Some(member) = self.eat(TokenKind::Name) {
+                        let name = self.name_of(member);
+                        let span = callee.span.to(name.span);
+                        callee = Expr { kind: ExprKind::Dot(Box::new(callee), name, None), span };
+                    } else {
+                        self.missing("a name", "write `by smooth_union(0.1)`");
+                    }
+                }
+                let arguments =
+                    if self.is(TokenKind::ParenOpen) { self.arguments() } else { Vec::new() };
+                FoldKind::Call(callee, arguments)
+            }
+            kind => {
+                let help = match kind {
+                    TokenKind::Or => {
+                        "without `by` the bodies are united; write `by union` to say so"
+                    }
+                    TokenKind::And => "write `by intersection`",
+                    TokenKind::Minus => "write `by difference`",
+                    _ => "write `by smooth_union(0.1)`, `by min`, `by max`, `by +` or `by *`",
+                };
+                self.missing("a way to join the bodies", help);
+                if binary(kind).is_some() {
+                    self.bump();
+                }
+                FoldKind::Call(self.hole(), Vec::new())
+            }
+        };
+        Fold { span: self.span_from(start), kind }
+    }
+
+    /// `if condition { a } else { b }`.
+    fn choice(&mut self) -> Expr {
+        let start = self.bump().start;
+        let condition = self.value();
+        if self.is(TokenKind::Equals) {
+            self.unexpected(
+                "`=` declares, found where a condition goes on",
+                "two values are compared with `==`",
+            );
+            self.bump();
+            self.value();
+        }
+        let then = self.body("the value of an `if`", "write `if condition { a } else { b }`");
+        let mut otherwise = None;
+        if self.eat_word("else").is_some() {
+            let value = if self.is_word("if") {
+                self.nested(Self::choice).unwrap_or_else(|| self.hole())
+            } else {
+                self.body("the value of an `else`", "write `if condition { a } else { b }`")
+            };
+            otherwise = Some(Box::new(value));
+        }
+        let span = self.span_from(start);
+        let kind = ExprKind::If(Box::new(condition), Box::new(then), otherwise);
+        let kind = if self.grow(span) { kind } else { ExprKind::Hole };
+        Expr { kind, span }
+    }
+
+    /// A block where one has to stand.
+    fn body(&mut self, what: &str, help: &str) -> Expr {
+        if self.is(TokenKind::BraceOpen) {
+            return self.block();
+        }
+        self.missing(&format!("`{{` before {what}"), help);
+        if self.starts_operand() && !self.is_on_new_line() { self.value() } else { self.hole() }
+    }
+
+    /// `{ let a = 1; value }`.
+    pub(super) fn block(&mut self) -> Expr {
+        self.nested(Self::block_inside).unwrap_or_else(|| self.hole())
+    }
+
+    fn block_inside(&mut self) -> Expr {
+        let open = self.bump();
+        self.opens.push(TokenKind::BraceOpen);
+        let mut lets = Vec::new();
+        while self.at_let()
+            || self.is(TokenKind::Name) && self.next_is(TokenKind::Equals) && !self.is_word("scene")
+        {
+            self.block_let(&mut lets);
+        }
+        let value = if self.is(TokenKind::BraceClose) {
+            self.unexpected(
+                "a block ends with its value, found `}`",
+                "write the value before the `}`, without `;`",
+            );
+            self.hole()
+        } else {
+            self.value()
+        };
+        if self.is(TokenKind::Semicolon) {
+            self.unexpected(
+                "the value of a block has no `;` after it",
+                "take the `;` out; only a `let` ends with one",
+            );
+            self.bump();
+        }
+        self.close_block(open);
+        self.opens.pop();
+        let span = self.span_from(open.start);
+        let kind =
+            if self.grow(span) { ExprKind::Block(lets, Box::new(value)) } else { ExprKind::Hole };
+        Expr { kind, span }
+    }
+
+    /// Reads a `}`, and what can't stand before it.
+    pub(super) fn close_block(&mut self, open: Token) {
+        if self.eat(TokenKind::BraceClose).is_some() {
+            return;
+        }
+        if !self.is(TokenKind::End) && !self.at_declaration() {
+            self.missing("`}`", "a block is `{ let a = 1; value }`: one value, at its end");
+            while !matches!(self.peek().kind, TokenKind::BraceClose | TokenKind::End)
+                && !self.at_declaration()
+            {
+                self.skip_balanced();
+            }
+        }
+        if self.eat(TokenKind::BraceClose).is_none() {
+            self.unclosed(open);
+        }
+    }
+
+    /// A `let` in a block with the `;` after it.
+    pub(super) fn block_let(&mut self, lets: &mut Vec<Let>) {
+        if !self.is_word("let") {
+            let word = self.word_of(self.peek());
+            self.unexpected(
+                format!("`{word}` is given a value without `let`"),
+                format!("write `let {word} = …;`: a name is given its value once"),
+            );
+        }
+        lets.extend(self.let_declaration(true));
+        if self.eat(TokenKind::Semicolon).is_some() {
+            return;
+        }
+        if self.is(TokenKind::Comma) {
+            self.unexpected("a `let` ends with `;`, found `,`", "write `;` in its place");
+            self.bump();
+        } else if !self.is(TokenKind::BraceClose) && !self.is(TokenKind::End) {
+            let last = self.previous().unwrap_or(self.peek());
+            if self.starts_operand() || self.is_word("let") {
+                let span = self.span(last);
+                self.report(
+                    Code::Unexpected,
+                    span,
+                    "`;` is missing after this `let`",
+                    "write `;` between a `let` and what follows it",
+                );
+            } else {
+                self.missing("`;`", "a `let` in a block ends with `;`");
+                while !matches!(
+                    self.peek().kind,
+                    TokenKind::Semicolon
+                        | TokenKind::Comma
+                        | TokenKind::BraceClose
+                        | TokenKind::End
+                ) && !self.is_word("let")
+                    && !self.at_declaration()
+                {
+                    self.skip_balanced();
+                }
+                if !self.is(TokenKind::BraceClose) {
+                    self.eat(TokenKind::Semicolon).or_else(|| self.eat(TokenKind::Comma));
+                }
+            }
+        }
+    }
+}
+
+/// An operator between operands, and its level: the higher, the tighter.
+fn binary(kind: TokenKind) -> Option<(BinaryOp, u8)> {
+    Some(match kind {
+        TokenKind::OrOr => (BinaryOp::Or, 0),
+        TokenKind::AndAnd => (BinaryOp::And, 1),
+        TokenKind::EqualsEquals => (BinaryOp::Eq, 2),
+        TokenKind::NotEquals => (BinaryOp::Ne, 2),
+        TokenKind::Less => (BinaryOp::Lt, 2),
+        TokenKind::LessEquals => (BinaryOp::Le, 2),
+        TokenKind::Greater => (BinaryOp::Gt, 2),
+        TokenKind::GreaterEquals => (BinaryOp::Ge, 2),
+        TokenKind::Or => (BinaryOp::Union, 3),
+        TokenKind::Plus => (BinaryOp::Add, 4),
+        TokenKind::Minus => (BinaryOp::Sub, 4),
+        TokenKind::And => (BinaryOp::Intersect, 5),
+        TokenKind::Star => (BinaryOp::Mul, 6),
+        TokenKind::Slash => (BinaryOp::Div, 6),
+        TokenKind::Percent => (BinaryOp::Rem, 6),
+        _ => return None,
+    })
+}
