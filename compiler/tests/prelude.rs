@@ -13,20 +13,37 @@ fn text(name: &str) -> String {
     std::fs::read_to_string(path).expect("a file of the prelude")
 }
 
+fn assert_reads(name: &str, text: &str) {
+    let mut sources = Sources::default();
+    let file = sources.add(name, text);
+    let (_, diagnostics) = parse(file, text);
+    let shown: Vec<String> = diagnostics
+        .iter()
+        .map(|d| {
+            let (n, l, c) = sources.position(d.span.file, d.span.start);
+            format!("{n}:{l}:{c}: {} ({})", d.message, d.help)
+        })
+        .collect();
+    assert!(shown.is_empty(), "{}", shown.join("\n"));
+}
+
 #[test]
 fn it_reads_without_a_diagnostic() {
     for name in FILES {
-        let mut sources = Sources::default();
-        let text = text(name);
-        let file = sources.add(format!("{name}.sdf"), text.as_str());
-        let (_, diagnostics) = parse(file, &text);
-        let shown: Vec<String> = diagnostics
-            .iter()
-            .map(|d| {
-                let (n, l, c) = sources.position(d.span.file, d.span.start);
-                format!("{n}:{l}:{c}: {} ({})", d.message, d.help)
-            })
-            .collect();
-        assert!(shown.is_empty(), "{}", shown.join("\n"));
+        assert_reads(name, &text(name));
+    }
+}
+
+#[test]
+fn the_examples_read_without_a_diagnostic() {
+    let folder = format!("{}/../examples", env!("CARGO_MANIFEST_DIR"));
+    for folder in [folder.clone(), format!("{folder}/parts")] {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|e| e == "sdf") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                assert_reads(&path.display().to_string(), &text);
+            }
+        }
     }
 }
