@@ -1,0 +1,320 @@
+//! What light does at a surface, and the film that it falls on.
+//!
+//! The constants and formulas are those of `runtime/src/passes/scene/*.wgsl`: what changes here changes there. All colours are linear
+//! radiance until [`Shading::develop`].
+//!
+//! The model: Cook and Torrance's microfacets with the distribution GGX and Smith's shadowing in the form that correlates both
+//! sides (Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007; Heitz, "Understanding the Masking-Shadowing
+//! Function", 2014) and Schlick's Fresnel term (1994), over Lambert's diffuse term; the fill light is a two-coloured sky above dark
+//! ground; the film is Narkowicz's fit to the Academy's reference curve (2016).
+
+use super::vector::{Vec3, add, cross, dot, length, mix, mul, scale, smooth, sub, unit};
+use crate::compiled::{Frame, Light, LightKind, Shadow, Sky};
+use std::f64::consts::PI;
+
+/// The most lights that a picture takes; those beyond are left out.
+pub const MAX_LIGHTS: usize = 16;
+/// What light is multiplied by before the film.
+const FILM_SPEED: f64 = 0.7;
+/// The share of the sky's light that arrives.
+const FILL: f64 = 0.6;
+/// What the ground throws back of it.
+const GROUND: f64 = 0.35;
+
+/// What a surface is like at a point, as the scene's materials say.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurfaceValues {
+    /// Linear colour.
+    pub color: Vec3,
+    /// Light of its own, linear.
+    pub emission: Vec3,
+    /// 0 mirror to 1 matte.
+    pub roughness: f64,
+    /// 0 to 1.
+    pub metallic: f64,
+    /// 0 to 1.
+    pub reflectivity: f64,
+}
+
+/// A place on a surface that is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// The place, seen from the scene's origin.
+    pub point: Vec3,
+    /// The surface's normal there; length one.
+    pub normal: Vec3,
+    /// From the eye to the place; length one.
+    pub direction: Vec3,
+    /// How far that is.
+    pub t: f64,
+}
+
+/// A light as the shading wants it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lamp {
+    /// The direction toward the light, of length one; or where it is.
+    pub vector: Vec3,
+    /// Whether it is a position.
+    pub position: bool,
+    /// Linear colour times intensity.
+    pub radiance: Vec3,
+    /// Below 0: throws no shadow; 0: a hard one; above: a soft one, sharper the larger it is.
+    pub softness: f64,
+}
+
+/// A light as it meets a place: the direction toward it, how far it is, and how much arrives where nothing is in between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Arriving {
+    /// Toward the light; length one.
+    pub direction: Vec3,
+    /// How far a shadow's ray goes.
+    pub far: f64,
+    /// Linear.
+    pub radiance: Vec3,
+}
+
+/// The lights of a moment, at most [`MAX_LIGHTS`]. A scene without any is lit by a warm one from the upper left, its shadow soft.
+pub fn lamps(frame: &Frame) -> Vec<Lamp> {
+    let key = [default_light()];
+    let lights = if frame.lights.is_empty() { &key[..] } else { &frame.lights[..] };
+    lights
+        .iter()
+        .take(MAX_LIGHTS)
+        .map(|light| {
+            let softness = match light.shadow {
+                _ if !frame.shadows => -1.0,
+                Shadow::None => -1.0,
+                Shadow::Hard | Shadow::Map => 0.0,
+                Shadow::Soft(k) => k.max(0.0),
+            };
+            let (vector, position) = match light.kind {
+                LightKind::Direction(d) => {
+                    (unit(d).map_or([0.0, 1.0, 0.0], |d| scale(d, -1.0)), false)
+                }
+                LightKind::Position(p) => (p, true),
+            };
+            Lamp { vector, position, radiance: light.radiance, softness }
+        })
+        .collect()
+}
+
+/// The light of a scene that has none.
+pub fn default_light() -> Light {
+    Light {
+        name: String::new(),
+        kind: LightKind::Direction([0.55, -0.8, -0.5]),
+        radiance: [3.0, 2.75, 2.4],
+        shadow: Shadow::Soft(12.0),
+    }
+}
+
+/// A surface's answer to light.
+#[derive(Clone, Copy, Debug)]
+struct Answer {
+    /// The share that is scattered, by colour.
+    diffuse: Vec3,
+    /// The share that is mirrored head-on, by colour.
+    mirrored: Vec3,
+    roughness: f64,
+}
+
+impl Answer {
+    fn of(surface: &SurfaceValues) -> Self {
+        let metallic = surface.metallic.clamp(0.0, 1.0);
+        let reflectivity = surface.reflectivity.clamp(0.0, 1.0);
+        let color = surface.color.map(|c| c.clamp(0.0, 1.0));
+        let plain = mix([0.04; 3], color, metallic);
+        let polished = scale(mix([1.0; 3], color, metallic), reflectivity);
+        Self {
+            diffuse: scale(color, (1.0 - metallic) * (1.0 - 0.9 * reflectivity)),
+            mirrored: [0, 1, 2].map(|i| component(plain, i).max(component(polished, i))),
+            roughness: (surface.roughness * (1.0 - 0.6 * reflectivity)).clamp(0.06, 1.0),
+        }
+    }
+
+    /// The share of a light's radiance from `l` that leaves toward `v`, the cosine included.
+    fn reflect(&self, n: Vec3, v: Vec3, l: Vec3) -> Vec3 {
+        let nl = dot(n, l).max(0.0);
+        let nv = dot(n, v).max(1e-3);
+        let sum = add(l, v);
+        let h = scale(sum, 1.0 / length(sum).max(1e-6));
+        let nh = dot(n, h).max(0.0);
+        let vh = dot(v, h).clamp(0.0, 1.0);
+        // The square of roughness is the width (Burley, "Physically Based Shading at Disney", 2012).
+        let width = self.roughness * self.roughness;
+        let width2 = width * width;
+        // 1 - nh², without its cancellation.
+        let across = cross(n, h);
+        let below = nh * nh * width2 + dot(across, across);
+        let distribution = width2 / (PI * below * below);
+        let smith = nl * (nv * nv * (1.0 - width2) + width2).sqrt()
+            + nv * (nl * nl * (1.0 - width2) + width2).sqrt();
+        let visible = 0.5 / smith.max(1e-6);
+        let grazing = (1.0 - vh).max(1e-6).powi(5);
+        [0, 1, 2].map(|i| {
+            let (mirrored, diffuse) = (component(self.mirrored, i), component(self.diffuse, i));
+            let fresnel = mirrored + (1.0 - mirrored) * grazing;
+            (fresnel * (distribution * visible) + (1.0 - fresnel) * diffuse / PI) * nl
+        })
+    }
+
+    /// How much of the surroundings is mirrored, by angle and roughness: Karis, "Physically Based Shading on Mobile" (2014).
+    fn mirror_share(&self, nv: f64) -> Vec3 {
+        let r = self.roughness;
+        let x = 1.0 - r;
+        let y = 0.0425 - 0.0275 * r;
+        let z = 1.04 - 0.572 * r;
+        let w = 0.022 * r - 0.04;
+        let a = (x * x).min((-9.28 * nv).exp2()) * x + y;
+        self.mirrored.map(|m| m * (z - 1.04 * a) + (1.04 * a + w))
+    }
+}
+
+fn component(v: Vec3, i: usize) -> f64 {
+    v.get(i).copied().unwrap_or(0.0)
+}
+
+/// What the shading needs of a moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shading {
+    /// The sky.
+    pub sky: Sky,
+    /// The lights.
+    pub lamps: Vec<Lamp>,
+    /// What light is multiplied by.
+    pub exposure: f64,
+    /// Beyond this distance from the eye nothing is drawn.
+    pub max_distance: f64,
+    /// Beyond this distance from the origin nothing is drawn.
+    pub extent: f64,
+}
+
+impl Shading {
+    /// Of a moment.
+    pub fn of(frame: &Frame) -> Self {
+        Self {
+            sky: frame.sky,
+            lamps: lamps(frame),
+            exposure: frame.exposure.exp2(),
+            max_distance: frame.max_distance,
+            extent: frame.extent,
+        }
+    }
+
+    /// The sky's radiance in a direction: flat at the horizon, so that it is soft.
+    pub fn sky(&self, direction: Vec3) -> Vec3 {
+        let s = direction[1].max(0.0);
+        mix(self.sky.horizon, self.sky.zenith, 1.2 * s * s / (s * s + 0.2))
+    }
+
+    /// What the sky, with dark ground below it, sheds on a surface that faces a direction, as radiance.
+    fn fill(&self, direction: Vec3) -> Vec3 {
+        let above = smooth(-0.8, 0.8, direction[1]);
+        let sky = mix(self.sky.horizon, self.sky.zenith, 0.25 + 0.5 * above);
+        scale(mix(scale(self.sky.horizon, GROUND), sky, above), FILL)
+    }
+
+    /// What a mirror of some roughness sees in a direction.
+    fn mirror(&self, direction: Vec3, roughness: f64) -> Vec3 {
+        let width = 0.1 + 0.7 * roughness;
+        let above = smooth(-width, 0.6 * width, direction[1]);
+        let sharp = mix(scale(self.sky.horizon, GROUND), self.sky(direction), above);
+        mix(sharp, self.fill(direction), roughness)
+    }
+
+    /// A light as it meets a place; none where the surface is turned away from it.
+    pub fn arriving(&self, lamp: &Lamp, point: Vec3, normal: Vec3) -> Option<Arriving> {
+        let arriving = if lamp.position {
+            let way = sub(lamp.vector, point);
+            let far = length(way).max(1e-4);
+            Arriving {
+                direction: scale(way, 1.0 / far),
+                far,
+                radiance: scale(lamp.radiance, 1.0 / (far * far)),
+            }
+        } else {
+            Arriving { direction: lamp.vector, far: 4.0 * self.extent, radiance: lamp.radiance }
+        };
+        (dot(normal, arriving.direction) > 0.0).then_some(arriving)
+    }
+
+    /// The light that leaves a surface toward the eye. `lit` says of each lamp how much of it arrives, 0 to 1; `occlusion` says so of
+    /// the sky.
+    pub fn shade(&self, seen: &Seen, surface: &SurfaceValues, occlusion: f64, lit: &[f64]) -> Vec3 {
+        let answer = Answer::of(surface);
+        let n = seen.normal;
+        let v = scale(seen.direction, -1.0);
+        let nv = dot(n, v).clamp(1e-3, 1.0);
+        let share = answer.mirror_share(nv);
+        let mirror = add(seen.direction, scale(n, -2.0 * dot(seen.direction, n)));
+        let scattered = mul(sub([1.0; 3], share), mul(answer.diffuse, self.fill(n)));
+        let mirrored = mul(share, self.mirror(mirror, answer.roughness));
+        let mut light = add(surface.emission, scale(add(scattered, mirrored), occlusion));
+        for (lamp, &lit) in self.lamps.iter().zip(lit) {
+            if let Some(arriving) = self.arriving(lamp, seen.point, n) {
+                let share = answer.reflect(n, v, arriving.direction);
+                light = add(light, scale(mul(arriving.radiance, share), lit));
+            }
+        }
+        light
+    }
+
+    /// The light of a surface as the eye sees it through the air: near the ends of the scene it goes over into the sky, so that an
+    /// endless plane has no rim.
+    pub fn haze(&self, light: Vec3, seen: &Seen) -> Vec3 {
+        let far = smooth(0.5, 1.0, seen.t / self.max_distance);
+        let out = smooth(0.85, 1.0, length(seen.point) / self.extent);
+        mix(light, self.sky(seen.direction), far.max(out))
+    }
+
+    /// Linear light to a screen's colour, each component 0 to 1, sRGB-encoded.
+    pub fn develop(&self, light: Vec3) -> Vec3 {
+        light.map(|c| encode(film(c.max(0.0) * self.exposure)))
+    }
+}
+
+/// The filmic curve fitted to the Academy's reference transform: Narkowicz, "ACES Filmic Tone Mapping Curve" (2016).
+fn film(linear: f64) -> f64 {
+    let c = FILM_SPEED * linear;
+    (c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14)).clamp(0.0, 1.0)
+}
+
+/// Linear to sRGB (IEC 61966-2-1), 0 to 1.
+pub fn encode(linear: f64) -> f64 {
+    let c = linear.clamp(0.0, 1.0);
+    if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// How far off the surface, along its normal, a shadow's ray starts. `from_eye` is the place seen from the eye, `t` how far it is,
+/// `footprint` the width of a pixel at distance one.
+pub fn shadow_offset(from_eye: Vec3, t: f64, footprint: f64) -> f64 {
+    3.0 * (0.5 * footprint * t).max(4e-6 * (length(from_eye) + 1.0))
+}
+
+/// The colour of a number of steps, 64 and more the brightest: the colours "inferno" of matplotlib (van der Walt and Smith), as the
+/// polynomial by Zucker (<https://www.shadertoy.com/view/WlfXRN>).
+pub fn steps_color(steps: u32) -> Vec3 {
+    const INFERNO: [Vec3; 7] = [
+        [0.0002189403691192265, 0.001651004631001012, -0.01948089843709184],
+        [0.1065134194856116, 0.5639564367884091, 3.932712388889277],
+        [11.60249308247187, -3.972853965665698, -15.9423941062914],
+        [-41.70399613139459, 17.43639888205313, 44.35414519872813],
+        [77.162935699427, -33.40235894210092, -81.80730925738993],
+        [-71.31942824499214, 32.62606426397723, 73.20951985803202],
+        [25.13112622477341, -12.24266895238567, -23.07032500287172],
+    ];
+    let s = (f64::from(steps) / 64.0).min(1.0);
+    let sum = INFERNO.iter().rev().fold([0.0; 3], |sum, &c| add(c, scale(sum, s)));
+    sum.map(|c| c.clamp(0.0, 1.0))
+}
+
+/// The grey of a distance: white at the eye, falling with the logarithm, black at the far end.
+pub fn depth_color(t: f64, max_distance: f64) -> Vec3 {
+    let share = (t / max_distance).clamp(0.0, 1.0);
+    [1.0 - (1.0 + 63.0 * share).log2() / 6.0; 3]
+}
+
+/// The colour of a normal, each component from -1..1 to 0..1.
+pub fn normal_color(normal: Vec3) -> Vec3 {
+    normal.map(|c| 0.5 + 0.5 * c)
+}

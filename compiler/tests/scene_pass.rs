@@ -1,0 +1,49 @@
+//! The text of the pass over the screen is valid WGSL after a module that has the functions it calls.
+
+const STUB: &str = include_str!("scene_pass/stub.wgsl");
+const BASE: &str = include_str!("../../runtime/src/passes/scene/base.wgsl");
+const LIGHT: &str = include_str!("../../runtime/src/passes/scene/light.wgsl");
+const SHADOW: [&str; 2] = [
+    include_str!("../../runtime/src/passes/scene/shadow.wgsl"),
+    include_str!("../../runtime/src/passes/scene/no_shadow.wgsl"),
+];
+const OCCLUSION: [&str; 2] = [
+    include_str!("../../runtime/src/passes/scene/occlusion.wgsl"),
+    include_str!("../../runtime/src/passes/scene/no_occlusion.wgsl"),
+];
+const SHADED: &str = include_str!("../../runtime/src/passes/scene/view_shaded.wgsl");
+const OTHERS: [&str; 3] = [
+    include_str!("../../runtime/src/passes/scene/view_normals.wgsl"),
+    include_str!("../../runtime/src/passes/scene/view_steps.wgsl"),
+    include_str!("../../runtime/src/passes/scene/view_depth.wgsl"),
+];
+const OUTPUT: [&str; 2] = [
+    include_str!("../../runtime/src/passes/scene/color.wgsl"),
+    include_str!("../../runtime/src/passes/scene/color_and_depth.wgsl"),
+];
+
+fn validate(sections: &[&str]) {
+    let text = sections.join("\n");
+    let module = naga::front::wgsl::parse_str(&text)
+        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
+    naga::valid::Validator::new(
+        naga::valid::ValidationFlags::all(),
+        naga::valid::Capabilities::empty(),
+    )
+    .validate(&module)
+    .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
+}
+
+#[test]
+fn every_combination_of_sections_is_valid() {
+    for output in OUTPUT {
+        for view in OTHERS {
+            validate(&[STUB, BASE, view, output]);
+        }
+        for shadow in SHADOW {
+            for occlusion in OCCLUSION {
+                validate(&[STUB, BASE, LIGHT, shadow, occlusion, SHADED, output]);
+            }
+        }
+    }
+}

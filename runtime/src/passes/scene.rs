@@ -1,0 +1,225 @@
+//! The pass that draws the field: one triangle over the screen. Its text is a list of sections, of which only those stand in the
+//! module that the scene and the view need; its uniforms are filled from a [`Frame`].
+
+use bytemuck::{Pod, Zeroable};
+use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, Shadow};
+use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::reference::shade::{self, MAX_LIGHTS};
+use surefoot_compiler::reference::vector::{scale, sub};
+
+pub use surefoot_compiler::reference::View as ViewMode;
+
+/// Distance from the eye of the plane at which the written depth is 1.
+pub const NEAR: f32 = 0.01;
+
+/// What of the pass is compiled. Each combination is a pipeline of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Features {
+    /// What the picture shows.
+    pub view: ViewMode,
+    /// Whether a light may throw a shadow.
+    pub shadows: bool,
+    /// Whether the sky's light is kept from corners.
+    pub occlusion: bool,
+    /// Whether the depth is written too, for triangles that are rasterised after.
+    pub depth: bool,
+}
+
+impl Features {
+    /// What a scene needs for any value of its parameters.
+    pub fn of(compiled: &Compiled, view: ViewMode) -> Self {
+        let constant = |node| compiled.graph.as_constant(node);
+        let blocks = &compiled.blocks;
+        let shaded = view == ViewMode::Shaded;
+        let off = blocks.shadows.and_then(constant) == Some(0.0);
+        // A scene without lights is lit by one that throws a shadow.
+        let thrown =
+            blocks.lights.is_empty() || blocks.lights.iter().any(|l| l.shadow.0 != Shadow::None);
+        let nothing = |(reach, strength)| {
+            constant(reach).is_some_and(|r| r <= 0.0)
+                || constant(strength).is_some_and(|s| s <= 0.0)
+        };
+        Self {
+            view,
+            shadows: shaded && thrown && !off,
+            occlusion: shaded && !blocks.ambient_occlusion.is_some_and(nothing),
+            depth: false,
+        }
+    }
+
+    /// The functions of the module that the pass calls.
+    pub fn exports(&self) -> Vec<Export> {
+        let mut exports = vec![Export::Trace];
+        if matches!(self.view, ViewMode::Shaded | ViewMode::Normals) {
+            exports.push(Export::Gradient);
+        }
+        if self.view == ViewMode::Shaded {
+            exports.push(Export::Surface);
+        }
+        if self.shadows {
+            exports.push(Export::Shadow);
+        }
+        if self.occlusion {
+            exports.push(Export::Occlusion);
+        }
+        exports
+    }
+
+    /// The pass's text, to stand after the emitted module. Entry points: `vertex`, `fragment`; uniforms: group 1, binding 0.
+    pub fn wgsl(&self) -> String {
+        let mut sections = vec![include_str!("scene/base.wgsl")];
+        if self.view == ViewMode::Shaded {
+            sections.push(include_str!("scene/light.wgsl"));
+            sections.push(match self.shadows {
+                true => include_str!("scene/shadow.wgsl"),
+                false => include_str!("scene/no_shadow.wgsl"),
+            });
+            sections.push(match self.occlusion {
+                true => include_str!("scene/occlusion.wgsl"),
+                false => include_str!("scene/no_occlusion.wgsl"),
+            });
+        }
+        sections.push(match self.view {
+            ViewMode::Shaded => include_str!("scene/view_shaded.wgsl"),
+            ViewMode::Normals => include_str!("scene/view_normals.wgsl"),
+            ViewMode::Steps => include_str!("scene/view_steps.wgsl"),
+            ViewMode::Depth => include_str!("scene/view_depth.wgsl"),
+        });
+        sections.push(match self.depth {
+            true => include_str!("scene/color_and_depth.wgsl"),
+            false => include_str!("scene/color.wgsl"),
+        });
+        sections.join("\n")
+    }
+}
+
+/// Declares a struct of plain data and the list of its fields, which a test compares with what the shader's text says.
+macro_rules! uniforms {
+    ($(#[$doc:meta])* $visibility:vis struct $name:ident { $($field:ident: $ty:ty,)* }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+        #[repr(C)]
+        $visibility struct $name { $($field: $ty,)* }
+
+        impl $name {
+            /// Name, offset and size in bytes of each field.
+            pub const FIELDS: &[(&str, usize, usize)] =
+                &[$((stringify!($field), std::mem::offset_of!($name, $field), size_of::<$ty>()),)*];
+        }
+    };
+}
+
+uniforms! {
+    /// A light, as `scene/base.wgsl` declares it.
+    pub struct SceneLight {
+        vector: [f32; 3],
+        position: u32,
+        radiance: [f32; 3],
+        softness: f32,
+    }
+}
+
+uniforms! {
+    /// Uniforms of the pass, as `scene/base.wgsl` declares them.
+    pub struct SceneUniforms {
+        eye: [f32; 3],
+        tan_half_fov: f32,
+        right: [f32; 3],
+        aspect: f32,
+        up: [f32; 3],
+        footprint: f32,
+        forward: [f32; 3],
+        exposure: f32,
+        center: [f32; 3],
+        extent: f32,
+        zenith: [f32; 3],
+        max_distance: f32,
+        horizon: [f32; 3],
+        light_count: u32,
+        corner: [f32; 2],
+        size: [f32; 2],
+        srgb_target: u32,
+        near: f32,
+        padding: [f32; 2],
+        lights: [SceneLight; MAX_LIGHTS],
+    }
+}
+
+impl SceneUniforms {
+    /// `origin` is the scene's point at which the module's `p` is zero; `size` is that of the whole picture and `corner` its upper left
+    /// corner on the target, both in pixels; `srgb_target` says that the target itself encodes linear colours.
+    pub fn new(
+        frame: &Frame,
+        camera: &Camera,
+        origin: [f64; 3],
+        size: [f32; 2],
+        corner: [f32; 2],
+        srgb_target: bool,
+    ) -> Self {
+        let narrow = |v: [f64; 3]| v.map(|c| c as f32);
+        let basis = Basis::of(camera);
+        let mut lights = [SceneLight::zeroed(); MAX_LIGHTS];
+        let lamps = shade::lamps(frame);
+        for (light, lamp) in lights.iter_mut().zip(&lamps) {
+            let vector = if lamp.position { sub(lamp.vector, origin) } else { lamp.vector };
+            *light = SceneLight {
+                vector: narrow(vector),
+                position: u32::from(lamp.position),
+                radiance: narrow(lamp.radiance),
+                softness: lamp.softness as f32,
+            };
+        }
+        Self {
+            eye: narrow(sub(camera.eye, origin)),
+            tan_half_fov: basis.tan_half_fov as f32,
+            right: narrow(basis.right),
+            aspect: size[0] / size[1].max(1.0),
+            up: narrow(basis.up),
+            footprint: (2.0 * basis.tan_half_fov) as f32 / size[1].max(1.0),
+            forward: narrow(basis.forward),
+            exposure: frame.exposure.exp2() as f32,
+            center: narrow(scale(origin, -1.0)),
+            extent: frame.extent as f32,
+            zenith: narrow(frame.sky.zenith),
+            max_distance: frame.max_distance as f32,
+            horizon: narrow(frame.sky.horizon),
+            light_count: lamps.len() as u32,
+            corner,
+            size,
+            srgb_target: u32::from(srgb_target),
+            near: NEAR,
+            padding: [0.0; 2],
+            lights,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wgpu::naga;
+
+    /// The fields of a struct in the shader's text: name, offset, size in bytes.
+    fn declared(module: &naga::Module, name: &str) -> Vec<(String, usize, usize)> {
+        let gctx = module.to_ctx();
+        let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
+        let Some((_, naga::Type { inner: naga::TypeInner::Struct { members, .. }, .. })) = found
+        else {
+            panic!("there is no struct {name}");
+        };
+        let size = |m: &naga::StructMember| module.types[m.ty].inner.size(gctx) as usize;
+        members.iter().map(|m| (m.name.clone().unwrap(), m.offset as usize, size(m))).collect()
+    }
+
+    #[test]
+    fn host_and_shader_agree_on_every_field() {
+        let stub = "fn sf_gradient(p: vec3f) -> vec4f { return vec4f(p, 0.0); }";
+        let text = format!("{stub}\n{}", include_str!("scene/base.wgsl"));
+        let module = naga::front::wgsl::parse_str(&text).unwrap();
+        let host = |fields: &[(&str, usize, usize)]| -> Vec<(String, usize, usize)> {
+            fields.iter().map(|&(name, at, size)| (name.to_owned(), at, size)).collect()
+        };
+        assert_eq!(declared(&module, "SceneLight"), host(SceneLight::FIELDS));
+        assert_eq!(declared(&module, "SceneUniforms"), host(SceneUniforms::FIELDS));
+    }
+}

@@ -1,0 +1,109 @@
+// One triangle over the screen; each fragment follows its ray through the field. Stands after an emitted module.
+// The constants and formulas of light are those of compiler/src/reference/shade.rs: what changes here changes there.
+
+struct SceneLight {
+    // The direction toward the light, of length one; or where it is.
+    vector: vec3f,
+    // 1 where `vector` is a position.
+    position: u32,
+    radiance: vec3f,
+    // Below 0: throws no shadow; 0: a hard one; above: a soft one, sharper the larger it is.
+    softness: f32,
+}
+
+struct SceneUniforms {
+    // Where the eye is, in the space of the module's `p`.
+    eye: vec3f,
+    // A picture's half height at distance one.
+    tan_half_fov: f32,
+    right: vec3f,
+    // Width over height.
+    aspect: f32,
+    up: vec3f,
+    // A pixel's width at distance one.
+    footprint: f32,
+    forward: vec3f,
+    // What light is multiplied by.
+    exposure: f32,
+    // The scene's origin, in the space of the module's `p`.
+    center: vec3f,
+    // Radius about it beyond which nothing is drawn.
+    extent: f32,
+    zenith: vec3f,
+    max_distance: f32,
+    horizon: vec3f,
+    light_count: u32,
+    // The picture's upper left corner on the target, and its size, in pixels.
+    corner: vec2f,
+    size: vec2f,
+    // 1 where the target itself encodes linear colours as sRGB.
+    srgb_target: u32,
+    // Distance of the plane at which the depth that is written is 1.
+    near: f32,
+    padding: vec2f,
+    lights: array<SceneLight, 16>,
+}
+
+@group(1) @binding(0) var<uniform> scene: SceneUniforms;
+
+const SCENE_PI: f32 = 3.14159265;
+
+// What a ray from the eye finds: the colour as a screen wants it (sRGB-encoded), and how far the surface is; below 0: none.
+struct ScenePixel {
+    color: vec3f,
+    t: f32,
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+    return vec4f(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+// The direction through a point of the target.
+fn scene_direction(position: vec2f) -> vec3f {
+    let at = (position - scene.corner) / scene.size * 2.0 - 1.0;
+    let across = at.x * scene.aspect * scene.tan_half_fov;
+    let down = at.y * scene.tan_half_fov;
+    return normalize(scene.forward + across * scene.right - down * scene.up);
+}
+
+// The surface's normal; a gradient that vanishes answers with the direction to the eye.
+fn scene_normal(p: vec3f, direction: vec3f) -> vec3f {
+    let gradient = sf_gradient(p).xyz;
+    let size = length(gradient);
+    if size > 1e-12 {
+        return gradient / size;
+    }
+    return -direction;
+}
+
+fn scene_smooth(low: f32, high: f32, x: f32) -> f32 {
+    let s = clamp((x - low) / (high - low), 0.0, 1.0);
+    return s * s * (3.0 - 2.0 * s);
+}
+
+// How much of the way from horizon to zenith the sky has gone at a height -1..1: flat at the horizon, so that it is soft.
+fn scene_height(y: f32) -> f32 {
+    let s = max(y, 0.0);
+    return 1.2 * s * s / (s * s + 0.2);
+}
+
+// The sky's radiance.
+fn scene_sky(direction: vec3f) -> vec3f {
+    return mix(scene.horizon, scene.zenith, scene_height(direction.y));
+}
+
+// Linear to sRGB (IEC 61966-2-1).
+fn scene_encode(linear: vec3f) -> vec3f {
+    let c = clamp(linear, vec3f(0.0), vec3f(1.0));
+    return select(1.055 * pow(max(c, vec3f(1e-6)), vec3f(1.0 / 2.4)) - 0.055, 12.92 * c, c <= vec3f(0.0031308));
+}
+
+// A screen's colour as the target wants it.
+fn scene_target(encoded: vec3f) -> vec4f {
+    if scene.srgb_target == 0u {
+        return vec4f(encoded, 1.0);
+    }
+    let c = encoded;
+    return vec4f(select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045)), 1.0);
+}

@@ -1,0 +1,16 @@
+// Colour, and the depth that rasterised triangles compare with: 1 at the near plane, 0 at infinity.
+struct SceneFragment {
+    @location(0) color: vec4f,
+    @builtin(frag_depth) depth: f32,
+}
+
+@fragment
+fn fragment(@builtin(position) position: vec4f) -> SceneFragment {
+    let direction = scene_direction(position.xy);
+    let pixel = scene_pixel(direction);
+    var depth = 0.0;
+    if pixel.t >= 0.0 {
+        depth = clamp(scene.near / max(pixel.t * dot(direction, scene.forward), scene.near), 0.0, 1.0);
+    }
+    return SceneFragment(scene_target(pixel.color), depth);
+}

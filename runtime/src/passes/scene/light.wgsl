@@ -1,0 +1,119 @@
+// Light: the scene's lights by a microfacet model, the sky's by its gradient, and the film.
+
+// The filmic curve fitted to the Academy's reference transform: Narkowicz, "ACES Filmic Tone Mapping Curve" (2016).
+fn scene_film(linear: vec3f) -> vec3f {
+    let c = SCENE_FILM_SPEED * linear;
+    return clamp(c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14), vec3f(0.0), vec3f(1.0));
+}
+
+// Linear light to a screen's colour.
+fn scene_develop(light: vec3f) -> vec3f {
+    return scene_encode(scene_film(max(light, vec3f(0.0)) * scene.exposure));
+}
+
+const SCENE_FILM_SPEED: f32 = 0.7;
+// The share of the sky's light that arrives, and what the ground throws back of it.
+const SCENE_FILL: f32 = 0.6;
+const SCENE_GROUND: f32 = 0.35;
+
+// What the sky, with dark ground below it, sheds on a surface that faces a direction, as radiance.
+fn scene_fill(direction: vec3f) -> vec3f {
+    let above = scene_smooth(-0.8, 0.8, direction.y);
+    let sky = mix(scene.horizon, scene.zenith, 0.25 + 0.5 * above);
+    return SCENE_FILL * mix(SCENE_GROUND * scene.horizon, sky, above);
+}
+
+// What a mirror of some roughness sees in a direction.
+fn scene_mirror(direction: vec3f, roughness: f32) -> vec3f {
+    let width = 0.1 + 0.7 * roughness;
+    let above = scene_smooth(-width, 0.6 * width, direction.y);
+    let sharp = mix(SCENE_GROUND * scene.horizon, scene_sky(direction), above);
+    return mix(sharp, scene_fill(direction), roughness);
+}
+
+// A surface's answer to light.
+struct SceneAnswer {
+    // The share that is scattered, by colour.
+    diffuse: vec3f,
+    // The share that is mirrored head-on, by colour.
+    mirrored: vec3f,
+    roughness: f32,
+}
+
+fn scene_answer(surface: sf_Surface) -> SceneAnswer {
+    let metallic = clamp(surface.metallic, 0.0, 1.0);
+    let reflectivity = clamp(surface.reflectivity, 0.0, 1.0);
+    let color = clamp(surface.color, vec3f(0.0), vec3f(1.0));
+    let mirrored = max(mix(vec3f(0.04), color, metallic), reflectivity * mix(vec3f(1.0), color, metallic));
+    let roughness = clamp(surface.roughness * (1.0 - 0.6 * reflectivity), 0.06, 1.0);
+    return SceneAnswer(color * (1.0 - metallic) * (1.0 - 0.9 * reflectivity), mirrored, roughness);
+}
+
+// Cook and Torrance's model with the distribution GGX and Smith's shadowing in the form that correlates both sides (Walter et al. 2007;
+// Heitz 2014) and Schlick's Fresnel term (1994); the square of roughness is the width (Burley 2012). Times the cosine; `l` points to
+// the light, `v` to the eye.
+fn scene_reflect(answer: SceneAnswer, n: vec3f, v: vec3f, l: vec3f) -> vec3f {
+    let nl = max(dot(n, l), 0.0);
+    let nv = max(dot(n, v), 1e-3);
+    let sum = l + v;
+    let h = sum / max(length(sum), 1e-6);
+    let nh = max(dot(n, h), 0.0);
+    let vh = clamp(dot(v, h), 0.0, 1.0);
+    let width = answer.roughness * answer.roughness;
+    let width2 = width * width;
+    // 1 - nh², without its cancellation.
+    let across = cross(n, h);
+    let below = nh * nh * width2 + dot(across, across);
+    let distribution = width2 / (SCENE_PI * below * below);
+    let smith = nl * sqrt(nv * nv * (1.0 - width2) + width2) + nv * sqrt(nl * nl * (1.0 - width2) + width2);
+    let visible = 0.5 / max(smith, 1e-6);
+    let fresnel = answer.mirrored + (1.0 - answer.mirrored) * pow(max(1.0 - vh, 1e-6), 5.0);
+    return (fresnel * (distribution * visible) + (1.0 - fresnel) * answer.diffuse / SCENE_PI) * nl;
+}
+
+// How much of the surroundings is mirrored, by angle and roughness: Karis, "Physically Based Shading on Mobile" (2014).
+fn scene_mirror_share(mirrored: vec3f, roughness: f32, nv: f32) -> vec3f {
+    let r = roughness * vec4f(-1.0, -0.0275, -0.572, 0.022) + vec4f(1.0, 0.0425, 1.04, -0.04);
+    let a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
+    return mirrored * (r.z - 1.04 * a) + (1.04 * a + r.w);
+}
+
+// The light that leaves a surface at `p` toward the eye. `direction` goes from the eye to it, `t` is how far that is.
+fn scene_shade(p: vec3f, n: vec3f, direction: vec3f, t: f32, surface: sf_Surface) -> vec3f {
+    let answer = scene_answer(surface);
+    let v = -direction;
+    let nv = clamp(dot(n, v), 1e-3, 1.0);
+    // Shadows start off the surface by a few tolerances of the hit.
+    let off = 3.0 * max(0.5 * scene.footprint * t, 4e-6 * (length(p) + 1.0));
+    let occlusion = scene_occlusion(p, n);
+    let share = scene_mirror_share(answer.mirrored, answer.roughness, nv);
+    let mirror = reflect(direction, n);
+    var light = surface.emission;
+    light += occlusion * (1.0 - share) * answer.diffuse * scene_fill(n);
+    light += occlusion * share * scene_mirror(mirror, answer.roughness);
+    for (var i = 0u; i < scene.light_count; i += 1u) {
+        let lamp = scene.lights[i];
+        var l = lamp.vector;
+        var far = 4.0 * scene.extent;
+        var radiance = lamp.radiance;
+        if lamp.position == 1u {
+            let way = lamp.vector - p;
+            far = max(length(way), 1e-4);
+            l = way / far;
+            radiance /= far * far;
+        }
+        if dot(n, l) > 0.0 {
+            let lit = scene_lit(p + off * n, l, off, far, lamp.softness);
+            light += lit * radiance * scene_reflect(answer, n, v, l);
+        }
+    }
+    return light;
+}
+
+// The light of a surface as the eye sees it through the air: near the ends of the scene it goes over into the sky, so that an endless
+// plane has no rim.
+fn scene_haze(light: vec3f, p: vec3f, direction: vec3f, t: f32) -> vec3f {
+    let far = scene_smooth(0.5, 1.0, t / scene.max_distance);
+    let out = scene_smooth(0.85, 1.0, length(p - scene.center) / scene.extent);
+    return mix(light, scene_sky(direction), max(far, out));
+}

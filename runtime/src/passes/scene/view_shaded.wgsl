@@ -1,0 +1,11 @@
+// The scene in its light.
+fn scene_pixel(direction: vec3f) -> ScenePixel {
+    let hit = sf_trace(scene.eye, direction, 0.0, scene.max_distance, scene.footprint);
+    if !hit.hit {
+        return ScenePixel(scene_develop(scene_sky(direction)), -1.0);
+    }
+    let p = scene.eye + hit.t * direction;
+    let n = scene_normal(p, direction);
+    let light = scene_shade(p, n, direction, hit.t, sf_surface(p, n));
+    return ScenePixel(scene_develop(scene_haze(light, p, direction, hit.t)), hit.t);
+}
