@@ -2,6 +2,7 @@
 
 pub mod ast;
 pub mod lexer;
+pub mod literals;
 pub mod parser;
 pub mod words;
 

@@ -3,9 +3,12 @@
 //!
 //! No tree is higher than [`MAX_HEIGHT`], so that whoever walks it can recurse.
 
+mod blocks;
 mod declarations;
 mod expressions;
+mod mistaken;
 mod recovery;
+mod types;
 
 use super::ast;
 use super::lexer::{Token, TokenKind, lex};

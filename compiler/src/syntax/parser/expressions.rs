@@ -1,7 +1,8 @@
 //! Expressions: operators from the left by their level, then calls, dots and indices, then what stands by itself.
 
 use super::super::ast::*;
-use super::super::lexer::{Number, Token, TokenKind, read_color, read_number, read_string};
+use super::super::lexer::{Token, TokenKind};
+use super::super::literals::{Number, read_color, read_number, read_string};
 use super::super::words;
 use super::Parser;
 use super::recovery::ListOf;
@@ -68,13 +69,13 @@ impl Parser<'_> {
         value
     }
 
-    fn hole(&self) -> Expr {
+    pub(super) fn hole(&self) -> Expr {
         let at = self.end();
         Expr { kind: ExprKind::Hole, span: Span { file: self.file, start: at, end: at } }
     }
 
     /// A value without a range.
-    pub(super) fn expr(&mut self) -> Expr {
+    fn expr(&mut self) -> Expr {
         self.nested(Self::operators).unwrap_or_else(|| self.hole())
     }
 
@@ -236,7 +237,7 @@ impl Parser<'_> {
         ExprKind::Dot(Box::new(receiver), name, arguments)
     }
 
-    fn index(&mut self) -> Expr {
+    pub(super) fn index(&mut self) -> Expr {
         let open = self.bump();
         let span = self.span(open);
         let mut items = self.list(open, TokenKind::BracketClose, &ITEMS, |p| Some(p.value()));
@@ -310,7 +311,7 @@ impl Parser<'_> {
         Expr { kind, span: self.span_from(token.start) }
     }
 
-    fn number(&mut self) -> ExprKind {
+    pub(super) fn number(&mut self) -> ExprKind {
         let token = self.bump();
         let number = read_number(token.text(self.text));
         let word = self.word_of(self.peek());
@@ -360,7 +361,7 @@ impl Parser<'_> {
         }
     }
 
-    fn word(&mut self, token: Token) -> Expr {
+    pub(super) fn word(&mut self, token: Token) -> Expr {
         let word = token.text(self.text);
         let kind = match word {
             "true" | "false" => {
@@ -522,117 +523,6 @@ impl Parser<'_> {
         let kind = ExprKind::If(Box::new(condition), Box::new(then), otherwise);
         let kind = if self.grow(span) { kind } else { ExprKind::Hole };
         Expr { kind, span }
-    }
-
-    /// A block where one has to stand.
-    fn body(&mut self, what: &str, help: &str) -> Expr {
-        if self.is(TokenKind::BraceOpen) {
-            return self.block();
-        }
-        self.missing(&format!("`{{` before {what}"), help);
-        if self.starts_operand() && !self.is_on_new_line() { self.value() } else { self.hole() }
-    }
-
-    /// `{ let a = 1; value }`.
-    pub(super) fn block(&mut self) -> Expr {
-        self.nested(Self::block_inside).unwrap_or_else(|| self.hole())
-    }
-
-    fn block_inside(&mut self) -> Expr {
-        let open = self.bump();
-        self.opens.push(TokenKind::BraceOpen);
-        let mut lets = Vec::new();
-        while self.at_let()
-            || self.is(TokenKind::Name) && self.next_is(TokenKind::Equals) && !self.is_word("scene")
-        {
-            self.block_let(&mut lets);
-        }
-        let value = if self.is(TokenKind::BraceClose) {
-            self.unexpected(
-                "a block ends with its value, found `}`",
-                "write the value before the `}`, without `;`",
-            );
-            self.hole()
-        } else {
-            self.value()
-        };
-        if self.is(TokenKind::Semicolon) {
-            self.unexpected(
-                "the value of a block has no `;` after it",
-                "take the `;` out; only a `let` ends with one",
-            );
-            self.bump();
-        }
-        self.close_block(open);
-        self.opens.pop();
-        let span = self.span_from(open.start);
-        let kind =
-            if self.grow(span) { ExprKind::Block(lets, Box::new(value)) } else { ExprKind::Hole };
-        Expr { kind, span }
-    }
-
-    /// Reads a `}`, and what can't stand before it.
-    pub(super) fn close_block(&mut self, open: Token) {
-        if self.eat(TokenKind::BraceClose).is_some() {
-            return;
-        }
-        if !self.is(TokenKind::End) && !self.at_declaration() {
-            self.missing("`}`", "a block is `{ let a = 1; value }`: one value, at its end");
-            while !matches!(self.peek().kind, TokenKind::BraceClose | TokenKind::End)
-                && !self.at_declaration()
-            {
-                self.skip_balanced();
-            }
-        }
-        if self.eat(TokenKind::BraceClose).is_none() {
-            self.unclosed(open);
-        }
-    }
-
-    /// A `let` in a block with the `;` after it.
-    pub(super) fn block_let(&mut self, lets: &mut Vec<Let>) {
-        if !self.is_word("let") {
-            let word = self.word_of(self.peek());
-            self.unexpected(
-                format!("`{word}` is given a value without `let`"),
-                format!("write `let {word} = …;`: a name is given its value once"),
-            );
-        }
-        lets.extend(self.let_declaration(true));
-        if self.eat(TokenKind::Semicolon).is_some() {
-            return;
-        }
-        if self.is(TokenKind::Comma) {
-            self.unexpected("a `let` ends with `;`, found `,`", "write `;` in its place");
-            self.bump();
-        } else if !self.is(TokenKind::BraceClose) && !self.is(TokenKind::End) {
-            let last = self.previous().unwrap_or(self.peek());
-            if self.starts_operand() || self.is_word("let") {
-                let span = self.span(last);
-                self.report(
-                    Code::Unexpected,
-                    span,
-                    "`;` is missing after this `let`",
-                    "write `;` between a `let` and what follows it",
-                );
-            } else {
-                self.missing("`;`", "a `let` in a block ends with `;`");
-                while !matches!(
-                    self.peek().kind,
-                    TokenKind::Semicolon
-                        | TokenKind::Comma
-                        | TokenKind::BraceClose
-                        | TokenKind::End
-                ) && !self.is_word("let")
-                    && !self.at_declaration()
-                {
-                    self.skip_balanced();
-                }
-                if !self.is(TokenKind::BraceClose) {
-                    self.eat(TokenKind::Semicolon).or_else(|| self.eat(TokenKind::Comma));
-                }
-            }
-        }
     }
 }
 

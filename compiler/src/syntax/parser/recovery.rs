@@ -230,7 +230,7 @@ impl Parser<'_> {
     }
 }
 
-pub(super) fn closing_of(open: TokenKind) -> Option<TokenKind> {
+fn closing_of(open: TokenKind) -> Option<TokenKind> {
     match open {
         TokenKind::ParenOpen => Some(TokenKind::ParenClose),
         TokenKind::BracketOpen => Some(TokenKind::BracketClose),
