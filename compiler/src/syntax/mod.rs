@@ -1,11 +1,15 @@
 //! Text to tree.
 
 pub mod ast;
+pub mod format;
+pub mod highlight;
 pub mod lexer;
 pub mod literals;
 pub mod parser;
 pub mod words;
 
+pub use format::format;
+pub use highlight::{TokenClass, tokens};
 pub use parser::parse;
 
 #[cfg(test)]

@@ -24,12 +24,13 @@ pub const MAX_HEIGHT: usize = 400;
 /// Reads a text. The tree holds everything that could be read; the diagnostics are in the order of the text.
 pub fn parse(file: FileId, text: &str) -> (ast::File, Vec<Diagnostic>) {
     let (all, diagnostics) = lex(file, text);
-    let mut tokens = Vec::with_capacity(all.len());
+    let mut tokens: Vec<Token> = Vec::with_capacity(all.len());
     let mut docs: Vec<(usize, String)> = Vec::new();
     let mut file_doc: Option<String> = None;
     for token in all {
         match token.kind {
             TokenKind::LineComment | TokenKind::BlockComment => {}
+            TokenKind::Doc if stands_after_something(text, &tokens, token) => {}
             TokenKind::Doc => {
                 let line = doc_line(token.text(text), "///");
                 match docs.last_mut() {
@@ -51,7 +52,16 @@ pub fn parse(file: FileId, text: &str) -> (ast::File, Vec<Diagnostic>) {
                 }
             }
             TokenKind::FileDoc => {}
-            _ => tokens.push(token),
+            _ => {
+                // What documents reaches over the `;` or `,` of what stands before.
+                if matches!(token.kind, TokenKind::Semicolon | TokenKind::Comma)
+                    && let Some((at, _)) = docs.last_mut()
+                    && *at == tokens.len()
+                {
+                    *at += 1;
+                }
+                tokens.push(token);
+            }
         }
     }
     let mut parser = Parser {
@@ -72,6 +82,13 @@ pub fn parse(file: FileId, text: &str) -> (ast::File, Vec<Diagnostic>) {
     let mut diagnostics = parser.diagnostics;
     diagnostics.sort_by_key(|d| d.span.start);
     (ast::File { items, doc: file_doc }, diagnostics)
+}
+
+/// Whether a token stands on the same line before a comment, which then documents nothing.
+fn stands_after_something(text: &str, tokens: &[Token], comment: Token) -> bool {
+    tokens.last().is_some_and(|last| {
+        text.get(last.end as usize..comment.start as usize).is_some_and(|gap| !gap.contains('\n'))
+    })
 }
 
 fn doc_line<'t>(text: &'t str, mark: &str) -> &'t str {
@@ -235,7 +252,7 @@ impl<'t> Parser<'t> {
         match token.kind {
             TokenKind::End => "the end of the text".to_string(),
             TokenKind::Name if super::words::is_reserved(&text) => format!("the word `{text}`"),
-            TokenKind::Str => format!("the text {text}"),
+            TokenKind::Str => format!("the text `{text}`"),
             _ => format!("`{text}`"),
         }
     }

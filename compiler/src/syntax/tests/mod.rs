@@ -1,11 +1,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+mod formatting;
+mod random;
+
 use super::ast::*;
 use super::parse;
 use crate::diagnostic::{Code, Diagnostic, render};
 use crate::source::{FileId, Sources};
 
-const CONTRACT: &str = include_str!("../../../tests/corpus/right/contract.sdf");
+const CONTRACT: &str = include_str!("../../../../tests/corpus/right/contract.sdf");
 
 fn read(text: &str) -> File {
     let (file, diagnostics) = parse(FileId(0), text);

@@ -1,0 +1,141 @@
+//! What stands at the top of a file and is no declaration.
+
+use super::super::ast::*;
+use super::super::lexer::TokenKind;
+use super::super::words;
+use super::Parser;
+
+impl Parser<'_> {
+    /// What stands at the top of the file and is no declaration: says what was probably meant, and reads it as that.
+    pub(super) fn not_a_declaration(&mut self, loose: &mut Option<Item>) -> Option<ItemKind> {
+        let token = self.peek();
+        let start = token.start;
+        let word = self.word_of(token);
+        let next = self.peek_next().kind;
+        if self.at > 0 && !self.is_on_new_line() && token.kind != TokenKind::Semicolon {
+            let found = self.describe(token);
+            let help = match token.kind {
+                TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => {
+                    format!("take the {found} out, or write its partner where it opens")
+                }
+                TokenKind::DotDot => {
+                    "a range stands after `in`, and as a value in a block".to_string()
+                }
+                TokenKind::Equals => "two values are compared with `==`".to_string(),
+                _ => "join shapes with `|`, `&` or `-`, numbers with `+`, `-`, `*` or `/`"
+                    .to_string(),
+            };
+            self.unexpected(format!("the declaration ended before {found}"), help);
+            self.skip_to_declaration();
+            return None;
+        }
+        match token.kind {
+            TokenKind::Semicolon => {
+                self.unexpected(
+                    "a declaration has no `;` after it",
+                    "take the `;` out; only a `let` in a block ends with one",
+                );
+                self.bump();
+                return None;
+            }
+            TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => {
+                let found = self.describe(token);
+                self.unexpected(
+                    format!("{found} closes nothing"),
+                    "take it out, or write its partner where it opens",
+                );
+                self.bump();
+                return None;
+            }
+            TokenKind::BadCharacter | TokenKind::BadLiteral => {
+                self.bump();
+                self.skip_to_declaration();
+                return None;
+            }
+            TokenKind::Name => {}
+            _ => {
+                let found = self.describe(token);
+                self.unexpected(
+                    format!("expected a declaration, found {found}"),
+                    declaration_help(),
+                );
+                self.skip_to_declaration();
+                return None;
+            }
+        }
+        let meant = match word {
+            "const" | "var" | "val" | "def" | "define" if next == TokenKind::Name => Some("let"),
+            "uniform" | "parameter" | "slider" if next == TokenKind::Name => Some("param"),
+            "func" | "function" | "fun" if next == TokenKind::Name => Some("fn"),
+            "include" | "use" if next == TokenKind::Str => Some("import"),
+            _ => words::nearest(word, words::DECLARATIONS.iter().copied()).filter(|near| {
+                matches!(next, TokenKind::Name | TokenKind::Str | TokenKind::BraceOpen)
+                    || next == TokenKind::Equals && *near == "scene"
+            }),
+        };
+        if let Some(meant) = meant {
+            self.unexpected(
+                format!("no declaration starts with `{word}`"),
+                format!("write `{meant}`"),
+            );
+            return self.declaration(meant);
+        }
+        let third = self.token_at(self.at + 2).kind;
+        if words::TYPES.contains(&word) && next == TokenKind::Name && third == TokenKind::ParenOpen
+        {
+            let help = "write `fn name(a: float) = …` for numbers, `field name(a: float) = …` for a formula in `p`";
+            self.unexpected(format!("a function does not start with its type `{word}`"), help);
+            self.skip_to_declaration();
+            return None;
+        }
+        if words::TYPES.contains(&word) && next == TokenKind::Name && third == TokenKind::Equals {
+            self.unexpected(
+                format!("a value does not start with its type `{word}`"),
+                "write `let` in its place",
+            );
+            return self.declaration("let");
+        }
+        match next {
+            TokenKind::Equals => {
+                self.unexpected(
+                    format!("`{word}` is given a value without a word that says what it is"),
+                    format!("write `let {word} = …` for a value, `shape {word} = …` for a shape"),
+                );
+                let name = self.declared_name("a value")?;
+                let value = self.after_equals("`let a = 1`");
+                let span = self.span_from(start);
+                Some(ItemKind::Let(Let {
+                    span,
+                    bindings: vec![(name, value)],
+                    iterate: None,
+                    doc: None,
+                }))
+            }
+            TokenKind::ParenOpen | TokenKind::Dot => {
+                self.unexpected(
+                    "a value stands here by itself",
+                    format!(
+                        "write `scene = {word}…` to draw it, `shape name = {word}…` to name it"
+                    ),
+                );
+                let value = self.value();
+                loose.get_or_insert(Item {
+                    kind: ItemKind::Scene(value),
+                    span: self.span_from(start),
+                    doc: None,
+                });
+                None
+            }
+            _ => {
+                self.unexpected(format!("no declaration starts with `{word}`"), declaration_help());
+                self.bump();
+                self.skip_to_declaration();
+                None
+            }
+        }
+    }
+}
+
+fn declaration_help() -> String {
+    format!("a declaration starts with {}", words::DECLARATIONS.join(", "))
+}
