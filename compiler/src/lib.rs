@@ -1,9 +1,11 @@
 //! From the text of a signed distance field to proven WGSL.
 
+pub mod analysis;
 pub mod compiled;
 pub mod diagnostic;
 pub mod functions;
 pub mod graph;
+pub mod program;
 pub mod source;
 pub mod syntax;
 

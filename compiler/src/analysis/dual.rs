@@ -1,0 +1,435 @@
+//! Intervals with derivatives: all values and all gradients over a box, with a bound of the gradient's norm.
+//!
+//! The norm is kept beside the components, because `length` has a gradient of norm one though each of its components
+//! can reach one, and because a turn by any angle, varying or not, is an isometry.
+
+use super::tape::{Step, Tape};
+use super::{leaf_range, Box3, Domain, Facts};
+use crate::graph::algebra::{Algebra, Intervals};
+use crate::graph::interval::Interval;
+use crate::graph::kernel::{self, Op};
+use crate::graph::{Claim, ClaimGroup, Graph, Leaf, NodeId, ShapeId};
+
+/// Jumps in the formula itself.
+pub const JUMPS_HERE: u8 = 1;
+/// Jumps in the formula of a shape that it calls.
+pub const JUMPS_INSIDE: u8 = 2;
+
+/// All values and gradients over a box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dual {
+    /// All values.
+    pub value: Interval,
+    /// All components of the gradient, on each piece.
+    pub gradient: [Interval; 3],
+    /// A bound of the gradient's norm.
+    pub norm: f64,
+    /// Where it may jump.
+    pub jumps: u8,
+}
+
+impl Dual {
+    /// A value that does not depend on the point.
+    pub fn constant(value: Interval) -> Self {
+        Self { value, gradient: [Interval::ZERO; 3], norm: 0.0, jumps: 0 }
+    }
+
+    /// A coordinate of the point.
+    pub fn coordinate(i: usize, value: Interval) -> Self {
+        let mut gradient = [Interval::ZERO; 3];
+        if let Some(slot) = gradient.get_mut(i) {
+            *slot = Interval::ONE;
+        }
+        Self { value, gradient, norm: 1.0, jumps: 0 }
+    }
+
+    /// With a gradient whose norm is known to be at most `limit`.
+    pub fn limited(mut self, limit: f64) -> Self {
+        self.norm = self.norm.min(limit);
+        let side = Interval::new(-self.norm, self.norm);
+        for g in &mut self.gradient {
+            *g = g.intersect(side);
+            if g.is_empty() {
+                *g = side;
+            }
+        }
+        self
+    }
+
+    /// The norm as far as the components tell it, rounded up.
+    fn components_norm(gradient: &[Interval; 3]) -> f64 {
+        let sum = gradient.iter().fold(0.0, |s: f64, g| s + g.magnitude() * g.magnitude());
+        // One exact component alone keeps its exact norm.
+        let mut others = gradient.iter().filter(|g| g.magnitude() > 0.0);
+        match (others.next(), others.next()) {
+            (None, _) => 0.0,
+            (Some(one), None) => one.magnitude(),
+            _ => sum.sqrt().next_up(),
+        }
+    }
+
+    fn new(value: Interval, gradient: [Interval; 3], norm: f64, jumps: u8) -> Self {
+        let norm = norm.min(Self::components_norm(&gradient));
+        Self { value, gradient, norm: if norm.is_nan() { f64::INFINITY } else { norm }, jumps }
+    }
+
+    fn hull(self, other: Self) -> ([Interval; 3], f64) {
+        let mut gradient = self.gradient;
+        for (a, b) in gradient.iter_mut().zip(other.gradient) {
+            *a = a.hull(b);
+        }
+        (gradient, self.norm.max(other.norm))
+    }
+
+    fn scaled(&self, by: Interval) -> [Interval; 3] {
+        self.gradient.map(|g| g.mul(by))
+    }
+}
+
+fn add(a: [Interval; 3], b: [Interval; 3]) -> [Interval; 3] {
+    let mut sum = a;
+    for (x, y) in sum.iter_mut().zip(b) {
+        // Zero stays exactly zero, so that independent axes stay so.
+        *x = if *x == Interval::ZERO {
+            y
+        } else if y == Interval::ZERO {
+            *x
+        } else {
+            x.add(y)
+        };
+    }
+    sum
+}
+
+/// The algebra of duals. Calls and lengths, which need to see more than their arguments, are handled by [`run`].
+pub struct Duals;
+
+impl Algebra for Duals {
+    type Value = Dual;
+
+    fn constant(&mut self, value: f64) -> Dual {
+        Dual::constant(Interval::point(value))
+    }
+
+    fn op(&mut self, op: Op, args: &[Dual]) -> Dual {
+        let values: Vec<Interval> = args.iter().map(|a| a.value).collect();
+        let value = kernel::interval(op, &values);
+        let jumps = args.iter().fold(0, |j, a| j | a.jumps);
+        let moving = args.iter().any(|a| a.norm > 0.0);
+        if !moving && jumps == 0 {
+            return Dual::constant(value);
+        }
+        match (op, args) {
+            (Op::Min | Op::Max, [a, b]) => {
+                let (low, high) = (a.value, b.value);
+                let first = if op == Op::Min { low.hi < high.lo } else { low.lo > high.hi };
+                let second = if op == Op::Min { high.hi < low.lo } else { high.lo > low.hi };
+                if first {
+                    return Dual { value, ..*a };
+                }
+                if second {
+                    return Dual { value, ..*b };
+                }
+                let (gradient, norm) = a.hull(*b);
+                Dual::new(value, gradient, norm, jumps)
+            }
+            (Op::Select, [c, a, b]) => {
+                if c.value == Interval::ONE {
+                    return Dual { value, ..*a };
+                }
+                if c.value == Interval::ZERO {
+                    return Dual { value, ..*b };
+                }
+                let (gradient, norm) = a.hull(*b);
+                Dual::new(value, gradient, norm, jumps)
+            }
+            (Op::Abs, [a]) => {
+                if a.value.lo >= 0.0 {
+                    return *a;
+                }
+                let flipped = Dual { gradient: a.gradient.map(Interval::neg), ..*a };
+                if a.value.hi <= 0.0 {
+                    return Dual { value, ..flipped };
+                }
+                let (gradient, norm) = a.hull(flipped);
+                Dual::new(value, gradient, norm, jumps)
+            }
+            (Op::Neg, [a]) => Dual { value, gradient: a.gradient.map(Interval::neg), ..*a },
+            (Op::Floor | Op::Ceil | Op::Trunc | Op::Round | Op::Sign, [a]) => {
+                let jumped = !value.is_point() && a.norm > 0.0;
+                Dual { jumps: jumps | u8::from(jumped), ..Dual::constant(value) }
+            }
+            (Op::Lt | Op::Le | Op::Eq | Op::Hash, _) => {
+                let jumped = !value.is_point() && moving;
+                Dual { jumps: jumps | u8::from(jumped), ..Dual::constant(value) }
+            }
+            (Op::And | Op::Or | Op::Not, _) => {
+                let decided = value.is_point();
+                Dual { jumps: if decided { 0 } else { jumps }, ..Dual::constant(value) }
+            }
+            (Op::TurnU | Op::TurnV, [u, v, t]) => {
+                let general = by_partials(op, args, &values, value, jumps);
+                let reach = u.value.square().add(v.value.square()).sqrt().hi;
+                let turned = if t.norm == 0.0 { 0.0 } else { reach * t.norm };
+                let norm = u.norm.hypot(v.norm).next_up() + turned;
+                Dual::new(value, general.gradient, general.norm.min(norm), jumps)
+            }
+            _ => {
+                let mut dual = by_partials(op, args, &values, value, jumps);
+                if op == Op::Atan2 {
+                    // Turns over where the second is negative and the first changes its sign.
+                    let (y, x) = (
+                        values.first().copied().unwrap_or(Interval::ALL),
+                        values.get(1).copied().unwrap_or(Interval::ALL),
+                    );
+                    if x.lo <= 0.0 && y.contains(0.0) {
+                        dual.jumps |= JUMPS_HERE;
+                    }
+                }
+                dual
+            }
+        }
+    }
+
+    fn claim(&mut self, graph: &Graph, value: Dual, claim: &Claim, of: &[Dual]) -> Dual {
+        match claim {
+            Claim::Continuous => Dual { jumps: value.jumps & !JUMPS_HERE, ..value },
+            Claim::Lipschitz(constant, groups) => {
+                let mut constants = Vec::new();
+                let mut rest = of;
+                for group in groups.iter() {
+                    let (n, values) = match group {
+                        ClaimGroup::Vector(n) => (usize::from(*n), false),
+                        ClaimGroup::Values(n) => (*n as usize, true),
+                    };
+                    let (these, after) = rest.split_at(n.min(rest.len()));
+                    rest = after;
+                    constants.push(if values {
+                        these.iter().map(|d| d.norm).fold(0.0, f64::max)
+                    } else {
+                        matrix_norm(&these.iter().map(|d| (d.gradient, d.norm)).collect::<Vec<_>>())
+                    });
+                }
+                let limit = claim_constant(graph, *constant, &constants);
+                let jumps = of.iter().fold(0, |j, d| j | d.jumps);
+                let mut dual = value.limited(limit);
+                dual.jumps = jumps;
+                dual
+            }
+        }
+    }
+}
+
+/// The value of a claim's formula for the constants of its arguments.
+pub fn claim_constant(graph: &Graph, formula: NodeId, constants: &[f64]) -> f64 {
+    let domain = Domain::of(Box3::ALL);
+    let range = graph.evaluate(
+        &mut Intervals,
+        &[formula],
+        |_, leaf| match leaf {
+            Leaf::Variable(i) => {
+                Interval::new(0.0, constants.get(i as usize).copied().unwrap_or(0.0))
+            }
+            other => leaf_range(graph, other, &domain),
+        },
+        |_, _, _, _| Interval::ALL,
+    );
+    range.first().map_or(f64::INFINITY, |r| {
+        // Rounding outward must not turn a constant of one into a factor.
+        let nearest = (r.hi * 1e9).round() / 1e9;
+        if (r.hi - nearest).abs() < 1e-12 * nearest.abs() { nearest } else { r.hi }
+    })
+}
+
+fn by_partials(op: Op, args: &[Dual], values: &[Interval], value: Interval, jumps: u8) -> Dual {
+    let partials = kernel::partials(&mut Intervals, op, values, value);
+    let mut gradient = [Interval::ZERO; 3];
+    let mut norm = 0.0;
+    for (arg, partial) in args.iter().zip(partials) {
+        if arg.norm == 0.0 {
+            continue;
+        }
+        gradient = add(gradient, arg.scaled(partial));
+        let slope = partial.magnitude();
+        norm += if slope == 0.0 { 0.0 } else { slope * arg.norm };
+    }
+    Dual::new(value, gradient, norm, jumps)
+}
+
+/// Runs a tape over duals.
+pub fn run(
+    facts: &mut Facts,
+    graph: &Graph,
+    tape: &Tape,
+    algebra: &mut Duals,
+    leaf: impl Fn(Leaf) -> Dual,
+) -> Vec<Dual> {
+    let mut values: Vec<Dual> = Vec::with_capacity(tape.steps.len());
+    for step in &tape.steps {
+        let gather = |args: &[usize]| -> Vec<Dual> {
+            args.iter().filter_map(|&a| values.get(a).copied()).collect()
+        };
+        let value = match step {
+            Step::Constant(c) => algebra.constant(*c),
+            Step::Leaf(l) => leaf(*l),
+            Step::Op(op @ (Op::Length2 | Op::Length3 | Op::Length4), args) => {
+                let of = gather(args);
+                let norm = map_norm(tape, &values, args);
+                let plain = algebra.op(*op, &of);
+                Dual::new(plain.value, plain.limited(norm).gradient, norm.min(plain.norm), plain.jumps)
+            }
+            Step::Op(op, args) => algebra.op(*op, &gather(args)),
+            Step::Claim(claim, args) => {
+                let of = gather(args);
+                match of.split_first() {
+                    Some((value, of)) => algebra.claim(graph, *value, claim, of),
+                    None => algebra.constant(0.0),
+                }
+            }
+            Step::Call(shape, args) => {
+                let of = gather(args);
+                let norm = map_norm(tape, &values, args.get(..3).unwrap_or(args));
+                call(facts, graph, *shape, &of, norm)
+            }
+        };
+        values.push(value);
+    }
+    values
+}
+
+/// The field of a shape at a point whose coordinates are duals; `norm` bounds the norm of the point's Jacobian.
+fn call(facts: &mut Facts, graph: &Graph, shape: ShapeId, args: &[Dual], norm: f64) -> Dual {
+    let here = args.iter().fold(0, |j, a| j | a.jumps);
+    let moving_variables = args.iter().skip(3).any(|a| a.norm > 0.0);
+    if moving_variables && let Some(s) = graph.shape(shape) {
+        // A variable moves with the point: the shape's formula is followed with the arguments' own derivatives.
+        let variables = s.variables.clone();
+        let tape = facts.tape(graph, s.value);
+        let duals = run(facts, graph, &tape, &mut Duals, |leaf| match leaf {
+            Leaf::P(i) => args.get(usize::from(i)).copied().unwrap_or(Dual::constant(Interval::ALL)),
+            Leaf::Variable(v) => variables
+                .binary_search(&v)
+                .ok()
+                .and_then(|i| args.get(3 + i).copied())
+                .unwrap_or(Dual::constant(Interval::ALL)),
+            other => Dual::constant(leaf_range(graph, other, &Domain::of(Box3::ALL))),
+        });
+        let mut dual = duals.last().copied().unwrap_or(Dual::constant(Interval::ALL));
+        dual.jumps |= here;
+        return dual;
+    }
+    let values: Vec<Interval> = args.iter().map(|a| a.value).collect();
+    let inner = facts.shape_dual(graph, shape, &values);
+    let mut gradient = [Interval::ZERO; 3];
+    for (arg, slope) in args.iter().zip(inner.gradient) {
+        if arg.norm > 0.0 {
+            gradient = add(gradient, arg.scaled(slope));
+        }
+    }
+    let bound = if norm == 0.0 { 0.0 } else { norm * inner.norm };
+    let inside = if inner.jumps != 0 { JUMPS_INSIDE } else { 0 };
+    let jumps = inside | u8::from(here != 0);
+    Dual::new(inner.value, gradient, bound, jumps).limited(bound)
+}
+
+/// A bound of the norm of the Jacobian whose rows are the gradients of these steps. A pair of coordinates that is another pair turned
+/// by an angle t counts as that pair with its slip: (∇u - v∇t, ∇v + u∇t), for a turn is an isometry.
+pub fn map_norm(tape: &Tape, values: &[Dual], rows: &[usize]) -> f64 {
+    let dual = |i: usize| values.get(i).copied().unwrap_or(Dual::constant(Interval::ALL));
+    let mut matrix: Vec<([Interval; 3], f64)> =
+        rows.iter().map(|&r| (dual(r).gradient, dual(r).norm)).collect();
+    for (i, &a) in rows.iter().enumerate() {
+        let Some(Step::Op(Op::TurnU, first)) = tape.steps.get(a) else { continue };
+        for (j, &b) in rows.iter().enumerate() {
+            let Some(Step::Op(Op::TurnV, second)) = tape.steps.get(b) else { continue };
+            if first != second {
+                continue;
+            }
+            let (&[u, v, t], true) = (&[0, 1, 2].map(|k| first.get(k).copied().unwrap_or(0)), true)
+            else {
+                continue;
+            };
+            let (u, v, t) = (dual(u), dual(v), dual(t));
+            let slip = |coordinate: Dual, by: Interval| {
+                let gradient = add(coordinate.gradient, t.scaled(by));
+                let turned = if t.norm == 0.0 { 0.0 } else { by.magnitude() * t.norm };
+                let norm = coordinate.norm + turned;
+                (gradient, norm.min(Dual::components_norm(&gradient)))
+            };
+            if let Some(slot) = matrix.get_mut(i) {
+                *slot = slip(u, v.value.neg());
+            }
+            if let Some(slot) = matrix.get_mut(j) {
+                *slot = slip(v, u.value);
+            }
+        }
+    }
+    matrix_norm(&matrix)
+}
+
+/// A bound of the largest singular value of a matrix of intervals, given by rows with a bound of each row's norm.
+pub fn matrix_norm(rows: &[([Interval; 3], f64)]) -> f64 {
+    let by_rows = match rows {
+        [one] => return one.1,
+        _ => rows.iter().map(|(_, n)| n * n).sum::<f64>().sqrt().next_up(),
+    };
+    let used = rows.iter().filter(|(_, n)| *n > 0.0).count();
+    if used <= 1 {
+        return rows.iter().map(|(_, n)| *n).fold(0.0, f64::max);
+    }
+    let magnitude = |r: usize, c: usize| {
+        rows.get(r).and_then(|(g, _)| g.get(c)).map_or(0.0, |i| i.magnitude())
+    };
+    let n = rows.len();
+    // The norm squared is at most the largest column sum times the largest row sum.
+    let column = (0..3).map(|c| (0..n).map(|r| magnitude(r, c)).sum::<f64>()).fold(0.0, f64::max);
+    let row = (0..n).map(|r| (0..3).map(|c| magnitude(r, c)).sum::<f64>()).fold(0.0, f64::max);
+    let by_sums = if column == 0.0 || row == 0.0 {
+        0.0
+    } else if column == row {
+        column
+    } else {
+        (column * row).sqrt().next_up()
+    };
+    // The norm of the middle, and the Frobenius norm of the half widths.
+    let mut spread = 0.0;
+    let mut gram = [[0.0; 3]; 3];
+    for (g, _) in rows {
+        let middle = g.map(|i| if i.is_point() { i.lo } else { i.middle() });
+        for (i, interval) in g.iter().enumerate() {
+            let m = middle.get(i).copied().unwrap_or(0.0);
+            let half = (interval.hi - m).max(m - interval.lo);
+            spread += half * half;
+        }
+        for (slot, a) in gram.iter_mut().zip(middle) {
+            for (cell, b) in slot.iter_mut().zip(middle) {
+                *cell += a * b;
+            }
+        }
+    }
+    let by_middle = if spread.is_finite() {
+        largest_eigenvalue(gram).sqrt() * (1.0 + 1e-12) + spread.sqrt().next_up()
+    } else {
+        f64::INFINITY
+    };
+    let least = by_rows.min(by_sums).min(by_middle);
+    // An isometry must not become a factor by rounding.
+    if (least - 1.0).abs() < 1e-9 { 1.0 } else { least }
+}
+
+/// Largest eigenvalue of a symmetric 3 by 3 matrix with no negative one, by the trigonometric solution of its cubic (Smith 1961).
+fn largest_eigenvalue(m: [[f64; 3]; 3]) -> f64 {
+    let [[a, d, e], [_, b, f], [_, _, c]] = m;
+    let off = d * d + e * e + f * f;
+    let mean = (a + b + c) / 3.0;
+    let spread = (a - mean).powi(2) + (b - mean).powi(2) + (c - mean).powi(2) + 2.0 * off;
+    if spread <= 0.0 {
+        return mean;
+    }
+    let p = (spread / 6.0).sqrt();
+    let (a, b, c) = ((a - mean) / p, (b - mean) / p, (c - mean) / p);
+    let (d, e, f) = (d / p, e / p, f / p);
+    let determinant = a * (b * c - f * f) - d * (d * c - f * e) + e * (d * f - b * e);
+    let angle = (determinant / 2.0).clamp(-1.0, 1.0).acos() / 3.0;
+    (mean + 2.0 * p * angle.cos()) * (1.0 + 1e-12)
+}

@@ -1,0 +1,95 @@
+//! The list of passes, on one screen: text → trees → graph → functions → module.
+
+use crate::compiled::{Compiled, Loader, Options, Outcome};
+use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::{emit, functions, program};
+
+/// A stage of the pipeline, in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Stage {
+    /// Texts read and parsed.
+    Read,
+    /// Names, types and calls: trees to graph.
+    Elaborate,
+    /// Regions, constants, and the functions made with them.
+    Analyse,
+    /// The graph as WGSL.
+    Emit,
+}
+
+impl Stage {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Read => "read",
+            Stage::Elaborate => "elaborate",
+            Stage::Analyse => "analyse",
+            Stage::Emit => "emit",
+        }
+    }
+}
+
+/// Compiles the scene at `path`.
+pub fn compile(loader: &dyn Loader, path: &str, options: &Options) -> Outcome {
+    compile_observed(loader, path, options, &mut |_| {})
+}
+
+/// Compiles the scene at `path`; `finished` is told of each stage's end.
+pub fn compile_observed(
+    loader: &dyn Loader,
+    path: &str,
+    options: &Options,
+    finished: &mut dyn FnMut(Stage),
+) -> Outcome {
+    let loaded = program::load::load(loader, path);
+    finished(Stage::Read);
+    let mut outcome = Outcome {
+        sources: loaded.sources,
+        diagnostics: loaded.diagnostics,
+        files: loaded.files,
+        compiled: None,
+    };
+    let elaboration = program::elaborate(&loaded.modules, options);
+    outcome.diagnostics.extend(elaboration.diagnostics);
+    finished(Stage::Elaborate);
+    if let (Some(root), false) = (elaboration.root, outcome.has_errors()) {
+        let (mut graph, mut facts) = (elaboration.graph, elaboration.facts);
+        let (functions, kind, found) =
+            functions::build(&mut graph, &mut facts, root, &elaboration.blocks);
+        outcome.diagnostics.extend(found);
+        finished(Stage::Analyse);
+        if !outcome.has_errors() {
+            match emit::emit(&mut graph, root, &functions, &elaboration.blocks, &elaboration.parameters, options) {
+                Ok(module) => {
+                    outcome.compiled = Some(Compiled {
+                        graph,
+                        root,
+                        functions,
+                        kind,
+                        parameters: elaboration.parameters,
+                        blocks: elaboration.blocks,
+                        module,
+                    });
+                }
+                Err(error) => {
+                    let span = loaded.modules.head(loaded.modules.main);
+                    outcome.diagnostics.push(Diagnostic::new(
+                        Code::TooLarge,
+                        span,
+                        format!("the scene can't be written as WGSL: {error}"),
+                        "use fewer or smaller parts",
+                    ));
+                }
+            }
+            finished(Stage::Emit);
+        }
+    }
+    tidy(&mut outcome.diagnostics);
+    outcome
+}
+
+/// In the order of their places, each once, errors before warnings of one place.
+fn tidy(diagnostics: &mut Vec<Diagnostic>) {
+    diagnostics.sort_by_key(|d| (d.span.file, d.span.start, d.severity != Severity::Error, d.code));
+    diagnostics.dedup_by(|a, b| a.code == b.code && a.span == b.span);
+}

@@ -1,0 +1,800 @@
+//! Parameters and the blocks around a scene: cameras, lights, environment, rendering, physics, meshes.
+
+use super::load::{nearest, ItemRef};
+use super::value::Value;
+use super::{Elaborated, Elaborator, Env, Stop};
+use crate::compiled::{LightNodes, Parameter, SceneBlocks, Shadow};
+use crate::diagnostic::Code;
+use crate::graph::kernel::Op;
+use crate::graph::{Leaf, NodeId, ParameterComponent};
+use crate::source::Span;
+use crate::syntax::ast::{BlockKind, Entry, Expr, ExprKind, ItemKind, Name, Type};
+use rustc_hash::FxHashMap;
+
+const DEFAULT_EXTENT: f64 = 100.0;
+
+impl SceneBlocks {
+    /// Every node of the blocks.
+    pub fn nodes(&self) -> Vec<NodeId> {
+        let mut nodes = Vec::new();
+        for (_, eye, target, fov) in &self.cameras {
+            nodes.extend(eye.iter().chain(target));
+            nodes.push(*fov);
+        }
+        for light in &self.lights {
+            nodes.extend(light.vector.iter().chain(&light.color));
+            nodes.push(light.intensity);
+            nodes.extend(light.shadow.1);
+        }
+        if let Some((zenith, horizon)) = &self.sky {
+            nodes.extend(zenith.iter().chain(horizon));
+        }
+        if let Some((reach, strength)) = self.ambient_occlusion {
+            nodes.extend([reach, strength]);
+        }
+        nodes.extend(self.shadows.iter().chain(&self.max_distance).chain(&self.exposure));
+        nodes
+    }
+}
+
+/// The keys that a block knows.
+fn keys(kind: BlockKind) -> &'static [&'static str] {
+    match kind {
+        BlockKind::Camera => &["eye", "target", "fov"],
+        BlockKind::Light => &["direction", "position", "color", "intensity", "shadow"],
+        BlockKind::Environment => &["sky", "capture", "size"],
+        BlockKind::Render => &[
+            "ambient_occlusion", "shadows", "reflections", "max_distance", "extent", "exposure",
+        ],
+        BlockKind::Physics => {
+            &["gravity", "restitution", "friction", "rolling", "substeps", "bounds"]
+        }
+        BlockKind::Balls => &["count", "radius", "spawn", "velocity", "seed", "material"],
+        BlockKind::Mesh => &["translate", "rotate", "scale", "material"],
+    }
+}
+
+fn block_words(kind: BlockKind) -> &'static str {
+    match kind {
+        BlockKind::Camera => "camera",
+        BlockKind::Light => "light",
+        BlockKind::Environment => "environment",
+        BlockKind::Render => "render",
+        BlockKind::Physics => "physics",
+        BlockKind::Balls => "balls",
+        BlockKind::Mesh => "mesh",
+    }
+}
+
+impl Elaborator<'_> {
+    /// The value of a parameter, which is met here for the first time or again.
+    pub fn parameter(&mut self, item: ItemRef) -> Elaborated<Value> {
+        if let Some(known) = self.parameter_values.get(&item) {
+            return known.clone();
+        }
+        // A parameter that needs itself has no value.
+        self.parameter_values.insert(item, Err(Stop));
+        let value = self.new_parameter(item);
+        self.parameter_values.insert(item, value.clone());
+        value
+    }
+
+    fn new_parameter(&mut self, item: ItemRef) -> Elaborated<Value> {
+        let modules = self.modules;
+        let Some(declared) = modules.item(item) else { return Err(Stop) };
+        let ItemKind::Param { name, ty, value, domain, description } = &declared.kind else {
+            return Err(Stop);
+        };
+        let env = Env::top(item.module);
+        let shown = match modules.module_name(item.module) {
+            Some(module) => format!("{module}.{}", name.text),
+            None => name.text.clone(),
+        };
+        if let Some(Expr { kind: ExprKind::List(choices), span }) = domain {
+            return self.chosen(name, shown, value, choices, *span, description.clone(), &env);
+        }
+        let default = self.expression(value, &env)?;
+        let default = match ty {
+            Some((ty, _)) => self.coerce(default, ty, value.span, &env)?,
+            None => default,
+        };
+        let is_color = matches!(value.kind, ExprKind::Color(_)) || matches!(ty, Some((Type::Color, _)));
+        let ty = match (&default, ty) {
+            (_, Some((ty, _))) => ty.clone(),
+            (_, None) if is_color => Type::Color,
+            // Without a type, 3 is a float: `int` must be asked for.
+            (Value::Number(..), None) => Type::Float,
+            (Value::Bool(_), None) => Type::Bool,
+            (Value::Vector(v), None) => Type::Vec(v.len() as u8),
+            (other, None) => {
+                let found = other.describe(self);
+                return Err(self.error(
+                    Code::TypeMismatch,
+                    value.span,
+                    format!("a parameter can't be {found}"),
+                    "let it be a number, a vector, a colour, `true` or `false`, or a name out of a list: `param style = doric in [doric, ionic]`",
+                ));
+            }
+        };
+        if !matches!(ty, Type::Bool | Type::Int | Type::Float | Type::Vec(_) | Type::Color) {
+            return Err(self.error(
+                Code::TypeMismatch,
+                value.span,
+                format!("a parameter can't be {}", super::value::type_words(&ty)),
+                "let it be a number, a vector, a colour or a condition",
+            ));
+        }
+        let nodes: Vec<NodeId> = match &default {
+            Value::Number(n, _) | Value::Bool(n) => vec![*n],
+            Value::Vector(v) => v.to_vec(),
+            _ => return Err(Stop),
+        };
+        let mut defaults = Vec::new();
+        for node in &nodes {
+            defaults.push(self.to_constant(&Value::number(*node), value.span)?);
+        }
+        let (min, max) = self.domain(domain.as_ref(), &ty, &defaults, &env)?;
+        for ((d, lo), hi) in defaults.iter().zip(&min).zip(&max) {
+            // Written in degrees the two ends may differ by a rounding.
+            if *d < lo - 1e-9 * lo.abs() || *d > hi + 1e-9 * hi.abs() {
+                return Err(self.error(
+                    Code::BadRange,
+                    value.span,
+                    format!("the value {} is outside of its range {}..{}", short(*d), short(*lo), short(*hi)),
+                    "write a value within the range, or widen the range",
+                ));
+            }
+        }
+        if let Some((_, values)) = self.options.set.iter().find(|(n, _)| *n == shown) {
+            for (i, value) in values.iter().enumerate() {
+                if let (Some(slot), Some(lo), Some(hi)) = (defaults.get_mut(i), min.get(i), max.get(i))
+                    && value.is_finite()
+                {
+                    *slot = value.clamp(*lo, *hi);
+                }
+            }
+        }
+        let first = self.graph.parameters.len() as u32;
+        let index = self.parameters.len() as u32;
+        for (i, default) in defaults.iter().enumerate() {
+            self.graph.parameters.push(ParameterComponent {
+                parameter: index,
+                component: i as u8,
+                default: *default,
+                min: min.get(i).copied().unwrap_or(*default),
+                max: max.get(i).copied().unwrap_or(*default),
+            });
+        }
+        let degrees = domain.iter().chain(std::iter::once(value)).any(in_degrees);
+        self.parameters.push(Parameter {
+            name: shown,
+            ty: ty.clone(),
+            degrees,
+            default: defaults.clone(),
+            min,
+            max,
+            choices: Vec::new(),
+            description: description.clone(),
+            span: name.span,
+            first: Some(first),
+        });
+        let leaves: Vec<NodeId> = (0..defaults.len() as u32)
+            .map(|i| self.graph.leaf(Leaf::Parameter(first + i)))
+            .collect();
+        Ok(match (ty, leaves.as_slice()) {
+            (Type::Bool, [leaf]) => {
+                let half = self.graph.constant(0.5);
+                Value::Bool(self.graph.op(Op::Lt, &[half, *leaf]))
+            }
+            (Type::Int, [leaf]) => Value::Number(*leaf, true),
+            (_, [leaf]) => Value::number(*leaf),
+            _ => Value::Vector(leaves.into()),
+        })
+    }
+
+    fn domain(
+        &mut self,
+        domain: Option<&Expr>,
+        ty: &Type,
+        defaults: &[f64],
+        env: &Env,
+    ) -> Elaborated<(Vec<f64>, Vec<f64>)> {
+        let n = defaults.len();
+        let Some(domain) = domain else {
+            return Ok(match ty {
+                Type::Bool | Type::Color => (vec![0.0; n], vec![1.0; n]),
+                _ => {
+                    // A range that a person would try first.
+                    let reach = |d: &f64| match *d {
+                        0.0 => (-1.0, 1.0),
+                        d if d > 0.0 => (0.0, 2.0 * d),
+                        d => (2.0 * d, 0.0),
+                    };
+                    defaults.iter().map(reach).unzip()
+                }
+            });
+        };
+        let value = self.expression(domain, env)?;
+        let Value::Range(range) = &value else {
+            let found = value.describe(self);
+            return Err(self.error(
+                Code::BadRange,
+                domain.span,
+                format!("a range or a list of names is needed after `in`, and this is {found}"),
+                "write `in 0..1`",
+            ));
+        };
+        if matches!(ty, Type::Bool) {
+            return Err(self.error(
+                Code::BadRange,
+                domain.span,
+                "a condition has no range",
+                "leave `in …` out",
+            ));
+        }
+        let mut ends = Vec::new();
+        for end in [&range.0, &range.1] {
+            let cells = self.to_vector(end, n.max(1), domain.span);
+            let cells = match (cells, end) {
+                (Ok(cells), _) => cells.to_vec(),
+                (Err(Stop), _) => return Err(Stop),
+            };
+            let mut numbers = Vec::new();
+            for cell in cells {
+                numbers.push(self.to_constant(&Value::number(cell), domain.span)?);
+            }
+            ends.push(numbers);
+        }
+        let (Some(max), Some(min)) = (ends.pop(), ends.pop()) else { return Err(Stop) };
+        for (lo, hi) in min.iter().zip(&max) {
+            if lo > hi || lo == hi && n == 1 {
+                return Err(self.error(
+                    Code::BadRange,
+                    domain.span,
+                    format!("the range {}..{} is empty", short(*lo), short(*hi)),
+                    format!("write the smaller end first: {}..{}", short(*hi), short(*lo)),
+                ));
+            }
+        }
+        Ok((min, max))
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn chosen(
+        &mut self,
+        name: &Name,
+        shown: String,
+        value: &Expr,
+        choices: &[Expr],
+        span: Span,
+        description: Option<String>,
+        env: &Env,
+    ) -> Elaborated<Value> {
+        let label = |e: &Self, expr: &Expr| -> String { e.choice_label(expr) };
+        let labels: Vec<String> = choices.iter().map(|c| label(self, c)).collect();
+        let written = label(self, value);
+        let asked = self.options.choose.iter().find(|(n, _)| *n == shown).map(|(_, c)| c.clone());
+        let wanted = asked.filter(|a| labels.contains(a)).unwrap_or(written);
+        let Some(index) = labels.iter().position(|l| *l == wanted) else {
+            return Err(self.error(
+                Code::BadRange,
+                value.span,
+                format!("`{wanted}` is not among the choices"),
+                format!("write one of {}", labels.join(", ")),
+            ));
+        };
+        self.parameters.push(Parameter {
+            name: shown,
+            ty: Type::Str,
+            degrees: false,
+            default: vec![index as f64],
+            min: vec![0.0],
+            max: vec![labels.len() as f64 - 1.0],
+            choices: labels,
+            description,
+            span: name.span,
+            first: None,
+        });
+        let _ = span;
+        let Some(choice) = choices.get(index) else { return Err(Stop) };
+        // The others are looked at too, for their errors.
+        for (i, other) in choices.iter().enumerate() {
+            if i != index {
+                let _ = self.expression(other, env);
+            }
+        }
+        self.expression(choice, env)
+    }
+
+    /// What a choice is called: its name or number as written.
+    fn choice_label(&self, expr: &Expr) -> String {
+        match &expr.kind {
+            ExprKind::Name(name) => name.clone(),
+            ExprKind::Int(i) => i.to_string(),
+            ExprKind::Float(f) => f.to_string(),
+            ExprKind::Str(s) => s.clone(),
+            ExprKind::Bool(b) => b.to_string(),
+            ExprKind::Dot(inner, name, None) => format!("{}.{}", self.choice_label(inner), name.text),
+            _ => format!("at {}", expr.span.start),
+        }
+    }
+
+    /// The blocks of a text.
+    pub fn blocks(&mut self, module: usize) -> SceneBlocks {
+        let mut blocks = SceneBlocks { extent: DEFAULT_EXTENT, ..SceneBlocks::default() };
+        let modules = self.modules;
+        // The extent first: repetitions need it.
+        for (_, item) in modules.items(module) {
+            if let ItemKind::Block { kind, kind_span, name, file, entries } = &item.kind {
+                let _ = self.block(module, *kind, *kind_span, name.as_ref(), file.as_ref(), entries, &mut blocks);
+            }
+        }
+        self.extent = blocks.extent;
+        blocks
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn block(
+        &mut self,
+        module: usize,
+        kind: BlockKind,
+        kind_span: Span,
+        name: Option<&Name>,
+        file: Option<&(String, Span)>,
+        entries: &[Entry],
+        blocks: &mut SceneBlocks,
+    ) -> Elaborated<()> {
+        let env = Env::top(module);
+        let mut seen: FxHashMap<&str, &Entry> = FxHashMap::default();
+        let known = keys(kind);
+        let words = block_words(kind);
+        for entry in entries {
+            let key = entry.key.text.as_str();
+            if !known.contains(&key) {
+                let help = match nearest(key, known.iter().copied()) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("the keys of `{words}` are {}", known.join(", ")),
+                };
+                self.error(
+                    Code::UnknownKey,
+                    entry.key.span,
+                    format!("`{words}` has no `{key}`"),
+                    help,
+                );
+                continue;
+            }
+            if seen.insert(key, entry).is_some() {
+                self.error(
+                    Code::TwiceDeclared,
+                    entry.key.span,
+                    format!("`{key}` is given twice"),
+                    "delete one of them",
+                );
+            }
+        }
+        let entry = |key: &str| seen.get(key).map(|e| &e.value);
+        let name_text = name.map_or(String::new(), |n| n.text.clone());
+        match kind {
+            BlockKind::Camera => {
+                let eye = self.vec3_entry(entry("eye"), &env, [4.0, 3.0, 6.0]);
+                let target = self.vec3_entry(entry("target"), &env, [0.0; 3]);
+                let fov = self.number_entry(entry("fov"), &env, 40f64.to_radians(), Some((0.01, 3.0)), "an angle between 1deg and 170deg");
+                blocks.cameras.push((name_text, eye?, target?, fov?));
+            }
+            BlockKind::Light => {
+                let position = entry("position");
+                let direction = entry("direction");
+                if position.is_some() == direction.is_some() {
+                    return Err(self.error(
+                        Code::MissingArgument,
+                        name.map_or(kind_span, |n| n.span),
+                        "a light has either a `direction` or a `position`",
+                        "write `direction: (-1, -2, -1)` for a sun, `position: (2, 3, 1)` for a lamp",
+                    ));
+                }
+                let vector =
+                    self.vec3_entry(position.or(direction), &env, [0.0, -1.0, 0.0]);
+                let color = self.color_entry(entry("color"), &env, [1.0; 3]);
+                let intensity = self.number_entry(
+                    entry("intensity"),
+                    &env,
+                    if position.is_some() { 20.0 } else { 3.0 },
+                    Some((0.0, f64::INFINITY)),
+                    "a number of at least zero",
+                );
+                let shadow = match entry("shadow") {
+                    Some(expr) => self.shadow(expr, &env),
+                    None => Ok((Shadow::Soft(16.0), None)),
+                };
+                let vector = vector?;
+                if direction.is_some()
+                    && vector.iter().all(|n| self.graph.as_constant(*n) == Some(0.0))
+                {
+                    return Err(self.error(
+                        Code::BadValue,
+                        direction.map_or(kind_span, |d| d.span),
+                        "a direction of length zero points nowhere",
+                        "write the direction in which the light travels, for example `(-1, -2, -1)`",
+                    ));
+                }
+                blocks.lights.push(LightNodes {
+                    name: name_text,
+                    position: position.is_some(),
+                    vector,
+                    color: color?,
+                    intensity: intensity?,
+                    shadow: shadow?,
+                });
+            }
+            BlockKind::Environment => {
+                if let Some(sky) = entry("sky") {
+                    blocks.sky = self.sky(sky, &env)?;
+                }
+                for key in ["capture", "size"] {
+                    if let Some(expr) = entry(key) {
+                        self.expression(expr, &env)?;
+                        self.not_drawn(expr.span, key);
+                    }
+                }
+            }
+            BlockKind::Render => self.render(&seen, &env, blocks)?,
+            BlockKind::Physics | BlockKind::Balls | BlockKind::Mesh => {
+                self.later(kind, kind_span, file, &seen, &env)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn not_drawn(&mut self, span: Span, what: &str) {
+        self.warn(
+            Code::NotDrawn,
+            span,
+            format!("`{what}` is understood, but not drawn yet"),
+            "the rest of the scene is drawn without it",
+        );
+    }
+
+    fn render(
+        &mut self,
+        seen: &FxHashMap<&str, &Entry>,
+        env: &Env,
+        blocks: &mut SceneBlocks,
+    ) -> Elaborated<()> {
+        let entry = |key: &str| seen.get(key).map(|e| &e.value);
+        let mut ok = true;
+        if let Some(expr) = entry("ambient_occlusion") {
+            let pair = self.expression(expr, env).and_then(|v| match v {
+                Value::Bool(node) => {
+                    let half = self.graph.constant(0.5);
+                    let (zero, one) = (self.graph.constant(0.0), self.graph.constant(1.0));
+                    Ok((half, self.graph.op(Op::Select, &[node, one, zero])))
+                }
+                other => {
+                    let v = self.to_vector(&other, 2, expr.span)?;
+                    let &[reach, strength] = &*v else { return Err(Stop) };
+                    Ok((reach, strength))
+                }
+            });
+            match pair {
+                Ok(pair) => blocks.ambient_occlusion = Some(pair),
+                Err(Stop) => ok = false,
+            }
+        }
+        if let Some(expr) = entry("shadows") {
+            match self.expression(expr, env).and_then(|v| self.coerce(v, &Type::Bool, expr.span, env)) {
+                Ok(Value::Bool(node)) => blocks.shadows = Some(node),
+                _ => ok = false,
+            }
+        }
+        if let Some(expr) = entry("reflections") {
+            let count = self
+                .expression(expr, env)
+                .and_then(|v| self.coerce(v, &Type::Int, expr.span, env))
+                .and_then(|v| self.to_number(&v, expr.span, env));
+            match count {
+                Ok(node) if self.graph.as_constant(node) == Some(0.0) => {}
+                Ok(_) => self.not_drawn(expr.span, "reflections"),
+                Err(Stop) => ok = false,
+            }
+        }
+        let positive = Some((1e-6, f64::INFINITY));
+        let words = "a number greater than zero";
+        if let Some(expr) = entry("max_distance") {
+            match self.number_entry(Some(expr), env, 100.0, positive, words) {
+                Ok(node) => blocks.max_distance = Some(node),
+                Err(Stop) => ok = false,
+            }
+        }
+        if let Some(expr) = entry("exposure") {
+            match self.number_entry(Some(expr), env, 0.0, None, "") {
+                Ok(node) => blocks.exposure = Some(node),
+                Err(Stop) => ok = false,
+            }
+        }
+        if let Some(expr) = entry("extent") {
+            let constant = self
+                .number_entry(Some(expr), env, DEFAULT_EXTENT, Some((1e-6, 1e7)), "a number between 1e-6 and 1e7")
+                .and_then(|n| self.to_constant(&Value::number(n), expr.span));
+            match constant {
+                Ok(extent) => blocks.extent = extent,
+                Err(Stop) => ok = false,
+            }
+        }
+        if ok { Ok(()) } else { Err(Stop) }
+    }
+
+    /// Blocks that are checked now and drawn by later work.
+    fn later(
+        &mut self,
+        kind: BlockKind,
+        kind_span: Span,
+        file: Option<&(String, Span)>,
+        seen: &FxHashMap<&str, &Entry>,
+        env: &Env,
+    ) -> Elaborated<()> {
+        let words = block_words(kind);
+        let mut ok = true;
+        if kind == BlockKind::Mesh && file.is_none() {
+            ok = false;
+            self.error(
+                Code::MissingArgument,
+                kind_span,
+                "a mesh needs a file",
+                "write `mesh name \"file.obj\" { … }`",
+            );
+        }
+        let mut entries: Vec<&&Entry> = seen.values().collect();
+        entries.sort_by_key(|e| e.key.span.start);
+        for entry in entries {
+            let at = entry.value.span;
+            let Ok(value) = self.expression(&entry.value, env) else {
+                ok = false;
+                continue;
+            };
+            let ty = match (kind, entry.key.text.as_str()) {
+                (_, "material") => Type::Material,
+                (_, "gravity" | "velocity" | "translate" | "rotate") => Type::Vec(3),
+                (BlockKind::Mesh, "scale") => match value {
+                    Value::Vector(_) => Type::Vec(3),
+                    _ => Type::Float,
+                },
+                (_, "count" | "substeps" | "seed") => Type::Int,
+                (_, "bounds" | "spawn") => {
+                    ok &= self.range_of(&value, &Type::Vec(3), at, env).is_ok();
+                    continue;
+                }
+                (_, "radius") if matches!(value, Value::Range(_)) => {
+                    ok &= self.range_of(&value, &Type::Float, at, env).is_ok();
+                    continue;
+                }
+                _ => Type::Float,
+            };
+            let Ok(value) = self.coerce(value, &ty, at, env) else {
+                ok = false;
+                continue;
+            };
+            let least = match entry.key.text.as_str() {
+                "restitution" | "friction" | "rolling" | "count" => Some(0.0),
+                "radius" | "scale" | "substeps" => Some(f64::MIN_POSITIVE),
+                _ => None,
+            };
+            if let (Some(least), Value::Number(node, _)) = (least, &value)
+                && let Some(c) = self.graph.as_constant(*node)
+                && c < least
+            {
+                ok = false;
+                self.error(
+                    Code::BadValue,
+                    at,
+                    format!("the `{}` of `{words}` is {}", entry.key.text, short(c)),
+                    if least == 0.0 { "write one that is at least 0" } else { "write one that is greater than 0" },
+                );
+            }
+        }
+        self.not_drawn(kind_span, words);
+        if ok { Ok(()) } else { Err(Stop) }
+    }
+
+    fn range_of(&mut self, value: &Value, ty: &Type, span: Span, env: &Env) -> Elaborated<()> {
+        let Value::Range(range) = value else {
+            let found = value.describe(self);
+            return Err(self.error(
+                Code::TypeMismatch,
+                span,
+                format!("a range is needed here, and this is {found}"),
+                if *ty == Type::Float { "write `0.02..0.06`" } else { "write `(-1, 0, -1)..(1, 2, 1)`" },
+            ));
+        };
+        let from = self.coerce(range.0.clone(), ty, span, env)?;
+        let to = self.coerce(range.1.clone(), ty, span, env)?;
+        let nodes = |v: &Value| match v {
+            Value::Number(n, _) => vec![*n],
+            Value::Vector(v) => v.to_vec(),
+            _ => Vec::new(),
+        };
+        for (a, b) in nodes(&from).into_iter().zip(nodes(&to)) {
+            if let (Some(a), Some(b)) = (self.graph.as_constant(a), self.graph.as_constant(b))
+                && a > b
+            {
+                return Err(self.error(
+                    Code::BadRange,
+                    span,
+                    format!("the range {}..{} is empty", short(a), short(b)),
+                    "write the smaller end first",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn vec3_entry(
+        &mut self,
+        expr: Option<&Expr>,
+        env: &Env,
+        default: [f64; 3],
+    ) -> Elaborated<[NodeId; 3]> {
+        let Some(expr) = expr else { return Ok(default.map(|c| self.graph.constant(c))) };
+        let value = self.expression(expr, env)?;
+        if matches!(value, Value::Number(..)) {
+            let found = value.describe(self);
+            return Err(self.error(
+                Code::TypeMismatch,
+                expr.span,
+                format!("a vec3 is needed here, and this is {found}"),
+                "write `(x, y, z)`",
+            ));
+        }
+        let v = self.to_vector(&value, 3, expr.span)?;
+        let &[a, b, c] = &*v else { return Err(Stop) };
+        Ok([a, b, c])
+    }
+
+    fn color_entry(
+        &mut self,
+        expr: Option<&Expr>,
+        env: &Env,
+        default: [f64; 3],
+    ) -> Elaborated<[NodeId; 3]> {
+        let Some(expr) = expr else { return Ok(default.map(|c| self.graph.constant(c))) };
+        let value = self.expression(expr, env)?;
+        match self.coerce(value, &Type::Color, expr.span, env)? {
+            Value::Vector(v) => match *v {
+                [a, b, c] => Ok([a, b, c]),
+                _ => Err(Stop),
+            },
+            _ => Err(Stop),
+        }
+    }
+
+    fn number_entry(
+        &mut self,
+        expr: Option<&Expr>,
+        env: &Env,
+        default: f64,
+        limits: Option<(f64, f64)>,
+        wanted: &str,
+    ) -> Elaborated<NodeId> {
+        let Some(expr) = expr else { return Ok(self.graph.constant(default)) };
+        let value = self.expression(expr, env)?;
+        let value = self.coerce(value, &Type::Float, expr.span, env)?;
+        let node = self.to_number(&value, expr.span, env)?;
+        if let (Some((lo, hi)), Some(c)) = (limits, self.graph.as_constant(node))
+            && !(lo..=hi).contains(&c)
+        {
+            return Err(self.error(
+                Code::BadValue,
+                expr.span,
+                format!("this is {}", short(c)),
+                format!("write {wanted}"),
+            ));
+        }
+        Ok(node)
+    }
+
+    /// `none`, `hard`, `soft(k)`, `map`.
+    fn shadow(&mut self, expr: &Expr, env: &Env) -> Elaborated<(Shadow, Option<NodeId>)> {
+        match &expr.kind {
+            ExprKind::Name(name) => match name.as_str() {
+                "none" | "off" => return Ok((Shadow::None, None)),
+                "hard" | "on" => return Ok((Shadow::Hard, None)),
+                "soft" => return Ok((Shadow::Soft(16.0), None)),
+                "map" => {
+                    self.warn(
+                        Code::NotDrawn,
+                        expr.span,
+                        "`shadow: map` is understood, but not drawn yet",
+                        "the light is drawn with a hard shadow",
+                    );
+                    return Ok((Shadow::Map, None));
+                }
+                _ => {}
+            },
+            ExprKind::Call(callee, args) => {
+                if let (ExprKind::Name(name), [arg]) = (&callee.kind, args.as_slice())
+                    && name == "soft"
+                {
+                    let k = self.number_entry(
+                        Some(&arg.value),
+                        env,
+                        16.0,
+                        Some((1e-3, 1e6)),
+                        "a number greater than zero: larger is sharper",
+                    )?;
+                    return Ok((Shadow::Soft(16.0), Some(k)));
+                }
+            }
+            ExprKind::Hole => return Err(Stop),
+            _ => {}
+        }
+        Err(self.error(
+            Code::TypeMismatch,
+            expr.span,
+            "this is no kind of shadow",
+            "write `none`, `hard`, `soft(16)` or `map`",
+        ))
+    }
+
+    /// A colour, `gradient(zenith, horizon)`, `cubemap("folder/")` or `equirect("file")`.
+    fn sky(
+        &mut self,
+        expr: &Expr,
+        env: &Env,
+    ) -> Elaborated<Option<([NodeId; 3], [NodeId; 3])>> {
+        if let ExprKind::Call(callee, args) = &expr.kind
+            && let ExprKind::Name(name) = &callee.kind
+        {
+            match (name.as_str(), args.as_slice()) {
+                ("gradient", [zenith, horizon]) => {
+                    let zenith = self.color_entry(Some(&zenith.value), env, [0.0; 3]);
+                    let horizon = self.color_entry(Some(&horizon.value), env, [0.0; 3]);
+                    return Ok(Some((zenith?, horizon?)));
+                }
+                ("gradient", _) => {
+                    return Err(self.error(
+                        Code::MissingArgument,
+                        expr.span,
+                        "`gradient` needs two colours",
+                        "write `gradient(#87a7d0, #e8eef5)`: straight up, and at the horizon",
+                    ));
+                }
+                ("cubemap" | "equirect", [file]) => {
+                    return match self.expression(&file.value, env)? {
+                        Value::Text(_) => {
+                            self.not_drawn(expr.span, name);
+                            Ok(None)
+                        }
+                        other => {
+                            let found = other.describe(self);
+                            Err(self.error(
+                                Code::TypeMismatch,
+                                file.value.span,
+                                format!("the name of a file is needed here, and this is {found}"),
+                                format!("write `{name}(\"sky\")`"),
+                            ))
+                        }
+                    };
+                }
+                _ => {}
+            }
+        }
+        let color = self.color_entry(Some(expr), env, [0.0; 3])?;
+        Ok(Some((color, color)))
+    }
+}
+
+/// Whether an expression has an angle written in degrees.
+fn in_degrees(expr: &Expr) -> bool {
+    use crate::syntax::ast::AngleUnit;
+    match &expr.kind {
+        ExprKind::Angle(_, AngleUnit::Deg) => true,
+        ExprKind::Range(a, b) => in_degrees(a) || in_degrees(b),
+        ExprKind::Unary(_, a) | ExprKind::Paren(a) => in_degrees(a),
+        _ => false,
+    }
+}
+
+/// A number as a person would write it.
+fn short(value: f64) -> String {
+    let rounded = (value * 1e6).round() / 1e6;
+    format!("{rounded}")
+}

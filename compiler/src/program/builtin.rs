@@ -1,0 +1,509 @@
+//! Functions that are not formulas of the prelude: the kernel's operations on numbers and vectors, constructors, matrices, hashes,
+//! turns, and what takes a shape apart or gives it a material.
+
+use super::value::Value;
+use super::{Elaborated, Elaborator, Env};
+use crate::diagnostic::Code;
+use crate::graph::kernel::{Op, KERNEL};
+use crate::graph::NodeId;
+use crate::source::Span;
+
+/// Names that can be called and are not declared in the prelude.
+pub const FUNCTIONS: &[&str] = &[
+    "min", "max", "abs", "sign", "floor", "ceil", "trunc", "round", "sqrt", "exp", "log", "pow", "sin", "cos", "asin",
+    "acos", "atan", "atan2", "tanh", "length", "distance", "dot", "cross", "normalize", "vec2", "vec3", "vec4", "mat2",
+    "mat3", "mat4", "transpose", "determinant", "inverse", "hash", "hash2", "hash3", "turn", "turn_about", "at",
+    "material", "paint", "float", "int", "grid", "polar", "value",
+];
+
+/// Names that stand for a value and are not declared in the prelude.
+pub const NAMES: &[&str] =
+    &["p", "world", "normal", "time", "pi", "tau", "x", "y", "z", "nothing", "on", "off", "true", "false"];
+
+/// Whether a name can be called without being declared.
+pub fn is_function(name: &str) -> bool {
+    FUNCTIONS.contains(&name)
+}
+
+impl Elaborator<'_> {
+    /// Calls a built-in function.
+    pub fn built_in(
+        &mut self,
+        name: &str,
+        args: &[(Value, Span)],
+        span: Span,
+        env: &Env,
+    ) -> Elaborated<Value> {
+        // In a formula, a shape among numbers is its field.
+        let takes_shape = matches!(name, "at" | "material" | "paint" | "value");
+        let mut values: Vec<Value> = Vec::with_capacity(args.len());
+        for (value, at) in args {
+            values.push(match value {
+                Value::Shape(_) | Value::Nothing if !takes_shape => {
+                    Value::number(self.to_number(value, *at, env)?)
+                }
+                other => other.clone(),
+            });
+        }
+        let place = |i: usize| args.get(i).map_or(span, |(_, s)| *s);
+        let row = KERNEL.iter().find(|r| r.callable && r.name == name);
+        match (name, values.as_slice()) {
+            ("min" | "max", [first, second, rest @ ..]) => {
+                let op = if name == "min" { Op::Min } else { Op::Max };
+                let mut total = first.clone();
+                for (i, value) in std::iter::once(second).chain(rest).enumerate() {
+                    total = self.componentwise(&total, value, place(i + 1), |e, x, y| {
+                        e.graph.op(op, &[x, y])
+                    })?;
+                }
+                Ok(total)
+            }
+            ("atan", [one]) => self.each(one, span, Op::Atan),
+            ("atan" | "atan2", [y, x]) => {
+                self.componentwise(y, x, span, |e, y, x| e.graph.op(Op::Atan2, &[y, x]))
+            }
+            ("pow", [a, b]) => self.componentwise(a, b, span, |e, x, y| e.graph.op(Op::Pow, &[x, y])),
+            ("length", [v]) => {
+                let cells = self.cells(v, place(0))?;
+                Ok(Value::number(self.length(&cells, span)))
+            }
+            ("distance", [a, b]) => {
+                let v = self.componentwise(a, b, span, |e, x, y| e.graph.op(Op::Sub, &[x, y]))?;
+                let cells = self.cells(&v, span)?;
+                Ok(Value::number(self.length(&cells, span)))
+            }
+            ("dot", [a, b]) => {
+                let v = self.componentwise(a, b, span, |e, x, y| e.graph.op(Op::Mul, &[x, y]))?;
+                let cells = self.cells(&v, span)?;
+                Ok(Value::number(self.sum(&cells)))
+            }
+            ("cross", [a, b]) => {
+                let a = self.to_vector(a, 3, place(0))?;
+                let b = self.to_vector(b, 3, place(1))?;
+                let (&[a0, a1, a2], &[b0, b1, b2]) = (&*a, &*b) else { return Err(super::Stop) };
+                let mut minor = |p: NodeId, q: NodeId, r: NodeId, s: NodeId| {
+                    let x = self.graph.op(Op::Mul, &[p, q]);
+                    let y = self.graph.op(Op::Mul, &[r, s]);
+                    self.graph.op(Op::Sub, &[x, y])
+                };
+                let cells =
+                    vec![minor(a1, b2, a2, b1), minor(a2, b0, a0, b2), minor(a0, b1, a1, b0)];
+                Ok(Value::Vector(cells.into()))
+            }
+            ("normalize", [v]) => {
+                let cells = self.cells(v, place(0))?;
+                let length = self.length(&cells, span);
+                if self.graph.as_constant(length) == Some(0.0) {
+                    return Err(self.error(
+                        Code::BadValue,
+                        place(0),
+                        "a vector of length zero has no direction",
+                        "write a vector that is not zero",
+                    ));
+                }
+                let cells: Vec<NodeId> =
+                    cells.iter().map(|c| self.graph.op(Op::Div, &[*c, length])).collect();
+                Ok(Value::Vector(cells.into()))
+            }
+            ("vec2" | "vec3" | "vec4", [_, ..]) => {
+                let n = match name {
+                    "vec2" => 2,
+                    "vec3" => 3,
+                    _ => 4,
+                };
+                if let [Value::Number(one, _)] = values.as_slice() {
+                    return Ok(Value::Vector(vec![*one; n].into()));
+                }
+                let mut cells = Vec::new();
+                for (i, value) in values.iter().enumerate() {
+                    cells.extend(self.cells(value, place(i))?);
+                }
+                // A longer vector is cut, as GLSL does with one argument.
+                if values.len() == 1 && cells.len() > n {
+                    cells.truncate(n);
+                }
+                if cells.len() != n {
+                    return Err(self.error(
+                        Code::TypeMismatch,
+                        span,
+                        format!("`{name}` needs {n} components, and here are {}", cells.len()),
+                        format!("write {n} numbers"),
+                    ));
+                }
+                Ok(Value::Vector(cells.into()))
+            }
+            ("mat2" | "mat3" | "mat4", [_, ..]) => self.matrix(name, &values, span),
+            ("transpose", [Value::Matrix(n, m)]) => {
+                let size = usize::from(*n);
+                let cells = (0..size * size)
+                    .filter_map(|i| m.get((i % size) * size + i / size).copied())
+                    .collect();
+                Ok(Value::Matrix(*n, cells))
+            }
+            ("determinant", [Value::Matrix(n, m)]) => {
+                let node = self.determinant(m, usize::from(*n));
+                Ok(Value::number(node))
+            }
+            ("inverse", [Value::Matrix(n, m)]) => self.inverse(m, *n, span),
+            ("hash" | "hash2" | "hash3", [v]) => self.hashes(name, v, None, place(0)),
+            ("hash" | "hash2" | "hash3", [v, seed]) => {
+                let seed = self.to_number(seed, place(1), env)?;
+                self.hashes(name, v, Some(seed), place(0))
+            }
+            ("turn", [v, angle]) => {
+                let v = self.to_vector(v, 2, place(0))?;
+                let angle = self.to_number(angle, place(1), env)?;
+                let &[a, b] = &*v else { return Err(super::Stop) };
+                let cells = vec![
+                    self.graph.op(Op::TurnU, &[a, b, angle]),
+                    self.graph.op(Op::TurnV, &[a, b, angle]),
+                ];
+                Ok(Value::Vector(cells.into()))
+            }
+            ("turn_about", [v, axis, angle]) => {
+                let v = self.to_vector(v, 3, place(0))?;
+                let axis = self.to_vector(axis, 3, place(1))?;
+                let angle = self.to_number(angle, place(2), env)?;
+                let (&[a, b, c], &[i, j, k]) = (&*v, &*axis) else { return Err(super::Stop) };
+                self.turn_about([a, b, c], [i, j, k], angle, place(1))
+            }
+            ("at", [Value::Shape(id), q]) => {
+                let n = usize::from(self.dimensions(*id));
+                let q = self.to_vector(q, n, place(1))?;
+                let q = self.fit_point(&q, *id, place(1))?;
+                let node = self.graph.field(*id, q);
+                self.graph.locate(node, span);
+                Ok(Value::number(node))
+            }
+            ("at", [Value::Nothing, _]) => Ok(Value::number(self.graph.constant(crate::graph::FAR))),
+            ("material", [Value::Shape(id), m]) => {
+                let Value::Material(m) = m else { return Err(self.not_material(m, place(1))) };
+                Ok(self.with_material(*id, None, *m, span))
+            }
+            ("material", [Value::Nothing, Value::Material(_)]) => Ok(Value::Nothing),
+            ("paint", [Value::Shape(id), Value::Shape(mask), m]) => {
+                let Value::Material(m) = m else { return Err(self.not_material(m, place(2))) };
+                if self.dimensions(*id) != self.dimensions(*mask) {
+                    return Err(self.error(
+                        Code::TypeMismatch,
+                        place(1),
+                        "the mask must have as many dimensions as what is painted",
+                        "make a solid of the drawing with `.extrude(height)`",
+                    ));
+                }
+                Ok(self.with_material(*id, Some(*mask), *m, span))
+            }
+            ("float", [Value::Number(n, _)]) => Ok(Value::number(*n)),
+            ("int", [Value::Number(n, _)]) => {
+                Ok(Value::Number(self.graph.op(Op::Trunc, &[*n]), true))
+            }
+            ("float", [Value::Bool(c)]) => {
+                let (zero, one) = (self.graph.constant(0.0), self.graph.constant(1.0));
+                Ok(Value::number(self.graph.op(Op::Select, &[*c, one, zero])))
+            }
+            ("grid" | "polar", _) => Err(self.error(
+                Code::TypeMismatch,
+                span,
+                format!("`{name}` stands only after `in`"),
+                format!("write `for c in {name}(…) {{ … }}`"),
+            )),
+            _ => {
+                if let (Some(row), [one]) = (row, values.as_slice())
+                    && row.arity == 1
+                {
+                    return self.each(one, span, row.op);
+                }
+                let found: Vec<String> = values.iter().map(|v| v.describe(self)).collect();
+                let (usage, count) = usage(name);
+                if values.len() < count {
+                    return Err(self.error(
+                        Code::MissingArgument,
+                        span,
+                        format!("`{name}` needs more arguments"),
+                        format!("write `{usage}`"),
+                    ));
+                }
+                if values.len() > count && !matches!(name, "at" | "material" | "paint") {
+                    return Err(self.error(
+                        Code::ExtraArgument,
+                        place(count),
+                        format!("`{name}` takes {count} argument{}", if count == 1 { "" } else { "s" }),
+                        format!("write `{usage}`"),
+                    ));
+                }
+                Err(self.error(
+                    Code::TypeMismatch,
+                    place(0),
+                    format!("`{name}` does not take {}", found.join(" and ")),
+                    format!("write `{usage}`"),
+                ))
+            }
+        }
+    }
+
+    fn not_material(&mut self, value: &Value, span: Span) -> super::Stop {
+        let found = value.describe(self);
+        self.error(
+            Code::TypeMismatch,
+            span,
+            format!("a material is needed here, and this is {found}"),
+            "declare one with `material name { color: #808080 }`, and write its name here",
+        )
+    }
+
+    /// The components of a number or vector.
+    fn cells(&mut self, value: &Value, span: Span) -> Elaborated<Vec<NodeId>> {
+        match value {
+            Value::Number(n, _) => Ok(vec![*n]),
+            Value::Vector(v) => Ok(v.to_vec()),
+            other => {
+                let found = other.describe(self);
+                Err(self.error(
+                    Code::TypeMismatch,
+                    span,
+                    format!("a vector is needed here, and this is {found}"),
+                    "write a vector, for example `(1, 0, 0)`",
+                ))
+            }
+        }
+    }
+
+    /// The Euclidean length of components.
+    pub fn length(&mut self, cells: &[NodeId], span: Span) -> NodeId {
+        let node = match cells.len() {
+            1 => self.graph.op(Op::Abs, cells),
+            2 => self.graph.op(Op::Length2, cells),
+            3 => self.graph.op(Op::Length3, cells),
+            _ => self.graph.op(Op::Length4, cells),
+        };
+        self.graph.locate(node, span);
+        node
+    }
+
+    fn matrix(&mut self, name: &str, values: &[Value], span: Span) -> Elaborated<Value> {
+        let n: usize = match name {
+            "mat2" => 2,
+            "mat3" => 3,
+            _ => 4,
+        };
+        if let [Value::Matrix(m, _)] = values
+            && usize::from(*m) == n
+            && let Some(same) = values.first()
+        {
+            return Ok(same.clone());
+        }
+        if let [Value::Number(diagonal, _)] = values {
+            let zero = self.graph.constant(0.0);
+            let cells =
+                (0..n * n).map(|i| if i % (n + 1) == 0 { *diagonal } else { zero }).collect();
+            return Ok(Value::Matrix(n as u8, cells));
+        }
+        let mut cells = Vec::new();
+        for value in values {
+            cells.extend(self.cells(value, span)?);
+        }
+        if cells.len() != n * n {
+            return Err(self.error(
+                Code::TypeMismatch,
+                span,
+                format!("`{name}` needs {} numbers, column by column, and here are {}", n * n, cells.len()),
+                format!("write {n} vectors of {n}, or one number for the diagonal"),
+            ));
+        }
+        Ok(Value::Matrix(n as u8, cells.into()))
+    }
+
+    /// Determinant by expansion along the first column.
+    fn determinant(&mut self, m: &[NodeId], n: usize) -> NodeId {
+        match m {
+            [] => self.graph.constant(1.0),
+            [one] => *one,
+            _ => {
+                let mut total = self.graph.constant(0.0);
+                for row in 0..n {
+                    let Some(&head) = m.get(row) else { continue };
+                    let minor = minor(m, n, row, 0);
+                    let inner = self.determinant(&minor, n - 1);
+                    let term = self.graph.op(Op::Mul, &[head, inner]);
+                    total =
+                        self.graph.op(if row % 2 == 0 { Op::Add } else { Op::Sub }, &[total, term]);
+                }
+                total
+            }
+        }
+    }
+
+    /// Inverse by cofactors.
+    fn inverse(&mut self, m: &[NodeId], n: u8, span: Span) -> Elaborated<Value> {
+        let size = usize::from(n);
+        let determinant = self.determinant(m, size);
+        if self.graph.as_constant(determinant) == Some(0.0) {
+            return Err(self.error(
+                Code::BadValue,
+                span,
+                "this matrix has no inverse",
+                "its columns must not lie in one plane",
+            ));
+        }
+        let mut cells = Vec::new();
+        for column in 0..size {
+            for row in 0..size {
+                let inner = minor(m, size, column, row);
+                let cofactor = self.determinant(&inner, size - 1);
+                let quotient = self.graph.op(Op::Div, &[cofactor, determinant]);
+                cells.push(if (row + column) % 2 == 0 {
+                    quotient
+                } else {
+                    self.graph.op(Op::Neg, &[quotient])
+                });
+            }
+        }
+        Ok(Value::Matrix(n, cells.into()))
+    }
+
+    fn hashes(
+        &mut self,
+        name: &str,
+        v: &Value,
+        seed: Option<NodeId>,
+        span: Span,
+    ) -> Elaborated<Value> {
+        let cells = self.cells(v, span)?;
+        let zero = self.graph.constant(0.0);
+        let four = self.graph.constant(4.0);
+        let seed = match seed {
+            Some(seed) => self.graph.op(Op::Mul, &[seed, four]),
+            None => zero,
+        };
+        let cell = |i: usize| cells.get(i).copied().unwrap_or(zero);
+        let count = match name {
+            "hash" => 1,
+            "hash2" => 2,
+            _ => 3,
+        };
+        let nodes: Vec<NodeId> = (0..count)
+            .map(|channel| {
+                let channel = self.graph.constant(f64::from(channel));
+                let word = self.graph.op(Op::Add, &[seed, channel]);
+                self.graph.op(Op::Hash, &[cell(0), cell(1), cell(2), word])
+            })
+            .collect();
+        Ok(match *nodes {
+            [one] => Value::number(one),
+            _ => Value::Vector(nodes.into()),
+        })
+    }
+
+    /// A vector turned about an axis through the origin by the right-hand rule.
+    pub fn turn_about(
+        &mut self,
+        [a, b, c]: [NodeId; 3],
+        axis: [NodeId; 3],
+        angle: NodeId,
+        span: Span,
+    ) -> Elaborated<Value> {
+        let constants = axis.map(|n| self.graph.as_constant(n));
+        if let [Some(i), Some(j), Some(k)] = constants {
+            let length = (i * i + j * j + k * k).sqrt();
+            if length == 0.0 {
+                return Err(self.error(
+                    Code::BadValue,
+                    span,
+                    "an axis of length zero has no direction",
+                    "write `x`, `y`, `z` or another vector that is not zero",
+                ));
+            }
+            let unit = [i / length, j / length, k / length];
+            // Along x, y or z: a turn of the plane of the other two.
+            let plane = match unit.map(|c| c.abs() > 1.0 - 1e-12) {
+                [true, ..] => Some((0, unit[0])),
+                [_, true, _] => Some((1, unit[1])),
+                [_, _, true] => Some((2, unit[2])),
+                _ => None,
+            };
+            if let Some((along, sign)) = plane {
+                let angle = if sign < 0.0 { self.graph.op(Op::Neg, &[angle]) } else { angle };
+                let mut turn = |u: NodeId, v: NodeId| {
+                    (
+                        self.graph.op(Op::TurnU, &[u, v, angle]),
+                        self.graph.op(Op::TurnV, &[u, v, angle]),
+                    )
+                };
+                let cells = match along {
+                    0 => {
+                        let (y, z) = turn(b, c);
+                        vec![a, y, z]
+                    }
+                    1 => {
+                        let (z, x) = turn(c, a);
+                        vec![x, b, z]
+                    }
+                    _ => {
+                        let (x, y) = turn(a, b);
+                        vec![x, y, c]
+                    }
+                };
+                return Ok(Value::Vector(cells.into()));
+            }
+        }
+        // Rodrigues' formula: v cos t + (k × v) sin t + k (k·v)(1 - cos t).
+        let length = self.length(&axis, span);
+        let k = axis.map(|n| self.graph.op(Op::Div, &[n, length]));
+        let cos = self.graph.op(Op::Cos, &[angle]);
+        let sin = self.graph.op(Op::Sin, &[angle]);
+        let one = self.graph.constant(1.0);
+        let rest = self.graph.op(Op::Sub, &[one, cos]);
+        let v = [a, b, c];
+        let dots: Vec<NodeId> =
+            k.iter().zip(v).map(|(k, v)| self.graph.op(Op::Mul, &[*k, v])).collect();
+        let along = self.sum(&dots);
+        let along = self.graph.op(Op::Mul, &[along, rest]);
+        let [k0, k1, k2] = k;
+        let crossed = {
+            let mut minor = |p: NodeId, q: NodeId, r: NodeId, s: NodeId| {
+                let x = self.graph.op(Op::Mul, &[p, q]);
+                let y = self.graph.op(Op::Mul, &[r, s]);
+                self.graph.op(Op::Sub, &[x, y])
+            };
+            [minor(k1, c, k2, b), minor(k2, a, k0, c), minor(k0, b, k1, a)]
+        };
+        let cells = (0..3)
+            .filter_map(|i| Some((*v.get(i)?, *crossed.get(i)?, *k.get(i)?)))
+            .map(|(v, crossed, k)| {
+                let first = self.graph.op(Op::Mul, &[v, cos]);
+                let second = self.graph.op(Op::Mul, &[crossed, sin]);
+                let third = self.graph.op(Op::Mul, &[k, along]);
+                self.sum(&[first, second, third])
+            })
+            .collect();
+        Ok(Value::Vector(cells))
+    }
+}
+
+/// The matrix without one row and one column.
+fn minor(m: &[NodeId], n: usize, row: usize, column: usize) -> Vec<NodeId> {
+    m.iter()
+        .enumerate()
+        .filter(|(i, _)| i % n != row && i / n != column)
+        .map(|(_, c)| *c)
+        .collect()
+}
+
+/// How a built-in function is called, and with how many arguments at least.
+fn usage(name: &str) -> (String, usize) {
+    match name {
+        "min" | "max" => (format!("{name}(a, b)"), 2),
+        "pow" => ("pow(a, b)".into(), 2),
+        "atan2" => ("atan2(y, x)".into(), 2),
+        "distance" | "dot" | "cross" => (format!("{name}(a, b)"), 2),
+        "turn" => ("turn(v, angle)".into(), 2),
+        "turn_about" => ("turn_about(v, axis, angle)".into(), 3),
+        "at" => ("s.at(q)".into(), 2),
+        "material" => ("s.material(m)".into(), 2),
+        "paint" => ("s.paint(mask, m)".into(), 3),
+        "vec2" => ("vec2(x, y)".into(), 1),
+        "vec3" => ("vec3(x, y, z)".into(), 1),
+        "vec4" => ("vec4(x, y, z, w)".into(), 1),
+        _ => (format!("{name}(v)"), 1),
+    }
+}

@@ -1,0 +1,486 @@
+//! Texts and their imports.
+
+use crate::compiled::Loader;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::source::{FileId, Sources, Span};
+use crate::syntax::ast::{self, BlockKind, Item, ItemKind, Name};
+use crate::syntax::parser;
+use rustc_hash::FxHashMap;
+use std::sync::{Arc, LazyLock};
+
+/// The standard library: name and text of each of its files.
+pub const PRELUDE: &[(&str, &str)] = &[
+    ("<prelude>/numbers.sdf", include_str!("../../prelude/numbers.sdf")),
+    ("<prelude>/primitives.sdf", include_str!("../../prelude/primitives.sdf")),
+    ("<prelude>/drawings.sdf", include_str!("../../prelude/drawings.sdf")),
+    ("<prelude>/blends.sdf", include_str!("../../prelude/blends.sdf")),
+    ("<prelude>/placement.sdf", include_str!("../../prelude/placement.sdf")),
+    ("<prelude>/warps.sdf", include_str!("../../prelude/warps.sdf")),
+    ("<prelude>/noise.sdf", include_str!("../../prelude/noise.sdf")),
+];
+
+/// The prelude, read once: a constant, as its texts are.
+static PRELUDE_TREE: LazyLock<(Sources, Arc<Module>, Vec<Diagnostic>)> = LazyLock::new(|| {
+    let mut sources = Sources::default();
+    let mut diagnostics = Vec::new();
+    let mut ast = ast::File::default();
+    for (name, text) in PRELUDE {
+        let id = sources.add(*name, *text);
+        let (file, found) = parser::parse(id, text);
+        diagnostics.extend(found);
+        ast.items.extend(file.items);
+    }
+    let mut module = Module::new(FileId(0), String::new(), ast);
+    module.index_names();
+    (sources, Arc::new(module), diagnostics)
+});
+
+/// A declaration: which text, and which of its items.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ItemRef {
+    /// Index of the text.
+    pub module: usize,
+    /// Index of the item.
+    pub item: usize,
+}
+
+/// An import that was read.
+#[derive(Clone, Debug)]
+pub struct Import {
+    /// The name that it stands behind.
+    pub alias: Option<String>,
+    /// Index of its text.
+    pub module: usize,
+}
+
+/// One text.
+#[derive(Clone, Debug)]
+pub struct Module {
+    /// Its text.
+    pub file: FileId,
+    /// Its path as it was asked for.
+    pub path: String,
+    /// Its tree.
+    pub ast: ast::File,
+    /// Its imports.
+    pub imports: Vec<Import>,
+    names: FxHashMap<String, Vec<usize>>,
+}
+
+impl Module {
+    fn new(file: FileId, path: String, ast: ast::File) -> Self {
+        Self { file, path, ast, imports: Vec::new(), names: FxHashMap::default() }
+    }
+
+    fn index_names(&mut self) {
+        for (index, item) in self.ast.items.iter().enumerate() {
+            if let Some(name) = item_name(item) {
+                self.names.entry(name.text.clone()).or_default().push(index);
+            }
+        }
+    }
+}
+
+/// The name that an item declares in the namespace of its text.
+pub fn item_name(item: &Item) -> Option<&Name> {
+    match &item.kind {
+        ItemKind::Param { name, .. } | ItemKind::Material { name, .. } => Some(name),
+        ItemKind::Let(l) => l.bindings.first().map(|(name, _)| name),
+        ItemKind::Function(f) => Some(&f.name),
+        _ => None,
+    }
+}
+
+/// What a name stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Resolution {
+    /// Declarations of that name: one of a user's, or the overloads of the prelude.
+    Items(Vec<ItemRef>),
+    /// Several imports bring it; their paths.
+    Ambiguous(Vec<String>),
+    /// Nothing declares it.
+    Unknown,
+}
+
+/// All texts of a program.
+pub struct Modules {
+    list: Vec<Arc<Module>>,
+    /// The scene's own text.
+    pub main: usize,
+    /// Whether something in the texts could not be read, so that what is missing may stand there.
+    pub broken: bool,
+    prelude: usize,
+}
+
+/// Everything that was read.
+pub struct Loaded {
+    /// The texts.
+    pub sources: Sources,
+    /// Their trees.
+    pub modules: Modules,
+    /// What was found wrong.
+    pub diagnostics: Vec<Diagnostic>,
+    /// Paths that were read or looked for.
+    pub files: Vec<String>,
+}
+
+/// Texts that a scene may import, all together.
+const MODULE_LIMIT: usize = 256;
+
+/// Reads a scene and its imports.
+pub fn load(loader: &dyn Loader, path: &str) -> Loaded {
+    let (sources, prelude, prelude_diagnostics) = &*PRELUDE_TREE;
+    let mut reader = Reader {
+        loader,
+        sources: sources.clone(),
+        list: vec![prelude.clone()],
+        by_path: FxHashMap::default(),
+        stack: Vec::new(),
+        files: Vec::new(),
+        diagnostics: prelude_diagnostics.clone(),
+        broken: false,
+    };
+    let main = reader.read(path, None).unwrap_or(0);
+    Loaded {
+        sources: reader.sources,
+        modules: Modules { list: reader.list, main, broken: reader.broken, prelude: 0 },
+        diagnostics: reader.diagnostics,
+        files: reader.files,
+    }
+}
+
+struct Reader<'a> {
+    loader: &'a dyn Loader,
+    sources: Sources,
+    list: Vec<Arc<Module>>,
+    by_path: FxHashMap<String, usize>,
+    stack: Vec<String>,
+    files: Vec<String>,
+    diagnostics: Vec<Diagnostic>,
+    broken: bool,
+}
+
+impl Reader<'_> {
+    fn read(&mut self, path: &str, from: Option<Span>) -> Option<usize> {
+        self.files.push(path.to_owned());
+        let bytes = self.loader.read(path);
+        let text = match bytes {
+            Ok(bytes) => match String::from_utf8(bytes) {
+                Ok(text) => text,
+                Err(error) => {
+                    let valid = error.utf8_error().valid_up_to();
+                    let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
+                    let id = self.sources.add(path, text);
+                    self.broken = true;
+                    self.diagnostics.push(Diagnostic::new(
+                        Code::Encoding,
+                        Span::new(id, valid, valid + 1),
+                        "this text is not UTF-8",
+                        "save the file as UTF-8",
+                    ));
+                    return None;
+                }
+            },
+            Err(why) => {
+                self.broken = true;
+                let span = from.unwrap_or_else(|| {
+                    let id = self.sources.add(path, "");
+                    Span::new(id, 0, 0)
+                });
+                self.diagnostics.push(Diagnostic::new(
+                    Code::Unreadable,
+                    span,
+                    format!("`{path}` can't be read: {why}"),
+                    "write the path of a file, relative to the file that imports it",
+                ));
+                return None;
+            }
+        };
+        let text: Arc<str> = text.into();
+        let file = self.sources.add(path, text.clone());
+        let (ast, found) = parser::parse(file, &text);
+        self.broken |= !found.is_empty();
+        self.diagnostics.extend(found);
+        let mut module = Module::new(file, path.to_owned(), ast);
+        module.index_names();
+        self.report_doubles(&module);
+        let index = self.list.len();
+        self.by_path.insert(path.to_owned(), index);
+        self.list.push(Arc::new(module.clone()));
+        self.stack.push(path.to_owned());
+        for item in &module.ast.items.clone() {
+            let ItemKind::Import { path: target, path_span, alias } = &item.kind else { continue };
+            if let Some(target) = self.import(path, target, *path_span) {
+                let alias = alias.as_ref().map(|a| a.text.clone());
+                module.imports.push(Import { alias, module: target });
+            }
+        }
+        self.stack.pop();
+        if let Some(slot) = self.list.get_mut(index) {
+            *slot = Arc::new(module);
+        }
+        Some(index)
+    }
+
+    fn import(&mut self, from: &str, target: &str, span: Span) -> Option<usize> {
+        let path = join(from, target);
+        if self.stack.contains(&path) {
+            self.broken = true;
+            self.diagnostics.push(Diagnostic::new(
+                Code::ImportCircle,
+                span,
+                format!("`{path}` imports itself, by way of this"),
+                "move what both files need to a third one, and import that",
+            ));
+            return None;
+        }
+        if let Some(&known) = self.by_path.get(&path) {
+            return Some(known);
+        }
+        if self.list.len() >= MODULE_LIMIT {
+            self.diagnostics.push(Diagnostic::new(
+                Code::TooLarge,
+                span,
+                format!("more than {MODULE_LIMIT} files are imported"),
+                "join some of the files",
+            ));
+            return None;
+        }
+        self.read(&path, Some(span))
+    }
+
+    /// One name may be declared once in a text; so may the scene and each block.
+    fn report_doubles(&mut self, module: &Module) {
+        let mut seen: FxHashMap<(Option<BlockKind>, &str), Span> = FxHashMap::default();
+        for item in &module.ast.items {
+            let (kind, name, span) = match &item.kind {
+                ItemKind::Scene(_) => (None, "scene", item.span),
+                ItemKind::Block { kind, name, kind_span, .. } => {
+                    (Some(*kind), name.as_ref().map_or("", |n| n.text.as_str()), *kind_span)
+                }
+                ItemKind::Import { alias: Some(alias), .. } => (None, alias.text.as_str(), alias.span),
+                _ => match item_name(item) {
+                    Some(name) => (None, name.text.as_str(), name.span),
+                    None => continue,
+                },
+            };
+            if name.is_empty() && kind.is_none() {
+                continue;
+            }
+            if let Some(first) = seen.insert((kind, name), span) {
+                let what = match kind {
+                    Some(kind) if name.is_empty() => format!("{kind:?} block").to_lowercase(),
+                    _ => format!("`{name}`"),
+                };
+                self.diagnostics.push(
+                    Diagnostic::new(
+                        Code::TwiceDeclared,
+                        span,
+                        format!("{what} is declared twice"),
+                        if kind.is_some() {
+                            "give each of them a name of its own, or delete one"
+                        } else {
+                            "rename or delete one of them"
+                        },
+                    )
+                    .label(first, "first declared here"),
+                );
+            }
+        }
+    }
+}
+
+/// The path of an import, relative to the file that names it, with `.` and `..` resolved.
+pub fn join(from: &str, target: &str) -> String {
+    let folder = match from.rfind('/') {
+        Some(slash) => from.get(..=slash).unwrap_or(""),
+        None => "",
+    };
+    let absolute = target.starts_with('/');
+    let joined = if absolute { target.to_owned() } else { format!("{folder}{target}") };
+    let rooted = joined.starts_with('/');
+    let mut parts: Vec<&str> = Vec::new();
+    for part in joined.split('/') {
+        match part {
+            "" | "." => {}
+            ".." if parts.last().is_some_and(|&p| p != "..") => {
+                parts.pop();
+            }
+            part => parts.push(part),
+        }
+    }
+    format!("{}{}", if rooted { "/" } else { "" }, parts.join("/"))
+}
+
+impl Modules {
+    /// The items of a text with their references.
+    pub fn items(&self, module: usize) -> impl Iterator<Item = (ItemRef, &Item)> + use<'_> {
+        let items = self.list.get(module).map_or(&[][..], |m| &m.ast.items);
+        items.iter().enumerate().map(move |(item, i)| (ItemRef { module, item }, i))
+    }
+
+    /// An item.
+    pub fn item(&self, item: ItemRef) -> Option<&Item> {
+        self.list.get(item.module).and_then(|m| m.ast.items.get(item.item))
+    }
+
+    /// The text of a module.
+    pub fn file(&self, module: usize) -> FileId {
+        self.list.get(module).map_or(FileId(0), |m| m.file)
+    }
+
+    /// The path of a module.
+    pub fn path(&self, module: usize) -> &str {
+        self.list.get(module).map_or("", |m| &m.path)
+    }
+
+    /// The first place of a text.
+    pub fn head(&self, module: usize) -> Span {
+        Span::new(self.file(module), 0, 0)
+    }
+
+    /// Whether an item is of the prelude.
+    pub fn is_prelude(&self, module: usize) -> bool {
+        module == self.prelude
+    }
+
+    /// Index of the prelude.
+    pub fn prelude(&self) -> usize {
+        self.prelude
+    }
+
+    /// The scene's text, then those that it imports, in their order: their parameters become sliders.
+    pub fn with_parameters(&self) -> Vec<usize> {
+        let mut order = vec![self.main];
+        let imports = self.list.get(self.main).map_or(&[][..], |m| &m.imports);
+        for import in imports {
+            if !order.contains(&import.module) {
+                order.push(import.module);
+            }
+        }
+        order.extend((1..self.list.len()).filter(|m| !order.contains(m)).collect::<Vec<_>>());
+        order
+    }
+
+    /// The name under which the scene's text sees a parameter of another text: its alias, or the file's name.
+    pub fn module_name(&self, module: usize) -> Option<String> {
+        if module == self.main {
+            return None;
+        }
+        let main = self.list.get(self.main)?;
+        let alias = main.imports.iter().find(|i| i.module == module).and_then(|i| i.alias.clone());
+        alias.or_else(|| {
+            let path = self.path(module);
+            let file = path.rsplit('/').next().unwrap_or(path);
+            Some(file.strip_suffix(".sdf").unwrap_or(file).to_owned())
+        })
+    }
+
+    /// The text behind a name in a module.
+    pub fn alias(&self, module: usize, name: &str) -> Option<usize> {
+        self.list
+            .get(module)?
+            .imports
+            .iter()
+            .find(|i| i.alias.as_deref() == Some(name))
+            .map(|i| i.module)
+    }
+
+    /// What a text itself declares by a name.
+    pub fn own(&self, module: usize, name: &str) -> Vec<ItemRef> {
+        self.list
+            .get(module)
+            .and_then(|m| m.names.get(name))
+            .map(|items| items.iter().map(|&item| ItemRef { module, item }).collect())
+            .unwrap_or_default()
+    }
+
+    /// What a name means in a text: its own declaration, else an import's, else the prelude's.
+    pub fn resolve(&self, module: usize, name: &str) -> Resolution {
+        let own = self.own(module, name);
+        if let Some(&first) = own.first() {
+            return Resolution::Items(if self.is_prelude(module) { own } else { vec![first] });
+        }
+        let mut found: Vec<ItemRef> = Vec::new();
+        for import in self.list.get(module).map_or(&[][..], |m| &m.imports) {
+            if import.alias.is_none() {
+                let items = self.own(import.module, name);
+                found.extend(items.first().filter(|i| !found.contains(i)));
+            }
+        }
+        match found.len() {
+            0 => {}
+            1 => return Resolution::Items(found),
+            _ => {
+                let paths = found.iter().map(|i| self.path(i.module).to_owned()).collect();
+                return Resolution::Ambiguous(paths);
+            }
+        }
+        let prelude = self.own(self.prelude, name);
+        if prelude.is_empty() { Resolution::Unknown } else { Resolution::Items(prelude) }
+    }
+
+    /// Every name that a text can see, for a suggestion.
+    pub fn visible(&self, module: usize) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        let mut take = |m: usize| {
+            if let Some(m) = self.list.get(m) {
+                names.extend(m.names.keys().map(String::as_str));
+            }
+        };
+        take(module);
+        take(self.prelude);
+        for import in self.list.get(module).map_or(&[][..], |m| &m.imports) {
+            if import.alias.is_none() {
+                take(import.module);
+            }
+        }
+        names.extend(
+            self.list
+                .get(module)
+                .map_or(&[][..], |m| &m.imports)
+                .iter()
+                .filter_map(|i| i.alias.as_deref()),
+        );
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+}
+
+/// The name nearest to a wrong one, if it is near: at most a third of its letters differ.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let limit = (name.chars().count() / 3).max(1);
+    candidates
+        .into_iter()
+        .map(|c| (distance(name, c), c))
+        .filter(|&(d, _)| d <= limit)
+        .min_by_key(|&(d, c)| (d, c.len(), c))
+        .map(|(_, c)| c)
+}
+
+/// Damerau-Levenshtein distance (adjacent letters may be swapped).
+fn distance(a: &str, b: &str) -> usize {
+    let a: Vec<char> = a.chars().collect();
+    let b: Vec<char> = b.chars().collect();
+    if a.len().abs_diff(b.len()) > 8 {
+        return usize::MAX;
+    }
+    let mut before: Vec<usize> = Vec::new();
+    let mut last: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.iter().enumerate() {
+        let mut row = vec![i + 1];
+        for (j, y) in b.iter().enumerate() {
+            let get = |r: &[usize], k: usize| r.get(k).copied().unwrap_or(usize::MAX - 1);
+            let mut d = (get(&last, j) + usize::from(x != y))
+                .min(get(&last, j + 1) + 1)
+                .min(get(&row, j) + 1);
+            if i > 0 && j > 0 && a.get(i - 1) == Some(y) && b.get(j - 1) == Some(x) {
+                d = d.min(get(&before, j - 1) + 1);
+            }
+            row.push(d);
+        }
+        before = std::mem::replace(&mut last, row);
+    }
+    last.last().copied().unwrap_or(0)
+}

@@ -1,0 +1,407 @@
+//! From trees to a graph: names, types, calls, and the scene's blocks.
+//!
+//! The program is *elaborated*: every declaration that the scene uses is evaluated while compiling, and what is
+//! left is a graph of formulas. Values are symbolic (a number is a node of the graph), so nothing is lost by it.
+
+pub mod blocks;
+pub mod builtin;
+pub mod call;
+pub mod expression;
+pub mod load;
+pub mod repeat;
+pub mod value;
+
+use crate::analysis::Facts;
+use crate::compiled::{Options, Parameter, SceneBlocks};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::graph::{Exactness, Graph, NodeId, Shape, ShapeId};
+use crate::source::Span;
+use crate::syntax::ast::{self, FunctionKind, ItemKind};
+use load::{ItemRef, Modules};
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::rc::Rc;
+use value::Value;
+
+/// An error has been reported; what depends on it is left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stop;
+
+/// A value, or an error that has been reported.
+pub type Elaborated<T> = Result<T, Stop>;
+
+/// Local names, newest first.
+pub struct Scope {
+    name: Rc<str>,
+    value: Value,
+    outer: Option<Rc<Scope>>,
+}
+
+/// Where an expression stands.
+#[derive(Clone)]
+pub struct Env {
+    /// Which text's names it sees.
+    pub module: usize,
+    /// Local names.
+    pub scope: Option<Rc<Scope>>,
+    /// `p`, where there is one: two or three coordinates.
+    pub point: Option<Rc<[NodeId]>>,
+    /// Whether `normal` can be read.
+    pub normal: bool,
+}
+
+impl Env {
+    /// The top of a text.
+    pub fn top(module: usize) -> Self {
+        Self { module, scope: None, point: None, normal: false }
+    }
+
+    /// With one more local name.
+    pub fn with(&self, name: &str, value: Value) -> Self {
+        let scope = Rc::new(Scope { name: name.into(), value, outer: self.scope.clone() });
+        Self { scope: Some(scope), ..self.clone() }
+    }
+
+    /// With another `p`.
+    pub fn at(&self, point: Option<Rc<[NodeId]>>) -> Self {
+        Self { point, ..self.clone() }
+    }
+
+    fn local(&self, name: &str) -> Option<&Value> {
+        let mut scope = self.scope.as_ref();
+        while let Some(s) = scope {
+            if &*s.name == name {
+                return Some(&s.value);
+            }
+            scope = s.outer.as_ref();
+        }
+        None
+    }
+}
+
+/// How many nodes a program may make.
+pub const NODE_LIMIT: usize = 1_000_000;
+/// How many expressions may be evaluated.
+const STEP_LIMIT: u64 = 3_000_000;
+/// How deep calls may nest.
+const CALL_LIMIT: usize = 200;
+
+/// A program while it is elaborated.
+pub struct Elaborator<'a> {
+    /// All texts.
+    pub modules: &'a Modules,
+    /// What the host chose.
+    pub options: &'a Options,
+    /// The graph that is made.
+    pub graph: Graph,
+    /// What is known of its nodes.
+    pub facts: Facts,
+    /// What was found wrong.
+    pub diagnostics: Vec<Diagnostic>,
+    /// Parameters that were met, by declaration.
+    pub parameters: Vec<Parameter>,
+    parameter_values: FxHashMap<ItemRef, Elaborated<Value>>,
+    lets: FxHashMap<ItemRef, Option<Elaborated<Value>>>,
+    called: FxHashSet<ItemRef>,
+    memo: FxHashMap<(ItemRef, Option<Value>, Vec<Value>), Value>,
+    requirements: FxHashMap<ItemRef, Rc<[call::Requirement]>>,
+    depth: usize,
+    steps: u64,
+    /// While a declaration that nothing calls is tried with stand-in arguments: only errors that hold for all arguments are kept.
+    trial: bool,
+    /// The scene's extent, needed while repetitions are made.
+    pub extent: f64,
+}
+
+/// What elaboration gives.
+pub struct Elaboration {
+    /// The graph.
+    pub graph: Graph,
+    /// What is known of its nodes.
+    pub facts: Facts,
+    /// The scene's shape.
+    pub root: Option<ShapeId>,
+    /// Parameters.
+    pub parameters: Vec<Parameter>,
+    /// The scene's blocks.
+    pub blocks: SceneBlocks,
+    /// What was found wrong.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Elaborates the program whose texts are `modules`; the scene is that of the first text.
+pub fn elaborate(modules: &Modules, options: &Options) -> Elaboration {
+    let mut e = Elaborator {
+        modules,
+        options,
+        graph: Graph::new(),
+        facts: Facts::default(),
+        diagnostics: Vec::new(),
+        parameters: Vec::new(),
+        parameter_values: FxHashMap::default(),
+        lets: FxHashMap::default(),
+        called: FxHashSet::default(),
+        memo: FxHashMap::default(),
+        requirements: FxHashMap::default(),
+        depth: 0,
+        steps: 0,
+        trial: false,
+        extent: 100.0,
+    };
+    let main = modules.main;
+    // Parameters first and in their order: so they stand in the window, whether anything reads them yet or not.
+    for module in modules.with_parameters() {
+        for item in modules.items(module) {
+            if let ItemKind::Param { .. } = item.1.kind {
+                let _ = e.parameter(item.0);
+            }
+        }
+    }
+    let blocks = e.blocks(main);
+    let mut root = None;
+    let mut scenes = 0;
+    for (_, item) in modules.items(main) {
+        if let ItemKind::Scene(expr) = &item.kind {
+            scenes += 1;
+            let value = e.expression(expr, &Env::top(main));
+            root = value.and_then(|v| e.to_shape(&v, 3, expr.span)).ok();
+        }
+    }
+    if scenes == 0 && !modules.broken {
+        let span = modules.head(main);
+        e.report(Diagnostic::new(
+            Code::NoScene,
+            span,
+            "this file has no scene",
+            "write `scene = ` and a shape, for example `scene = sphere(1)`",
+        ));
+    }
+    e.try_uncalled(main);
+    e.unused_parameters(&blocks, root);
+    Elaboration {
+        graph: e.graph,
+        facts: e.facts,
+        root,
+        parameters: e.parameters,
+        blocks,
+        diagnostics: e.diagnostics,
+    }
+}
+
+impl Elaborator<'_> {
+    /// Reports a diagnostic, unless it is one that a stand-in argument may have caused.
+    pub fn report(&mut self, diagnostic: Diagnostic) -> Stop {
+        let caused_by_values = matches!(
+            diagnostic.code,
+            Code::BadValue
+                | Code::NotConstant
+                | Code::OutOfBounds
+                | Code::EndlessCall
+                | Code::TooLarge
+                | Code::NoReach
+                | Code::NoBound
+        );
+        let known = self
+            .diagnostics
+            .iter()
+            .any(|d| d.code == diagnostic.code && d.span == diagnostic.span);
+        if !known && !(self.trial && caused_by_values) {
+            self.diagnostics.push(diagnostic);
+        }
+        Stop
+    }
+
+    /// Reports an error with its advice.
+    pub fn error(
+        &mut self,
+        code: Code,
+        span: Span,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Stop {
+        self.report(Diagnostic::new(code, span, message, help))
+    }
+
+    /// Counts a step; an error where the program unfolds without measure.
+    pub fn step(&mut self, span: Span) -> Elaborated<()> {
+        self.steps += 1;
+        if self.steps > STEP_LIMIT || self.graph.len() > NODE_LIMIT {
+            return Err(self.error(
+                Code::TooLarge,
+                span,
+                "this unfolds to more than the compiler takes",
+                "use fewer turns or copies, or `grid` and `repeat` for many copies of one shape",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Runs `inside` one call deeper.
+    pub fn deeper<T>(
+        &mut self,
+        span: Span,
+        inside: impl FnOnce(&mut Self) -> Elaborated<T>,
+    ) -> Elaborated<T> {
+        if self.depth >= CALL_LIMIT {
+            return Err(self.error(
+                Code::EndlessCall,
+                span,
+                "this calls itself without end",
+                "let an `if` that is decided while compiling end the calls, for example `if level > 0 { … } else { … }`",
+            ));
+        }
+        self.depth += 1;
+        let result = inside(self);
+        self.depth -= 1;
+        result
+    }
+
+    /// A new shape without a name.
+    pub fn make_shape(&mut self, dimensions: u8, value: NodeId, span: Span) -> ShapeId {
+        self.graph.add_shape(Shape {
+            name: None,
+            dimensions,
+            value,
+            variables: Rc::<[u32]>::from([]).to_vec().into(),
+            exactness: Exactness::Formula,
+            material: None,
+            paints: [].into(),
+            span,
+        })
+    }
+
+    /// A shape with a name: the same shape where it has none, else one around it.
+    pub fn name_shape(&mut self, id: ShapeId, name: &str, span: Span) -> ShapeId {
+        let Some(shape) = self.graph.shape(id).cloned() else { return id };
+        if shape.name.is_none() {
+            return self.graph.add_shape(Shape { name: Some(name.into()), ..shape });
+        }
+        let point = self.graph.point();
+        let value = self.graph.field(id, point);
+        let outer = self.make_shape(shape.dimensions, value, span);
+        match self.graph.shape(outer).cloned() {
+            Some(outer) => self.graph.add_shape(Shape { name: Some(name.into()), ..outer }),
+            None => outer,
+        }
+    }
+
+    /// Tries every declaration of a text that nothing called, with stand-in arguments, for its errors.
+    fn try_uncalled(&mut self, module: usize) {
+        self.trial = true;
+        for (item_ref, item) in self.modules.items(module) {
+            if self.called.contains(&item_ref) {
+                continue;
+            }
+            self.steps = 0;
+            match &item.kind {
+                ItemKind::Function(function) => {
+                    let _ = self.try_function(item_ref, function);
+                }
+                ItemKind::Material { parameters, .. } => {
+                    let args = self.stand_ins(parameters, false);
+                    let _ = self.make_material(item_ref, &args, item.span);
+                }
+                ItemKind::Let(_) => {
+                    let _ = self.top_let(item_ref);
+                }
+                _ => {}
+            }
+        }
+        self.trial = false;
+    }
+
+    fn try_function(&mut self, item: ItemRef, function: &ast::Function) -> Elaborated<()> {
+        let args = self.stand_ins(&function.parameters, function.kind == FunctionKind::Blend);
+        let point = self.graph.point();
+        let receiver = match function.kind {
+            FunctionKind::Warp => Some(Value::Vector(point.to_vec().into())),
+            FunctionKind::Warp2 => {
+                Some(Value::Vector(point.iter().take(2).copied().collect::<Vec<_>>().into()))
+            }
+            _ => None,
+        };
+        self.apply(item, receiver, args, function.name.span, None).map(|_| ())
+    }
+
+    /// A value for each parameter: its default, or a harmless one of its type.
+    fn stand_ins(&mut self, parameters: &[ast::Parameter], blend: bool) -> Vec<Option<Value>> {
+        let point = self.graph.point();
+        parameters
+            .iter()
+            .map(|p| {
+                if p.default.is_some() {
+                    return None;
+                }
+                let one = self.graph.constant(1.0);
+                let ty = p.ty.as_ref().map(|(t, _)| t.clone());
+                Some(match ty {
+                    Some(ty) => self.stand_in(&ty, p.name.span),
+                    None if blend => {
+                        Value::number(self.graph.op(crate::graph::kernel::Op::Length3, &point))
+                    }
+                    None => Value::number(one),
+                })
+            })
+            .collect()
+    }
+
+    fn stand_in(&mut self, ty: &ast::Type, span: Span) -> Value {
+        use ast::Type;
+        let one = self.graph.constant(1.0);
+        let point = self.graph.point();
+        match ty {
+            Type::Bool => Value::Bool(one),
+            Type::Int => Value::Number(one, true),
+            Type::Float | Type::Field | Type::Str => Value::number(one),
+            Type::Vec(n) => Value::Vector(vec![one; usize::from(*n)].into()),
+            Type::Color => Value::Vector(vec![one; 3].into()),
+            Type::Mat(n) => {
+                let zero = self.graph.constant(0.0);
+                let n = usize::from(*n);
+                let cells = (0..n * n).map(|i| if i % (n + 1) == 0 { one } else { zero });
+                Value::Matrix(n as u8, cells.collect::<Vec<_>>().into())
+            }
+            Type::Shape | Type::Shape2 => {
+                let dimensions = if *ty == Type::Shape { 3 } else { 2 };
+                let length = if dimensions == 3 {
+                    self.graph.op(crate::graph::kernel::Op::Length3, &point)
+                } else {
+                    self.graph.op(crate::graph::kernel::Op::Length2, &point[..2])
+                };
+                let value = self.graph.op(crate::graph::kernel::Op::Sub, &[length, one]);
+                Value::Shape(self.make_shape(dimensions, value, span))
+            }
+            Type::Material => Value::Material(self.default_material()),
+            Type::List(inner) => {
+                let inner = self.stand_in(inner, span);
+                Value::List(vec![inner.clone(), inner.clone(), inner].into())
+            }
+        }
+    }
+
+    /// Warns of parameters that nothing reads.
+    fn unused_parameters(&mut self, blocks: &SceneBlocks, root: Option<ShapeId>) {
+        let Some(root) = root else { return };
+        let read = self.graph.parameters_read(root, &blocks.nodes());
+        let main_file = self.modules.file(self.modules.main);
+        let unused: Vec<_> = self
+            .parameters
+            .iter()
+            .filter(|p| p.span.file == main_file)
+            .filter(|p| {
+                p.first.is_some_and(|first| {
+                    let count = p.default.len() as u32;
+                    !(first..first + count).any(|c| read.contains(&c))
+                })
+            })
+            .map(|p| (p.name.clone(), p.span))
+            .collect();
+        for (name, span) in unused {
+            self.report(Diagnostic::new(
+                Code::Unused,
+                span,
+                format!("nothing in the scene reads `{name}`"),
+                "use it, or delete it",
+            ));
+        }
+    }
+}

@@ -1,0 +1,526 @@
+//! Repetition without end, and around an axis: as many neighbours as the body reaches.
+//!
+//! The value is the smallest over the copies that are looked at, and over the least distance at which a copy that is not looked
+//! at may begin. So it is continuous, keeps the Lipschitz constant of the body, and its zero set is that of all copies.
+
+use super::value::Value;
+use super::{Elaborated, Elaborator, Env, Stop};
+use crate::analysis::Box3;
+use crate::diagnostic::Code;
+use crate::graph::kernel::Op;
+use crate::graph::{Claim, Leaf, Node, NodeId, ShapeId, FAR};
+use crate::source::Span;
+use crate::syntax::ast::{Argument, For};
+
+/// At most so many cells are looked at along one axis.
+const MOST_CELLS: usize = 8;
+/// At most so many copies are looked at, all together.
+const MOST_COPIES: usize = 128;
+
+impl Elaborator<'_> {
+    /// `for cell in grid(size, count) { body }`.
+    pub fn grid(
+        &mut self,
+        each: &For,
+        args: &[Argument],
+        span: Span,
+        env: &Env,
+    ) -> Elaborated<Value> {
+        let mut given = Vec::new();
+        for arg in args {
+            given.push((self.expression(&arg.value, env)?, arg.value.span));
+        }
+        let (size, count) = match given.as_slice() {
+            [size] => (size.clone(), None),
+            [size, count] => (size.clone(), Some(count.clone())),
+            _ => {
+                return Err(self.error(
+                    Code::MissingArgument,
+                    each.source.span,
+                    "`grid` needs the size of its cells",
+                    "write `grid((2, 0, 2))`; zero along an axis means that it is not repeated there",
+                ));
+            }
+        };
+        let dimensions = match &size.0 {
+            Value::Vector(v) if v.len() == 2 => 2,
+            _ => 3,
+        };
+        let sizes = self.to_vector(&size.0, dimensions, size.1)?;
+        let counts = match &count {
+            Some((count, at)) => Some((self.to_vector(count, dimensions, *at)?, *at)),
+            None => None,
+        };
+        let variables: Vec<u32> = (0..3).map(|_| self.graph.fresh_variable()).collect();
+        let cell_leaves: Vec<NodeId> =
+            variables.iter().map(|&v| self.graph.leaf(Leaf::Variable(v))).collect();
+        let inner = env
+            .with(&each.index.text, Value::Vector(cell_leaves[..dimensions].to_vec().into()))
+            .at(None);
+        let body = self.expression(&each.body, &inner)?;
+        if matches!(body, Value::Nothing) {
+            return Ok(Value::Nothing);
+        }
+        let body = self.to_shape(&body, dimensions as u8, each.body.span)?;
+        // What the cells can be, and how far the body reaches over all of them.
+        let mut axes = Vec::new();
+        for (i, &size_node) in sizes.iter().enumerate() {
+            let range = self.facts.live_range(&self.graph, size_node);
+            if range.lo < 0.0 {
+                return Err(self.error(
+                    Code::BadValue,
+                    size.1,
+                    format!("a cell's size is {}", range.lo),
+                    "write a size greater than zero, or zero along an axis that is not repeated",
+                ));
+            }
+            if range.hi == 0.0 {
+                continue;
+            }
+            if range.lo == 0.0 {
+                return Err(self.error(
+                    Code::BadValue,
+                    size.1,
+                    "a cell's size can become zero",
+                    "let the parameter's range begin above zero",
+                ));
+            }
+            let count = match &counts {
+                Some((counts, at)) => {
+                    let count = counts.get(i).copied().ok_or(Stop)?;
+                    let count_value = Value::number(count);
+                    let constant = self.to_constant(&count_value, *at)?;
+                    if constant < 1.0 || constant.fract() != 0.0 {
+                        return Err(self.error(
+                            Code::BadValue,
+                            *at,
+                            format!("there can't be {constant} cells"),
+                            "write a whole number of at least one",
+                        ));
+                    }
+                    Some(constant)
+                }
+                None => None,
+            };
+            axes.push(Axis { index: i, size: size_node, least: range.lo, count, reach: 0.0, rings: 0 });
+        }
+        let cells = |variable: u32| -> Option<(f64, f64)> {
+            let i = variables.iter().position(|&v| v == variable)?;
+            match axes.iter().find(|a| a.index == i) {
+                None => Some((0.0, 0.0)),
+                Some(Axis { count: Some(n), .. }) => Some((0.0, n - 1.0)),
+                Some(_) => Some((-1e6, 1e6)),
+            }
+        };
+        let region = self.facts.body_region(&mut self.graph, body, &cells, self.extent);
+        let mut copies = 1;
+        for axis in &mut axes {
+            let side = region.axis(axis.index);
+            axis.reach = side.magnitude();
+            let unbounded = !side.is_finite() || axis.reach >= self.extent;
+            if side.is_empty() {
+                axis.reach = 0.0;
+            } else if unbounded || !axis.fit() {
+                let name = ["x", "y", "z"].get(axis.index).copied().unwrap_or("x");
+                let why = if unbounded {
+                    format!("the body reaches without end along {name}")
+                } else {
+                    format!("the body reaches {:.3} from its cell's middle along {name}, and a cell is {} wide", axis.reach, axis.least)
+                };
+                return Err(self.error(
+                    Code::NoReach,
+                    span,
+                    why,
+                    format!("make the cells larger, bound the body with `.within(…)`, or do not repeat along {name} (size 0)"),
+                ));
+            }
+            copies *= 2 * axis.rings + 2;
+        }
+        if copies > MOST_COPIES {
+            return Err(self.error(
+                Code::NoReach,
+                span,
+                format!("the body reaches so far that {copies} copies would be looked at for each point"),
+                "make the cells larger, or the body smaller",
+            ));
+        }
+        Ok(Value::Shape(self.place_cells(&axes, &variables, body, dimensions, span)))
+    }
+
+    fn place_cells(
+        &mut self,
+        axes: &[Axis],
+        variables: &[u32],
+        body: ShapeId,
+        dimensions: usize,
+        span: Span,
+    ) -> ShapeId {
+        let point = self.graph.point();
+        let zero = self.graph.constant(0.0);
+        let half = self.graph.constant(0.5);
+        let one = self.graph.constant(1.0);
+        // Along each axis: the candidates' coordinate and cell number; and the cap.
+        let mut choices: Vec<Vec<(NodeId, NodeId)>> =
+            point.iter().map(|&c| vec![(c, zero)]).collect();
+        let mut cap: Option<NodeId> = None;
+        for axis in axes {
+            let Some(&coordinate) = point.get(axis.index) else { continue };
+            // With a count the cells stand centred as a whole.
+            let shift = axis.count.map_or(0.0, |n| (n - 1.0) / 2.0);
+            let shift = self.graph.constant(shift);
+            let scaled = self.graph.op(Op::Div, &[coordinate, axis.size]);
+            let scaled = self.graph.op(Op::Add, &[scaled, shift]);
+            let near = self.graph.op(Op::Round, &[scaled]);
+            let near = self.clamp_cell(near, axis.count);
+            let offset = self.graph.op(Op::Sub, &[scaled, near]);
+            // The side toward which the point lies in its cell: 1 or -1.
+            let below = self.graph.op(Op::Lt, &[offset, zero]);
+            let minus = self.graph.constant(-1.0);
+            let side = self.graph.op(Op::Select, &[below, minus, one]);
+            let mut candidates = Vec::new();
+            let rings = axis.rings as i32;
+            let mut cells: Vec<NodeId> = (-rings..=rings)
+                .map(|ring| {
+                    let ring = self.graph.constant(f64::from(ring));
+                    self.graph.op(Op::Add, &[near, ring])
+                })
+                .collect();
+            if axis.reach > 0.0 {
+                let beyond = self.graph.constant(f64::from(rings + 1));
+                let step = self.graph.op(Op::Mul, &[side, beyond]);
+                cells.push(self.graph.op(Op::Add, &[near, step]));
+            }
+            for cell in cells {
+                let cell = self.clamp_cell(cell, axis.count);
+                let from = self.graph.op(Op::Sub, &[cell, shift]);
+                let middle = self.graph.op(Op::Mul, &[from, axis.size]);
+                candidates.push((self.graph.op(Op::Sub, &[coordinate, middle]), cell));
+            }
+            if let Some(slot) = choices.get_mut(axis.index) {
+                *slot = candidates;
+            }
+            // Copies beyond those looked at begin at least so far away: (rings + 1 + |offset|) cells less the reach.
+            let away = self.graph.op(Op::Abs, &[offset]);
+            // Far outside of a counted grid the offset grows; the nearest copy is then looked at.
+            let away = self.graph.op(Op::Min, &[away, half]);
+            let first = self.graph.constant(f64::from(rings + 1));
+            let cells_away = self.graph.op(Op::Add, &[first, away]);
+            let distance = self.graph.op(Op::Mul, &[cells_away, axis.size]);
+            let reach = self.graph.constant(axis.reach);
+            let distance = self.graph.op(Op::Sub, &[distance, reach]);
+            cap = Some(match cap {
+                Some(cap) => self.graph.op(Op::Min, &[cap, distance]),
+                None => distance,
+            });
+        }
+        let mut copies = Vec::new();
+        let bound: Vec<u32> =
+            self.graph.shape(body).map(|s| s.variables.to_vec()).unwrap_or_default();
+        let [xs, ys, zs] = choices.as_slice() else { return body };
+        for (x, cx) in xs {
+            for (y, cy) in ys {
+                for (z, cz) in zs {
+                    let z = if dimensions == 2 { &zero } else { z };
+                    let mut args = vec![*x, *y, *z];
+                    for &variable in &bound {
+                        let cell = variables.iter().position(|&v| v == variable);
+                        args.push(match cell {
+                            Some(0) => *cx,
+                            Some(1) => *cy,
+                            Some(_) => *cz,
+                            None => self.graph.leaf(Leaf::Variable(variable)),
+                        });
+                    }
+                    copies.push(self.graph.call(body, crate::graph::Function::Field, &args));
+                }
+            }
+        }
+        let nearest = self.balanced(Op::Min, &copies, FAR);
+        let value = match cap {
+            Some(cap) => self.graph.op(Op::Min, &[nearest, cap]),
+            None => nearest,
+        };
+        // At a wall between cells the copies that are looked at change, and the cap is at or below what
+        // comes and goes; so the jumps of the cell's number cancel.
+        let value = self.graph.intern(Node::Claim([value].into(), Claim::Continuous));
+        self.make_shape(dimensions as u8, value, span)
+    }
+
+    fn clamp_cell(&mut self, cell: NodeId, count: Option<f64>) -> NodeId {
+        let Some(count) = count else { return cell };
+        let zero = self.graph.constant(0.0);
+        let last = self.graph.constant(count - 1.0);
+        let cell = self.graph.op(Op::Max, &[cell, zero]);
+        self.graph.op(Op::Min, &[cell, last])
+    }
+
+    /// `for k in polar(axis, n) { body }`: copy k turned by k/n of a turn.
+    pub fn polar(
+        &mut self,
+        each: &For,
+        args: &[Argument],
+        span: Span,
+        env: &Env,
+    ) -> Elaborated<Value> {
+        let mut given = Vec::new();
+        for arg in args {
+            given.push((self.expression(&arg.value, env)?, arg.value.span));
+        }
+        let (axis, count) = match given.as_slice() {
+            [count] => (None, count.clone()),
+            [axis, count] => (Some(axis.clone()), count.clone()),
+            _ => {
+                return Err(self.error(
+                    Code::MissingArgument,
+                    each.source.span,
+                    "`polar` needs a number of copies",
+                    "write `polar(y, 12)`, and `polar(12)` for drawings",
+                ));
+            }
+        };
+        let dimensions: u8 = if axis.is_some() { 3 } else { 2 };
+        let count_node = self.to_number(&count.0, count.1, env)?;
+        let range = self.facts.live_range(&self.graph, count_node);
+        if range.lo < 1.0 {
+            return Err(self.error(
+                Code::BadValue,
+                count.1,
+                format!("there can't be {} copies", range.lo),
+                "write a number of at least one",
+            ));
+        }
+        if !range.hi.is_finite() || range.hi > 10_000.0 {
+            return Err(self.error(
+                Code::NotConstant,
+                count.1,
+                "the number of copies may be anything",
+                "write a number, or a parameter with a range",
+            ));
+        }
+        let axis_value = match &axis {
+            Some((axis, at)) => {
+                let v = self.to_vector(axis, 3, *at)?;
+                let &[i, j, k] = &*v else { return Err(Stop) };
+                Some(([i, j, k], *at))
+            }
+            None => None,
+        };
+        let constant = self.graph.as_constant(count_node);
+        let variable = self.graph.fresh_variable();
+        let index = self.graph.leaf(Leaf::Variable(variable));
+        let inner = env.with(&each.index.text, Value::Number(index, true)).at(None);
+        let body = self.expression(&each.body, &inner)?;
+        if matches!(body, Value::Nothing) {
+            return Ok(Value::Nothing);
+        }
+        let body = self.to_shape(&body, dimensions, each.body.span)?;
+        let last = range.hi - 1.0;
+        let cells = |v: u32| (v == variable).then_some((0.0, last));
+        let region = self.facts.body_region(&mut self.graph, body, &cells, self.extent);
+        let plane = match axis_value {
+            None => Some((0, 1, 1.0)),
+            Some((axis, _)) => match axis.map(|n| self.graph.as_constant(n)) {
+                // The plane in which the copies turn, first to second coordinate by the right-hand rule.
+                [Some(c), Some(0.0), Some(0.0)] => Some((1, 2, c)),
+                [Some(0.0), Some(c), Some(0.0)] => Some((2, 0, c)),
+                [Some(0.0), Some(0.0), Some(c)] => Some((0, 1, c)),
+                _ => None,
+            },
+        };
+        let rings = constant.zip(plane).and_then(|(n, (u, v, _))| {
+            let half = angle_about_zero(&region, u, v)? / (std::f64::consts::TAU / n);
+            // The first copy that is not looked at begins three quarters of a sector away, or more.
+            let rings = (half - 0.25).max(1.0).ceil();
+            (2.0 * rings + 1.0 < n && 2.0 * rings < MOST_CELLS as f64).then_some((n, rings, half))
+        });
+        let id = match (rings, plane) {
+            (Some((n, rings, half)), Some((u, v, sign))) => {
+                let inner = region.axis(u).mignitude().hypot(region.axis(v).mignitude());
+                let sectors = Sectors { n, rings, half, inner };
+                self.place_sectors(body, variable, (u, v, sign), sectors, dimensions, span)
+            }
+            _ => {
+                // Few copies, or a body that reaches around: all of them.
+                let most = range.hi.ceil() as usize;
+                if most > MOST_COPIES {
+                    return Err(self.error(
+                        Code::NoReach,
+                        span,
+                        "the body reaches so far around the axis that too many copies would be looked at",
+                        "move the body away from the axis with `.translate(…)` inside the braces, or make it smaller",
+                    ));
+                }
+                self.place_all(body, variable, axis_value, count_node, most, dimensions, span)?
+            }
+        };
+        Ok(Value::Shape(id))
+    }
+
+    /// Copies in the point's own sector and `rings` on either side.
+    fn place_sectors(
+        &mut self,
+        body: ShapeId,
+        variable: u32,
+        (u, v, sign): (usize, usize, f64),
+        Sectors { n, rings, half, inner }: Sectors,
+        dimensions: u8,
+        span: Span,
+    ) -> ShapeId {
+        let mut point = self.graph.point();
+        if dimensions == 2 {
+            point[2] = self.graph.constant(0.0);
+        }
+        let (Some(&pu), Some(&pv)) = (point.get(u), point.get(v)) else { return body };
+        let sector = std::f64::consts::TAU / n * sign.signum();
+        let angle = self.graph.op(Op::Atan2, &[pv, pu]);
+        let per = self.graph.constant(1.0 / sector);
+        let scaled = self.graph.op(Op::Mul, &[angle, per]);
+        let near = self.graph.op(Op::Round, &[scaled]);
+        let offset = self.graph.op(Op::Sub, &[scaled, near]);
+        let count = self.graph.constant(n);
+        let rings_i = rings as i32;
+        let mut copies = Vec::new();
+        for ring in -rings_i..=rings_i {
+            let ring = self.graph.constant(f64::from(ring));
+            let k = self.graph.op(Op::Add, &[near, ring]);
+            let whole_turns = self.graph.op(Op::Div, &[k, count]);
+            let whole_turns = self.graph.op(Op::Floor, &[whole_turns]);
+            let whole_turns = self.graph.op(Op::Mul, &[count, whole_turns]);
+            let index = self.graph.op(Op::Sub, &[k, whole_turns]);
+            let back = self.graph.constant(-sector);
+            let back = self.graph.op(Op::Mul, &[k, back]);
+            let mut q = point;
+            let tu = self.graph.op(Op::TurnU, &[pu, pv, back]);
+            let tv = self.graph.op(Op::TurnV, &[pu, pv, back]);
+            for (i, slot) in q.iter_mut().enumerate() {
+                if i == u {
+                    *slot = tu;
+                } else if i == v {
+                    *slot = tv;
+                }
+            }
+            copies.push(self.call_with_index(body, q, variable, index));
+        }
+        let nearest = self.balanced(Op::Min, &copies, FAR);
+        // What is not looked at lies behind a half plane through the axis, so many sectors away.
+        let first = self.graph.constant(rings + 1.0 - half);
+        let away = self.graph.op(Op::Abs, &[offset]);
+        let gap = self.graph.op(Op::Sub, &[first, away]);
+        let width = self.graph.constant(sector.abs());
+        let gap = self.graph.op(Op::Mul, &[gap, width]);
+        let quarter = self.graph.constant(std::f64::consts::FRAC_PI_2);
+        let gap = self.graph.op(Op::Min, &[gap, quarter]);
+        let sine = self.graph.op(Op::Sin, &[gap]);
+        let radius = self.graph.op(Op::Length2, &[pu, pv]);
+        let cap = self.graph.op(Op::Mul, &[radius, sine]);
+        // Nor does any copy come nearer to the axis than the body does.
+        let inner = self.graph.constant(inner);
+        let inner = self.graph.op(Op::Sub, &[inner, radius]);
+        let cap = self.graph.op(Op::Max, &[cap, inner]);
+        let value = self.graph.op(Op::Min, &[nearest, cap]);
+        let value = self.graph.intern(Node::Claim([value].into(), Claim::Continuous));
+        self.make_shape(dimensions, value, span)
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn place_all(
+        &mut self,
+        body: ShapeId,
+        variable: u32,
+        axis: Option<([NodeId; 3], Span)>,
+        count: NodeId,
+        most: usize,
+        dimensions: u8,
+        span: Span,
+    ) -> Elaborated<ShapeId> {
+        let mut point = self.graph.point();
+        if dimensions == 2 {
+            point[2] = self.graph.constant(0.0);
+        }
+        let far = self.graph.constant(FAR);
+        let zero = self.graph.constant(0.0);
+        let one = self.graph.constant(1.0);
+        let turn = self.graph.constant(-std::f64::consts::TAU);
+        let mut copies = Vec::new();
+        for k in 0..most {
+            let index = self.graph.constant(k as f64);
+            let part = self.graph.op(Op::Div, &[index, count]);
+            let angle = self.graph.op(Op::Mul, &[part, turn]);
+            let (axis, at) = axis.unwrap_or(([zero, zero, one], span));
+            let Value::Vector(q) = self.turn_about(point, axis, angle, at)? else {
+                return Err(Stop);
+            };
+            let &[a, b, c] = &*q else { return Err(Stop) };
+            let copy = self.call_with_index(body, [a, b, c], variable, index);
+            let present = self.graph.op(Op::Lt, &[index, count]);
+            copies.push(self.graph.op(Op::Select, &[present, copy, far]));
+        }
+        let value = self.balanced(Op::Min, &copies, FAR);
+        Ok(self.make_shape(dimensions, value, span))
+    }
+
+    fn call_with_index(
+        &mut self,
+        body: ShapeId,
+        point: [NodeId; 3],
+        variable: u32,
+        index: NodeId,
+    ) -> NodeId {
+        let bound = self.graph.shape(body).map(|s| s.variables.to_vec()).unwrap_or_default();
+        let mut args = point.to_vec();
+        for v in bound {
+            args.push(if v == variable { index } else { self.graph.leaf(Leaf::Variable(v)) });
+        }
+        self.graph.call(body, crate::graph::Function::Field, &args)
+    }
+}
+
+/// Sectors about an axis.
+struct Sectors {
+    /// How many.
+    n: f64,
+    /// How many are looked at on either side.
+    rings: f64,
+    /// Half of the body's width, in sectors.
+    half: f64,
+    /// How near the body comes to the axis.
+    inner: f64,
+}
+
+/// One axis of a grid.
+struct Axis {
+    index: usize,
+    size: NodeId,
+    /// The least size over the range of parameters.
+    least: f64,
+    count: Option<f64>,
+    /// How far the body reaches from its cell's middle.
+    reach: f64,
+    /// Cells looked at on either side, besides the nearest and one more.
+    rings: usize,
+}
+
+impl Axis {
+    /// Looks for the number of neighbours: what is not looked at shall begin a quarter of a cell away at least.
+    fn fit(&mut self) -> bool {
+        let needed = self.reach / self.least + 0.25 - 1.0;
+        self.rings = needed.max(0.0).ceil() as usize;
+        2 * self.rings + 2 <= MOST_CELLS
+    }
+}
+
+/// The largest angle between the positive `u` axis and a point of the box, in the plane of `u` and `v`; none where it reaches the axis.
+fn angle_about_zero(region: &Box3, u: usize, v: usize) -> Option<f64> {
+    let (a, b) = (region.axis(u), region.axis(v));
+    if a.is_empty() || b.is_empty() {
+        return Some(0.0);
+    }
+    if a.lo <= 0.0 && a.hi >= 0.0 && b.lo <= 0.0 && b.hi >= 0.0 {
+        return None;
+    }
+    let corners = [(a.lo, b.lo), (a.lo, b.hi), (a.hi, b.lo), (a.hi, b.hi)];
+    if a.lo <= 0.0 && b.contains(0.0) {
+        return Some(std::f64::consts::PI);
+    }
+    Some(corners.iter().map(|&(x, y)| y.atan2(x).abs()).fold(0.0, f64::max))
+}

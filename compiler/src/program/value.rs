@@ -1,0 +1,383 @@
+//! What an expression is while compiling, and how one kind of value becomes another.
+
+use super::{Elaborated, Elaborator, Env};
+use crate::diagnostic::Code;
+use crate::graph::kernel::Op;
+use crate::graph::{MaterialId, NodeId, ShapeId};
+use crate::source::Span;
+use crate::syntax::ast::Type;
+use std::rc::Rc;
+
+/// A symbolic value.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Value {
+    /// A number; whether it is known to be whole.
+    Number(NodeId, bool),
+    /// A condition.
+    Bool(NodeId),
+    /// Two to four numbers.
+    Vector(Rc<[NodeId]>),
+    /// So many columns and rows, column by column.
+    Matrix(u8, Rc<[NodeId]>),
+    /// A text.
+    Text(Rc<str>),
+    /// A list.
+    List(Rc<[Value]>),
+    /// A solid or a drawing.
+    Shape(ShapeId),
+    /// A material.
+    Material(MaterialId),
+    /// From and to.
+    Range(Rc<(Value, Value)>),
+    /// The empty shape, of either number of dimensions.
+    Nothing,
+}
+
+impl Value {
+    /// A number.
+    pub fn number(node: NodeId) -> Self {
+        Value::Number(node, false)
+    }
+
+    /// Its kind in words.
+    pub fn describe(&self, e: &Elaborator) -> String {
+        match self {
+            Value::Number(_, true) => "a whole number".into(),
+            Value::Number(..) => "a number".into(),
+            Value::Bool(_) => "a condition".into(),
+            Value::Vector(v) => format!("a vec{}", v.len()),
+            Value::Matrix(n, _) => format!("a mat{n}"),
+            Value::Text(_) => "a text".into(),
+            Value::List(_) => "a list".into(),
+            Value::Shape(id) => match e.dimensions(*id) {
+                2 => "a drawing (shape2)".into(),
+                _ => "a shape".into(),
+            },
+            Value::Material(_) => "a material".into(),
+            Value::Range(_) => "a range".into(),
+            Value::Nothing => "the empty shape".into(),
+        }
+    }
+}
+
+/// A type in words.
+pub fn type_words(ty: &Type) -> String {
+    match ty {
+        Type::Bool => "a condition (bool)".into(),
+        Type::Int => "a whole number (int)".into(),
+        Type::Float => "a number (float)".into(),
+        Type::Vec(n) => format!("a vec{n}"),
+        Type::Mat(n) => format!("a mat{n}"),
+        Type::Color => "a colour".into(),
+        Type::Shape => "a shape".into(),
+        Type::Shape2 => "a drawing (shape2)".into(),
+        Type::Material => "a material".into(),
+        Type::Field => "a number or a formula in `p`".into(),
+        Type::List(inner) => format!("a list of which each is {}", type_words(inner)),
+        Type::Str => "a text".into(),
+    }
+}
+
+impl Elaborator<'_> {
+    /// 2 for a drawing, else 3.
+    pub fn dimensions(&self, id: ShapeId) -> u8 {
+        self.graph.shape(id).map_or(3, |s| s.dimensions)
+    }
+
+    /// A constant number.
+    pub fn constant(&mut self, value: f64) -> Value {
+        Value::Number(self.graph.constant(value), value.fract() == 0.0)
+    }
+
+    /// Whether a value can stand where the type is wanted.
+    pub fn fits(&self, value: &Value, ty: &Type) -> bool {
+        match (value, ty) {
+            (Value::Number(..), Type::Float | Type::Int | Type::Field) => true,
+            (Value::Number(..), Type::Vec(_) | Type::Color) => true,
+            (Value::Bool(_), Type::Bool) => true,
+            (Value::Vector(v), Type::Vec(n)) => v.len() == usize::from(*n),
+            (Value::Vector(v), Type::Color) => v.len() == 3,
+            (Value::Matrix(n, _), Type::Mat(m)) => n == m,
+            (Value::Text(_), Type::Str) => true,
+            (Value::List(_), Type::List(_)) => true,
+            (Value::Shape(id), Type::Shape) => self.dimensions(*id) == 3,
+            (Value::Shape(id), Type::Shape2) => self.dimensions(*id) == 2,
+            (Value::Shape(_), Type::Field | Type::Float) => true,
+            (Value::Nothing, Type::Shape | Type::Shape2) => true,
+            (Value::Material(_), Type::Material) => true,
+            _ => false,
+        }
+    }
+
+    /// The value as one of the type, or an error at `span`. `env` gives the `p` at which a shape becomes a number.
+    pub fn coerce(
+        &mut self,
+        value: Value,
+        ty: &Type,
+        span: Span,
+        env: &Env,
+    ) -> Elaborated<Value> {
+        match (&value, ty) {
+            (Value::Number(node, whole), Type::Int) => {
+                if *whole {
+                    return Ok(value);
+                }
+                match self.graph.as_constant(*node) {
+                    Some(c) if c.fract() != 0.0 => Err(self.error(
+                        Code::TypeMismatch,
+                        span,
+                        format!("a whole number is needed here, and this is {c}"),
+                        format!("write {}", c.round()),
+                    )),
+                    _ => Ok(Value::Number(*node, true)),
+                }
+            }
+            (Value::Number(..), Type::Float | Type::Field) => Ok(value),
+            (Value::Number(node, _), Type::Vec(n)) => {
+                Ok(Value::Vector(vec![*node; usize::from(*n)].into()))
+            }
+            (Value::Number(node, _), Type::Color) => Ok(Value::Vector(vec![*node; 3].into())),
+            (Value::Shape(_) | Value::Nothing, Type::Field | Type::Float) => {
+                self.to_number(&value, span, env).map(Value::number)
+            }
+            (Value::Nothing, Type::Shape) => self.to_shape(&value, 3, span).map(Value::Shape),
+            (Value::Nothing, Type::Shape2) => self.to_shape(&value, 2, span).map(Value::Shape),
+            (Value::List(items), Type::List(inner)) => {
+                let items: Vec<Value> = items
+                    .iter()
+                    .map(|v| self.coerce(v.clone(), inner, span, env))
+                    .collect::<Elaborated<_>>()?;
+                Ok(Value::List(items.into()))
+            }
+            _ if self.fits(&value, ty) => Ok(value),
+            _ => {
+                let found = value.describe(self);
+                let help = match (&value, ty) {
+                    (Value::Vector(v), Type::Float | Type::Int) if v.len() <= 4 => {
+                        "take one component with `.x`, or its `length(…)`".to_owned()
+                    }
+                    (Value::Number(..), Type::Shape) => {
+                        "declare the formula with `field`, and write its name here".to_owned()
+                    }
+                    (Value::Shape(id), Type::Shape) if self.dimensions(*id) == 2 => {
+                        "make a solid of the drawing with `.extrude(height)` or `.revolve()`".to_owned()
+                    }
+                    (Value::Bool(_), Type::Float | Type::Int) => {
+                        "write a number, or `if condition { 1 } else { 0 }`".to_owned()
+                    }
+                    _ => format!("write {}", type_words(ty)),
+                };
+                Err(self.error(
+                    Code::TypeMismatch,
+                    span,
+                    format!("{} is needed here, and this is {found}", type_words(ty)),
+                    help,
+                ))
+            }
+        }
+    }
+
+    /// A number: itself, or the field of a shape at the `p` of `env`.
+    pub fn to_number(&mut self, value: &Value, span: Span, env: &Env) -> Elaborated<NodeId> {
+        match value {
+            Value::Number(node, _) => Ok(*node),
+            Value::Nothing => Ok(self.graph.constant(crate::graph::FAR)),
+            Value::Shape(id) => {
+                let Some(point) = env.point.clone() else {
+                    return Err(self.error(
+                        Code::TypeMismatch,
+                        span,
+                        "a number is needed here, and this is a shape",
+                        "a shape is a number only inside a formula, where there is a `p`",
+                    ));
+                };
+                let point = self.fit_point(&point, *id, span)?;
+                Ok(self.graph.field(*id, point))
+            }
+            other => {
+                let found = other.describe(self);
+                let help = match other {
+                    Value::Vector(_) => "take one component with `.x`, or its `length(…)`",
+                    Value::Bool(_) => "write `if condition { 1 } else { 0 }`",
+                    _ => "write a number",
+                };
+                Err(self.error(
+                    Code::TypeMismatch,
+                    span,
+                    format!("a number is needed here, and this is {found}"),
+                    help,
+                ))
+            }
+        }
+    }
+
+    /// A point as a call of the shape wants it: three coordinates, the last zero for a drawing.
+    pub fn fit_point(
+        &mut self,
+        point: &[NodeId],
+        shape: ShapeId,
+        span: Span,
+    ) -> Elaborated<[NodeId; 3]> {
+        let zero = self.graph.constant(0.0);
+        match (self.dimensions(shape), point) {
+            (3, [x, y, z]) => Ok([*x, *y, *z]),
+            (2, [x, y]) => Ok([*x, *y, zero]),
+            (n, _) => Err(self.error(
+                Code::TypeMismatch,
+                span,
+                format!("this shape has {n} dimensions, and the point has {}", point.len()),
+                if n == 2 {
+                    "ask for it at a point of the plane, for example `s.at(p.xy)`"
+                } else {
+                    "ask for it at a point of space, for example `s.at((q.x, 0, q.y))`"
+                },
+            )),
+        }
+    }
+
+    /// A shape of so many dimensions.
+    pub fn to_shape(&mut self, value: &Value, dimensions: u8, span: Span) -> Elaborated<ShapeId> {
+        match value {
+            Value::Shape(id) if self.dimensions(*id) == dimensions => Ok(*id),
+            Value::Nothing => {
+                let far = self.graph.constant(crate::graph::FAR);
+                Ok(self.make_shape(dimensions, far, span))
+            }
+            other => {
+                let found = other.describe(self);
+                let help = match other {
+                    Value::Shape(_) if dimensions == 3 => {
+                        "make a solid of the drawing with `.extrude(height)` or `.revolve()`"
+                    }
+                    Value::Shape(_) => "only drawings can stand here",
+                    Value::Number(..) => {
+                        "declare the formula with `field name = …`, and write its name here"
+                    }
+                    _ => "write a shape, for example `sphere(1)`",
+                };
+                let wanted = if dimensions == 3 { "a shape" } else { "a drawing (shape2)" };
+                Err(self.error(
+                    Code::TypeMismatch,
+                    span,
+                    format!("{wanted} is needed here, and this is {found}"),
+                    help,
+                ))
+            }
+        }
+    }
+
+    /// A constant number, or an error that says that it must be known while compiling.
+    pub fn to_constant(&mut self, value: &Value, span: Span) -> Elaborated<f64> {
+        match value {
+            Value::Number(node, _) => match self.graph.as_constant(*node) {
+                Some(c) => Ok(c),
+                None => Err(self.error(
+                    Code::NotConstant,
+                    span,
+                    "this must be known while compiling, and it depends on something live",
+                    "write a number, or a `let` of numbers",
+                )),
+            },
+            other => {
+                let found = other.describe(self);
+                Err(self.error(
+                    Code::TypeMismatch,
+                    span,
+                    format!("a number is needed here, and this is {found}"),
+                    "write a number",
+                ))
+            }
+        }
+    }
+
+    /// The components of a number or vector as a vector of length `n`.
+    pub fn to_vector(&mut self, value: &Value, n: usize, span: Span) -> Elaborated<Rc<[NodeId]>> {
+        match value {
+            Value::Number(node, _) => Ok(vec![*node; n].into()),
+            Value::Vector(v) if v.len() == n => Ok(v.clone()),
+            other => {
+                let found = other.describe(self);
+                Err(self.error(
+                    Code::TypeMismatch,
+                    span,
+                    format!("a vec{n} is needed here, and this is {found}"),
+                    format!("write {}", ["", "", "(x, y)", "(x, y, z)", "(x, y, z, w)"].get(n).unwrap_or(&"")),
+                ))
+            }
+        }
+    }
+
+    /// Applies an operation of two numbers to numbers or vectors, component by component.
+    pub fn componentwise(
+        &mut self,
+        a: &Value,
+        b: &Value,
+        span: Span,
+        mut f: impl FnMut(&mut Self, NodeId, NodeId) -> NodeId,
+    ) -> Elaborated<Value> {
+        match (a, b) {
+            (Value::Number(x, wx), Value::Number(y, wy)) => {
+                let node = f(self, *x, *y);
+                self.graph.locate(node, span);
+                Ok(Value::Number(node, *wx && *wy))
+            }
+            (Value::Vector(x), Value::Number(y, _)) => {
+                Ok(Value::Vector(x.iter().map(|x| f(self, *x, *y)).collect()))
+            }
+            (Value::Number(x, _), Value::Vector(y)) => {
+                Ok(Value::Vector(y.iter().map(|y| f(self, *x, *y)).collect()))
+            }
+            (Value::Vector(x), Value::Vector(y)) if x.len() == y.len() => {
+                Ok(Value::Vector(x.iter().zip(y.iter()).map(|(x, y)| f(self, *x, *y)).collect()))
+            }
+            _ => {
+                let (left, right) = (a.describe(self), b.describe(self));
+                let help = match (a, b) {
+                    (Value::Vector(_), Value::Vector(_)) => {
+                        "both vectors must have the same number of components"
+                    }
+                    (Value::Shape(_), _) | (_, Value::Shape(_)) => {
+                        "shapes are combined with `|`, `&` and `-`, grown with `.round(r)`, moved with `.translate(v)`"
+                    }
+                    _ => "this works on numbers and vectors",
+                };
+                Err(self.error(
+                    Code::TypeMismatch,
+                    span,
+                    format!("{left} and {right} do not go together here"),
+                    help,
+                ))
+            }
+        }
+    }
+
+    /// Applies an operation of one number to a number or each component of a vector.
+    pub fn each(
+        &mut self,
+        a: &Value,
+        span: Span,
+        op: Op,
+    ) -> Elaborated<Value> {
+        match a {
+            Value::Number(x, whole) => {
+                let whole = *whole && matches!(op, Op::Neg | Op::Abs | Op::Sign)
+                    || matches!(op, Op::Floor | Op::Ceil | Op::Round | Op::Trunc);
+                let node = self.graph.op(op, &[*x]);
+                self.graph.locate(node, span);
+                Ok(Value::Number(node, whole))
+            }
+            Value::Vector(v) => {
+                Ok(Value::Vector(v.iter().map(|x| self.graph.op(op, &[*x])).collect()))
+            }
+            other => {
+                let found = other.describe(self);
+                Err(self.error(
+                    Code::TypeMismatch,
+                    span,
+                    format!("a number or a vector is needed here, and this is {found}"),
+                    "write a number",
+                ))
+            }
+        }
+    }
+}
