@@ -2,6 +2,7 @@
 
 pub mod compiled;
 pub mod diagnostic;
+pub mod emit;
 pub mod functions;
 pub mod graph;
 pub mod source;
