@@ -3,6 +3,7 @@
 pub mod analysis;
 pub mod compiled;
 pub mod diagnostic;
+pub mod emit;
 pub mod functions;
 pub mod graph;
 pub mod program;

@@ -141,7 +141,7 @@ kernel! {
         |[a, ..]| a.monotone(|a| a.min(EXP_LIMIT).exp()).max(I::ZERO), "e to the power `a` (which counts as at most 88).";
     Log "log" 1 true Number false 9 Absolute(1e-6), "log(max({0}, 1e-37))",
         |[a, ..]| a.max(1e-37).ln(), |[a, ..]| a.monotone(|a| a.max(1e-37).ln()), "The natural logarithm, of at least 1e-37.";
-    Pow "pow" 2 true Number false 9 Ulp(128.0), "pow(max({0}, 0.0), {1})",
+    Pow "pow" 2 true Number false 9 Ulp(128.0), "sf_pow({0}, {1})",
         |[a, b, ..]| power(a, b), |[a, b, ..]| power_interval(a, b),
         "`a` to the power `b`; below zero `a` counts as zero, unless `b` is a constant whole number.";
     Sin "sin" 1 true Number false 9 Absolute(4.8828125e-4), "sin({0})",

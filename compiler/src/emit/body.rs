@@ -1,0 +1,533 @@
+//! A function of the module while it is made: expressions over its arguments, each once, calls opened where that was decided.
+
+use super::EmitError;
+use super::plan::{Action, Plan, Plans, TargetId};
+use crate::graph::kernel::{self, Kind, Op};
+use crate::graph::{Graph, Leaf, NodeId};
+use rustc_hash::{FxHashMap, FxHasher};
+use std::hash::{Hash, Hasher};
+
+/// Index of an expression in a [`Body`]. Arguments have smaller indices.
+pub type ExprId = u32;
+
+/// What an expression is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Code {
+    /// A number, by its bits.
+    Constant(u64),
+    /// The point, a vector of so many components.
+    Point(u8),
+    /// The point of the scene, as an argument.
+    World,
+    /// The point of the scene, in a function that has it as a local.
+    Scene,
+    /// The normal.
+    Normal,
+    /// An argument for a variable of the shape: its place among them.
+    Variable(u32),
+    /// A field of the uniform block: its number among the candidates, and its components.
+    Uniform(u32, u8),
+    /// An operation of the kernel. `Length2` and its kin take one vector.
+    Op(Op),
+    /// A function of the module: the point, then numbers.
+    Call(TargetId),
+    /// A component of a vector.
+    Component(u8),
+    /// Components of a vector in any order: so many, four bits each.
+    Swizzle(u8, u16),
+    /// A vector of numbers.
+    Vector(u8),
+    /// Sum, difference or product of a vector and a vector or number.
+    VectorOp(Op, u8),
+    /// The surface's struct from its fields.
+    Surface,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Expr {
+    code: Code,
+    start: u32,
+    count: u32,
+    next: u32,
+    named: Option<NodeId>,
+}
+
+const NONE: u32 = u32::MAX;
+
+/// The expressions of one function.
+#[derive(Debug, Default)]
+pub struct Body {
+    exprs: Vec<Expr>,
+    pool: Vec<ExprId>,
+    /// Last expression with this hash; the others follow by [`Expr::next`].
+    index: FxHashMap<u64, u32>,
+    /// Fields of shapes at arguments where a gradient, if it is called there, gives them too.
+    fields: Vec<(ExprId, TargetId, Vec<ExprId>)>,
+}
+
+/// What is bound while a formula is opened.
+pub struct Space {
+    /// The point.
+    pub point: [ExprId; 3],
+    /// The normal, in a surface.
+    pub normal: Option<ExprId>,
+    /// The shape's variables.
+    pub variables: Vec<ExprId>,
+}
+
+/// Finds the uniform field and component that a leaf reads.
+pub trait Outside {
+    /// Number of the field, its components, and the component that is meant.
+    fn uniform(&self, read: Read) -> Result<(u32, u8, u8), EmitError>;
+}
+
+/// What is read from outside.
+#[derive(Clone, Copy, Debug)]
+pub enum Read {
+    /// Seconds.
+    Time,
+    /// A component of a parameter.
+    Parameter(u32),
+    /// A factor.
+    Factor(u32),
+}
+
+struct Frame<'p> {
+    plan: &'p Plan,
+    at: usize,
+    /// Where this frame's values start.
+    values: usize,
+    /// Where this frame's arguments start, and how many they are.
+    arguments: (usize, usize),
+    /// What was called, to remember its field.
+    target: Option<TargetId>,
+}
+
+impl Body {
+    /// What an expression is.
+    pub fn code(&self, id: ExprId) -> Code {
+        self.exprs.get(id as usize).map_or(Code::Constant(0), |e| e.code)
+    }
+
+    /// Arguments of an expression.
+    pub fn arguments(&self, id: ExprId) -> &[ExprId] {
+        self.exprs
+            .get(id as usize)
+            .and_then(|e| self.pool.get(e.start as usize..(e.start + e.count) as usize))
+            .unwrap_or(&[])
+    }
+
+    /// The node of the graph that gives an expression its name.
+    pub fn named(&self, id: ExprId) -> Option<NodeId> {
+        self.exprs.get(id as usize).and_then(|e| e.named)
+    }
+
+    /// Number of expressions.
+    pub fn len(&self) -> usize {
+        self.exprs.len()
+    }
+
+    /// Adds an expression, or finds it.
+    pub fn add(&mut self, code: Code, args: &[ExprId]) -> ExprId {
+        let (hash, found) = self.look_up(code, args);
+        if let Some(id) = found {
+            return id;
+        }
+        let id = self.exprs.len() as u32;
+        let next = self.index.insert(hash, id).unwrap_or(NONE);
+        let start = self.pool.len() as u32;
+        self.pool.extend_from_slice(args);
+        self.exprs.push(Expr { code, start, count: args.len() as u32, next, named: None });
+        id
+    }
+
+    fn look_up(&self, code: Code, args: &[ExprId]) -> (u64, Option<ExprId>) {
+        let mut hasher = FxHasher::default();
+        code.hash(&mut hasher);
+        args.hash(&mut hasher);
+        let hash = hasher.finish();
+        let mut at = self.index.get(&hash).copied().unwrap_or(NONE);
+        while let Some(expr) = self.exprs.get(at as usize) {
+            if expr.code == code && self.arguments(at) == args {
+                return (hash, Some(at));
+            }
+            at = expr.next;
+        }
+        (hash, None)
+    }
+
+    /// A number.
+    pub fn constant(&mut self, value: f64) -> ExprId {
+        let bits = if value == 0.0 { 0 } else { value.to_bits() };
+        self.add(Code::Constant(bits), &[])
+    }
+
+    /// The number that an expression is, if it is one.
+    pub fn as_constant(&self, id: ExprId) -> Option<f64> {
+        match self.code(id) {
+            Code::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    /// Whether an expression is a condition.
+    pub fn is_condition(&self, id: ExprId) -> bool {
+        matches!(self.code(id), Code::Op(op) if op.row().result == Kind::Condition)
+    }
+
+    /// An operation of the kernel, folded where its arguments are constant.
+    pub fn op(&mut self, op: Op, args: &[ExprId]) -> ExprId {
+        let mut constants = [0.0; 4];
+        let mut all = true;
+        for (slot, &arg) in constants.iter_mut().zip(args) {
+            match self.as_constant(arg) {
+                Some(c) => *slot = c,
+                None => all = false,
+            }
+        }
+        if all {
+            let limit = f64::from(f32::MAX);
+            let count = args.len().min(4);
+            let value = kernel::value(op, constants.get(..count).unwrap_or(&[]));
+            return self.constant(value.clamp(-limit, limit));
+        }
+        match op {
+            Op::TurnU | Op::TurnV => self.turn(op, args),
+            Op::Length2 | Op::Length3 | Op::Length4 => {
+                let vector = self.vector(args);
+                self.add(Code::Op(op), &[vector])
+            }
+            _ => self.add(Code::Op(op), args),
+        }
+    }
+
+    /// `u cos t - v sin t`, or `u sin t + v cos t`. The two of one angle share its cosine and sine.
+    fn turn(&mut self, op: Op, args: &[ExprId]) -> ExprId {
+        let [u, v, t] = *args else { return self.constant(0.0) };
+        // The cosine of a constant quarter turn is zero, not what is left of pi.
+        let exact = |x: f64| if (x - x.round()).abs() < 4.0 * f64::EPSILON { x.round() } else { x };
+        let (cos, sin) = match self.as_constant(t) {
+            Some(t) => (self.constant(exact(t.cos())), self.constant(exact(t.sin()))),
+            None => (self.add(Code::Op(Op::Cos), &[t]), self.add(Code::Op(Op::Sin), &[t])),
+        };
+        let (a, b, second) = match op {
+            Op::TurnU => (cos, sin, Op::Sub),
+            _ => (sin, cos, Op::Add),
+        };
+        match (self.times(u, a), self.times(v, b)) {
+            (Some(x), Some(y)) => self.op(second, &[x, y]),
+            (Some(x), None) => x,
+            (None, Some(y)) if second == Op::Sub => self.op(Op::Neg, &[y]),
+            (None, Some(y)) => y,
+            (None, None) => self.constant(0.0),
+        }
+    }
+
+    /// A product, none where it is zero.
+    fn times(&mut self, a: ExprId, b: ExprId) -> Option<ExprId> {
+        match (self.as_constant(a), self.as_constant(b)) {
+            (Some(0.0), _) | (_, Some(0.0)) => None,
+            (_, Some(1.0)) => Some(a),
+            (_, Some(-1.0)) => Some(self.op(Op::Neg, &[a])),
+            _ => Some(self.op(Op::Mul, &[a, b])),
+        }
+    }
+
+    /// A component of a vector.
+    pub fn component(&mut self, vector: ExprId, i: u8) -> ExprId {
+        match self.code(vector) {
+            Code::Vector(_) => self.arguments(vector).get(usize::from(i)).copied().unwrap_or(vector),
+            _ => self.add(Code::Component(i), &[vector]),
+        }
+    }
+
+    /// The vector of some numbers, as a person would write it: `p`, `p.xz`, `p - vec3f(…)`, `p * s`, or all written out.
+    pub fn vector(&mut self, parts: &[ExprId]) -> ExprId {
+        if let Some(whole) = self.swizzle(parts) {
+            return whole;
+        }
+        if let Some(combined) = self.combined(parts) {
+            return combined;
+        }
+        self.add(Code::Vector(parts.len() as u8), parts)
+    }
+
+    /// Number of components of an expression.
+    pub fn components(&self, id: ExprId) -> u8 {
+        match self.code(id) {
+            Code::Point(n) | Code::Vector(n) | Code::Swizzle(n, _) | Code::VectorOp(_, n) | Code::Uniform(_, n) => n,
+            Code::World | Code::Scene | Code::Normal => 3,
+            Code::Call(_) => 4,
+            _ => 1,
+        }
+    }
+
+    fn swizzle(&mut self, parts: &[ExprId]) -> Option<ExprId> {
+        let (mut base, mut order, mut identity) = (None, 0u16, true);
+        for (i, &part) in parts.iter().enumerate() {
+            let Code::Component(c) = self.code(part) else { return None };
+            let of = *self.arguments(part).first()?;
+            if *base.get_or_insert(of) != of {
+                return None;
+            }
+            order |= u16::from(c) << (4 * i);
+            identity &= usize::from(c) == i;
+        }
+        let (base, count) = (base?, parts.len() as u8);
+        if identity && self.components(base) == count {
+            return Some(base);
+        }
+        Some(self.add(Code::Swizzle(count, order), &[base]))
+    }
+
+    /// A vector plus or minus numbers, or times one.
+    fn combined(&mut self, parts: &[ExprId]) -> Option<ExprId> {
+        let count = parts.len();
+        let (mut inner, mut amounts) = ([0; 4], [0; 4]);
+        let (mut sums, mut differences, mut products) = (0, 0, 0);
+        let mut factor = None;
+        for (i, &part) in parts.iter().enumerate() {
+            let args = self.arguments(part);
+            let (x, y) = match (self.code(part), args) {
+                (Code::Op(Op::Add), &[x, y]) => {
+                    sums += 1;
+                    (x, Some(y))
+                }
+                (Code::Op(Op::Sub), &[x, y]) => {
+                    differences += 1;
+                    (x, Some(y))
+                }
+                (Code::Op(Op::Mul), &[x, y]) => {
+                    products += 1;
+                    // The common factor may stand on either side.
+                    let (x, y) = if matches!(self.code(x), Code::Component(_)) { (x, y) } else { (y, x) };
+                    if *factor.get_or_insert(y) != y {
+                        return None;
+                    }
+                    (x, Some(y))
+                }
+                (Code::Component(_), _) => (part, None),
+                _ => return None,
+            };
+            *inner.get_mut(i)? = x;
+            *amounts.get_mut(i)? = y.unwrap_or(NONE);
+        }
+        let inner = inner.get(..count)?;
+        if products == count {
+            let vector = self.swizzle(inner)?;
+            return Some(self.add(Code::VectorOp(Op::Mul, count as u8), &[vector, factor?]));
+        }
+        if products > 0 || sums + differences == 0 {
+            return None;
+        }
+        // One sign for all: a constant can change its own.
+        let op = if differences > 0 { Op::Sub } else { Op::Add };
+        let vector = self.swizzle(inner)?;
+        for (i, amount) in amounts.iter_mut().take(count).enumerate() {
+            if *amount == NONE {
+                *amount = self.constant(0.0);
+                continue;
+            }
+            let part = *parts.get(i)?;
+            if self.code(part) != Code::Op(op) {
+                let turned = -self.as_constant(*amount)?;
+                *amount = self.constant(turned);
+            }
+        }
+        let amount = amounts.get(..count)?;
+        let all_equal = amount.iter().all(|a| Some(a) == amount.first());
+        let other = match amount.first() {
+            Some(&a) if all_equal => a,
+            _ => self.vector(amount),
+        };
+        Some(self.add(Code::VectorOp(op, count as u8), &[vector, other]))
+    }
+
+    /// Opens formulas in a space. What they call is opened too, or called, as was decided.
+    pub fn open(
+        &mut self,
+        plans: &Plans,
+        graph: &Graph,
+        plan: &Plan,
+        space: &Space,
+        outside: &dyn Outside,
+    ) -> Result<Vec<ExprId>, EmitError> {
+        let mut arguments: Vec<ExprId> = space.point.to_vec();
+        arguments.extend_from_slice(&space.variables);
+        let count = arguments.len();
+        // Values of all open formulas, one after the other.
+        let mut values: Vec<ExprId> = Vec::with_capacity(plan.steps.len());
+        let mut frames = vec![Frame { plan, at: 0, values: 0, arguments: (0, count), target: None }];
+        let mut buffer: Vec<ExprId> = Vec::new();
+        loop {
+            let depth = frames.len();
+            let Some(frame) = frames.last_mut() else { return Ok(Vec::new()) };
+            let (plan, first) = (frame.plan, frame.values);
+            let value = |values: &[ExprId], local: u32| {
+                values.get(first + local as usize).copied().unwrap_or(0)
+            };
+            let Some(step) = plan.steps.get(frame.at) else {
+                buffer.clear();
+                buffer.extend(plan.results.iter().map(|&r| value(&values, r)));
+                if depth == 1 {
+                    return Ok(buffer);
+                }
+                let result = match *buffer {
+                    [one] => one,
+                    _ => self.add(Code::Vector(buffer.len() as u8), &buffer),
+                };
+                let (start, count) = frame.arguments;
+                if let Some(target) = frame.target.and_then(|t| plans.get(t)) {
+                    if let Some(gradient) = plans.field_from_gradient(target) {
+                        let args = arguments.get(start..start + count).unwrap_or(&[]).to_vec();
+                        self.fields.push((result, gradient, args));
+                    }
+                }
+                values.truncate(frame.values);
+                arguments.truncate(start);
+                frames.pop();
+                values.push(result);
+                continue;
+            };
+            frame.at += 1;
+            buffer.clear();
+            buffer.extend(plan.arguments(step).iter().map(|&a| value(&values, a)));
+            let (start, count) = frame.arguments;
+            let argument = |i: usize| {
+                if i < count { arguments.get(start + i).copied() } else { None }
+            };
+            let result = match step.action {
+                Action::Constant(value) => self.constant(value),
+                Action::Leaf(Leaf::P(i)) => argument(usize::from(i)).unwrap_or(0),
+                Action::Leaf(Leaf::Normal(i)) => {
+                    let normal = space.normal.ok_or(EmitError::NormalOutsideSurface)?;
+                    self.component(normal, i)
+                }
+                Action::Leaf(Leaf::Time) => self.outside(outside, Read::Time)?,
+                Action::Leaf(Leaf::Parameter(i)) => self.outside(outside, Read::Parameter(i))?,
+                Action::Leaf(Leaf::Variable(number)) | Action::Variable { number, position: None } => {
+                    return Err(EmitError::Unbound(number));
+                }
+                Action::Variable { number, position: Some(i) } => {
+                    argument(3 + i as usize).ok_or(EmitError::Unbound(number))?
+                }
+                Action::Factor(i) => self.outside(outside, Read::Factor(i))?,
+                Action::Op(op) => self.op(op, &buffer),
+                Action::Component(i) => {
+                    let vector = buffer.first().copied().unwrap_or(0);
+                    self.component(vector, i)
+                }
+                Action::Call(id) => {
+                    let target = plans.get(id).ok_or(EmitError::Unbound(0))?;
+                    if target.stands_alone {
+                        self.call(graph, plans, id, &buffer)
+                    } else {
+                        let start = arguments.len();
+                        arguments.extend_from_slice(&buffer);
+                        frames.push(Frame {
+                            plan: &target.plan,
+                            at: 0,
+                            values: values.len(),
+                            arguments: (start, buffer.len()),
+                            target: Some(id),
+                        });
+                        continue;
+                    }
+                }
+            };
+            if let (Some(node), Some(expr)) = (step.named, self.exprs.get_mut(result as usize)) {
+                expr.named.get_or_insert(node);
+            }
+            values.push(result);
+        }
+    }
+
+    /// The value of a function of a shape in a space: called where it stands alone, else opened. A gradient is a vector.
+    pub fn whole(
+        &mut self,
+        plans: &Plans,
+        graph: &Graph,
+        id: TargetId,
+        space: &Space,
+        outside: &dyn Outside,
+    ) -> Result<ExprId, EmitError> {
+        let target = plans.get(id).ok_or(EmitError::Unbound(0))?;
+        if target.stands_alone {
+            let mut args = space.point.to_vec();
+            args.extend_from_slice(&space.variables);
+            return Ok(self.call(graph, plans, id, &args));
+        }
+        let results = self.open(plans, graph, &target.plan, space, outside)?;
+        Ok(match *results {
+            [one] => one,
+            _ => self.vector(&results),
+        })
+    }
+
+    fn outside(&mut self, outside: &dyn Outside, read: Read) -> Result<ExprId, EmitError> {
+        let (field, components, i) = outside.uniform(read)?;
+        let whole = self.add(Code::Uniform(field, components), &[]);
+        Ok(if components == 1 { whole } else { self.component(whole, i) })
+    }
+
+    /// A call of a function of the module. `args`: three coordinates, then the shape's variables.
+    fn call(&mut self, graph: &Graph, plans: &Plans, id: TargetId, args: &[ExprId]) -> ExprId {
+        let shape = plans.get(id).and_then(|t| graph.shape(t.shape));
+        let dimensions = shape.map_or(3, |s| usize::from(s.dimensions));
+        let point = self.vector(args.get(..dimensions).unwrap_or(args));
+        let mut list = vec![point];
+        let variables = args.get(3..).unwrap_or(&[]);
+        let world = world_count(shape.map_or(&[], |s| &s.variables[..]));
+        match variables.split_at_checked(world) {
+            Some((here, rest)) if world == 3 => {
+                let vector = self.vector(here);
+                list.push(vector);
+                list.extend_from_slice(rest);
+            }
+            _ => list.extend_from_slice(variables),
+        }
+        let call = self.add(Code::Call(id), &list);
+        if let Some(gradient) = plans.get(id).and_then(|t| plans.field_from_gradient(t)) {
+            self.fields.push((call, gradient, args.to_vec()));
+        }
+        call
+    }
+
+    /// Whether [`Body::shared_fields`] can find anything.
+    pub fn may_share(&self) -> bool {
+        !self.fields.is_empty()
+    }
+
+    /// Whether a component of a vector is asked for.
+    pub fn is_taken_apart(&self, vector: ExprId) -> bool {
+        (0..4).any(|i| self.look_up(Code::Component(i), &[vector]).1.is_some())
+    }
+
+    /// Fields that a gradient's call, which is computed anyway, gives as its fourth component: what stands for what.
+    pub fn shared_fields(
+        &mut self,
+        graph: &Graph,
+        plans: &Plans,
+        live: &[bool],
+    ) -> FxHashMap<ExprId, ExprId> {
+        let mut shared = FxHashMap::default();
+        for (field, gradient, args) in std::mem::take(&mut self.fields) {
+            // Only what was computed from the arguments may be read from their call: else it would wait for itself.
+            if args.iter().any(|&a| a >= field) {
+                continue;
+            }
+            let call = self.call(graph, plans, gradient, &args);
+            if live.get(call as usize) == Some(&true) {
+                let component = self.component(call, 3);
+                shared.insert(field, component);
+            }
+        }
+        shared
+    }
+}
+
+/// How many of a shape's variables are the point of the scene: all three, or they count as numbers.
+pub fn world_count(variables: &[u32]) -> usize {
+    let world = crate::graph::WORLD;
+    if variables.starts_with(&[world, world + 1, world + 2]) { 3 } else { 0 }
+}

@@ -1,0 +1,165 @@
+//! The comment at a module's head: what it holds, what a host must write, and what was proven.
+
+use super::library;
+use super::uniforms::Candidates;
+use super::write::vector_type;
+use crate::compiled::{Export, Options, Parameter, Uniform, UniformSource};
+use crate::graph::Graph;
+use std::fmt::Write;
+
+/// What the comment speaks of.
+pub struct Facts<'a> {
+    /// For factors.
+    pub graph: &'a Graph,
+    /// The functions of the module.
+    pub exports: &'a [Export],
+    /// Prefix, group and binding.
+    pub options: &'a Options,
+    /// Live values.
+    pub uniforms: &'a Candidates,
+    /// Those that are read, laid out.
+    pub fields: &'a [Uniform],
+    /// Size of the block.
+    pub size: u32,
+    /// Defaults, ranges and descriptions.
+    pub parameters: &'a [Parameter],
+    /// Radius of the scene, where a function of the module ends there.
+    pub extent: Option<f64>,
+}
+
+/// The comment.
+pub fn write(facts: &Facts) -> String {
+    let mut text = String::from(
+        "// A signed distance field, compiled by Surefoot: negative inside, positive outside.\n//\n",
+    );
+    for &export in facts.exports {
+        let signature = library::signature(export).replace("sf_", &facts.options.prefix);
+        let _ = writeln!(text, "//   {signature}");
+    }
+    if facts.fields.is_empty() {
+        return text;
+    }
+    let Options { group, binding, .. } = facts.options;
+    let _ = write!(
+        text,
+        "//\n// Points are relative to `origin`, a point of the scene: zero, or near the eye where coordinates are large.\n//\n\
+         // The uniform block (group {group}, binding {binding}) has {} bytes:\n//\n",
+        facts.size
+    );
+    let rows: Vec<[String; 5]> = facts.fields.iter().map(|f| row(facts, f)).collect();
+    let head = ["offset", "type", "name", "default", "range"];
+    let mut widths = head.map(str::len);
+    for row in &rows {
+        for (width, cell) in widths.iter_mut().zip(row) {
+            *width = (*width).max(cell.chars().count());
+        }
+    }
+    let mut line = |cells: [&str; 5], about: &str| {
+        let mut row = String::from("//  ");
+        for (i, (cell, width)) in cells.iter().zip(widths).enumerate() {
+            let _ = match i {
+                0 => write!(row, " {cell:>width$}"),
+                _ => write!(row, "  {cell:<width$}"),
+            };
+        }
+        if !about.is_empty() {
+            let _ = write!(row, "  {about}");
+        }
+        let _ = writeln!(text, "{}", row.trim_end());
+    };
+    line(head, "");
+    for (field, row) in facts.fields.iter().zip(&rows) {
+        let [a, b, c, d, e] = row;
+        line([a, b, c, d, e], &about(facts, field));
+    }
+    let has_factor = facts.fields.iter().any(|f| matches!(f.source, UniformSource::Factor(_)));
+    if has_factor {
+        text.push_str(
+            "//\n// A factor says how far a ray may step: the field times it is a bound. Each holds for every value that the\n\
+             // parameters can take within their ranges",
+        );
+        text.push_str(if facts.extent.is_some() { ", and within the extent.\n" } else { ".\n" });
+    }
+    if let Some(extent) = facts.extent {
+        let _ = write!(
+            text,
+            "//\n// Beyond a distance of {} from the scene's own origin nothing is traced.\n",
+            number(extent)
+        );
+    }
+    text
+}
+
+fn number(value: f64) -> String {
+    format!("{}", value as f32)
+}
+
+fn numbers(values: &[f64]) -> String {
+    values.iter().map(|v| number(*v)).collect::<Vec<_>>().join(", ")
+}
+
+fn parameter<'a>(facts: &Facts<'a>, field: &Uniform) -> Option<&'a Parameter> {
+    let candidate = facts.uniforms.all.iter().find(|c| c.source == field.source)?;
+    facts.parameters.get(candidate.parameter?)
+}
+
+fn row(facts: &Facts, field: &Uniform) -> [String; 5] {
+    let (default, range) = match field.source {
+        UniformSource::Origin => ("0, 0, 0".to_owned(), String::new()),
+        UniformSource::Time => ("0".to_owned(), String::new()),
+        UniformSource::Parameter(_) => match parameter(facts, field) {
+            Some(p) => {
+                let same = |v: &[f64]| match v {
+                    [first, rest @ ..] if rest.iter().all(|x| x == first) => number(*first),
+                    _ => format!("({})", numbers(v)),
+                };
+                (numbers(&p.default), format!("{}..{}", same(&p.min), same(&p.max)))
+            }
+            None => Default::default(),
+        },
+        UniformSource::OcclusionReach => (String::new(), "0 or more".to_owned()),
+        UniformSource::OcclusionStrength => (String::new(), "0..1".to_owned()),
+        UniformSource::Factor(i) => {
+            let factor = facts.graph.factors.get(i as usize);
+            (factor.map_or(String::new(), |f| number(1.0 / f.lipschitz)), String::new())
+        }
+    };
+    let ty = vector_type(field.components as u8).to_owned();
+    [field.offset.to_string(), ty, field.name.clone(), default, range]
+}
+
+fn about(facts: &Facts, field: &Uniform) -> String {
+    // A line break in a description would end the comment.
+    let one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    match field.source {
+        UniformSource::Origin => "the point of the scene at which p is zero".to_owned(),
+        UniformSource::Time => "seconds".to_owned(),
+        UniformSource::Parameter(_) => {
+            let Some(p) = parameter(facts, field) else { return String::new() };
+            let unit = if p.degrees { "radians" } else { "" };
+            let description = p.description.as_deref().map(one_line).unwrap_or_default();
+            let joint = if unit.is_empty() || description.is_empty() { "" } else { "; " };
+            format!("{unit}{joint}{description}")
+        }
+        UniformSource::OcclusionReach => "how far occlusion reaches".to_owned(),
+        UniformSource::OcclusionStrength => "how strong occlusion is".to_owned(),
+        UniformSource::Factor(i) => match facts.graph.factors.get(i as usize) {
+            Some(f) => format!("factor: {}", one_line(&f.reason)),
+            None => String::new(),
+        },
+    }
+}
+
+/// The parameters that are in the text and not in the module, and why.
+pub fn unread(parameters: &[Parameter], uniforms: &Candidates) -> Vec<String> {
+    let mut out = Vec::new();
+    for (index, parameter) in parameters.iter().enumerate() {
+        let read = uniforms.all.iter().any(|c| c.parameter == Some(index) && c.read);
+        if parameter.first.is_none() {
+            out.push(format!("{}: a choice among names is part of the text of the module", parameter.name));
+        } else if !read {
+            out.push(format!("{}: nothing in the module reads it", parameter.name));
+        }
+    }
+    out
+}

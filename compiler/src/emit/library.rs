@@ -1,0 +1,320 @@
+//! The WGSL that does not depend on the scene: helpers of the kernel, and the functions that trace, shade and touch.
+//!
+//! `sf_` stands for the prefix of the module. A helper is emitted where something calls it. The tracing functions stand in
+//! `compiler/src/reference` once more, in 64 bits; the two are kept step for step alike.
+
+use crate::compiled::Export;
+use crate::graph::kernel::Op;
+
+/// Text that a module may hold.
+pub struct Piece {
+    /// Its name after the prefix.
+    pub name: &'static str,
+    /// The text, ended by a line's end.
+    pub text: &'static str,
+}
+
+/// Helpers, in the order in which they are emitted. The place is the helper's bit in [`Helpers`].
+pub const HELPERS: [Piece; 6] = [
+    Piece { name: "square", text: "\
+fn sf_square(a: f32) -> f32 {
+  return a * a;
+}
+" },
+    // The smallest denominators count as zero too: the quotient would leave the range of 32 bits.
+    Piece { name: "div", text: "\
+// a / b, and 0 where b is 0.
+fn sf_div(a: f32, b: f32) -> f32 {
+  if abs(b) < 1e-28 {
+    return 0.0;
+  }
+  return a / b;
+}
+" },
+    Piece { name: "pow", text: "\
+// a to the power b; a counts as at least 0, the result as at most 1e30.
+fn sf_pow(a: f32, b: f32) -> f32 {
+  if a < 1e-37 {
+    return select(0.0, 1.0, b == 0.0);
+  }
+  return exp2(min(b * log2(a), 99.65784));
+}
+" },
+    Piece { name: "atan2", text: "\
+// The angle of the point (b, a), and 0 at the origin.
+fn sf_atan2(a: f32, b: f32) -> f32 {
+  if a == 0.0 && b == 0.0 {
+    return 0.0;
+  }
+  return atan2(a, b);
+}
+" },
+    Piece { name: "hash", text: "\
+// A number in 0..1 made of four whole numbers, the same on every machine.
+fn sf_hash(a: f32, b: f32, c: f32, d: f32) -> f32 {
+  let limit = vec4f(2147483520.0);
+  var v = bitcast<vec4u>(vec4i(clamp(round(vec4f(a, b, c, d)), -limit, limit)));
+  v = v * 1664525u + 1013904223u;
+  for (var i = 0; i < 2; i++) {
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    v = v ^ (v >> vec4u(16u));
+  }
+  return f32((v.x ^ v.w) >> 8u) / 16777216.0;
+}
+" },
+    Piece { name: "clip", text: "\
+// The part of a ray between t_min and t_max that lies within the extent; empty where x > y.
+fn sf_clip(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> vec2f {
+  let start = origin + sf_uniforms.origin;
+  let middle = -dot(start, direction);
+  let nearest = start + direction * middle;
+  let rest = sf_extent * sf_extent - dot(nearest, nearest);
+  if rest < 0.0 {
+    return vec2f(1.0, 0.0);
+  }
+  let reach = sqrt(rest);
+  return vec2f(max(t_min, middle - reach), min(t_max, middle + reach));
+}
+" },
+];
+
+/// Which helpers a module needs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Helpers(u32);
+
+impl Helpers {
+    /// Takes a helper by its name; what isn't one is left alone.
+    pub fn need(&mut self, name: &str) {
+        if let Some(bit) = HELPERS.iter().position(|h| h.name == name) {
+            self.0 |= 1 << bit;
+        }
+    }
+
+    /// The helpers taken, in their order.
+    pub fn pieces(self) -> impl Iterator<Item = &'static Piece> {
+        HELPERS.iter().enumerate().filter(move |(bit, _)| self.0 >> bit & 1 == 1).map(|(_, p)| p)
+    }
+}
+
+/// The helper that the text of an operation calls.
+pub fn helper_of(op: Op) -> Option<&'static str> {
+    let name = op.row().wgsl.strip_prefix("sf_")?;
+    name.split('(').next()
+}
+
+/// The arguments and the result of an exported function, as WGSL.
+pub fn signature(export: Export) -> &'static str {
+    match export {
+        Export::Field => "sf_field(p: vec3f) -> f32",
+        Export::Bound => "sf_bound(p: vec3f) -> f32",
+        Export::Distance => "sf_distance(p: vec3f) -> f32",
+        Export::Gradient => "sf_gradient(p: vec3f) -> vec4f",
+        Export::Trace => {
+            "sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: f32) -> sf_Hit"
+        }
+        Export::Shadow => {
+            "sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: f32) -> f32"
+        }
+        Export::Collision => "sf_collision(center: vec3f, radius: f32) -> sf_Contact",
+        Export::Occlusion => "sf_occlusion(p: vec3f, normal: vec3f) -> f32",
+        Export::Surface => "sf_surface(p: vec3f, normal: vec3f) -> sf_Surface",
+    }
+}
+
+/// What an exported function is for, in one line.
+pub fn purpose(export: Export) -> &'static str {
+    match export {
+        Export::Field => "What the formulas say: negative inside, zero on the surface.",
+        Export::Bound => "How far a ray may step from p without passing the surface.",
+        Export::Distance => "The distance to the surface, as light and contact want it: an estimate.",
+        Export::Gradient => "The gradient of the field, and the field as w.",
+        Export::Trace => {
+            "First hit along a ray (direction of length one); footprint is a pixel's width at distance one."
+        }
+        Export::Shadow => "How much light comes along a ray: 1 lit, 0 dark. A softness of 0 is a sharp edge, more is sharper.",
+        Export::Collision => "How deep a ball is in the solid, and which way is out.",
+        Export::Occlusion => "How open the surroundings of a surface are: 1 open, 0 closed.",
+        Export::Surface => "How the surface answers light; colours are linear.",
+    }
+}
+
+/// The functions that an exported function calls.
+pub fn needs(export: Export) -> &'static [Export] {
+    match export {
+        Export::Field | Export::Bound | Export::Distance | Export::Gradient | Export::Surface => &[],
+        Export::Trace | Export::Shadow => &[Export::Bound, Export::Distance],
+        Export::Collision => &[Export::Bound, Export::Distance, Export::Gradient],
+        Export::Occlusion => &[Export::Distance],
+    }
+}
+
+/// The struct that an exported function gives.
+pub fn structure(export: Export) -> Option<&'static str> {
+    match export {
+        Export::Trace => Some("\
+struct sf_Hit {
+  t: f32,
+  hit: bool,
+  steps: u32,
+}
+"),
+        Export::Collision => Some("\
+struct sf_Contact {
+  normal: vec3f,
+  depth: f32,
+}
+"),
+        Export::Surface => Some("\
+struct sf_Surface {
+  color: vec3f,
+  emission: vec3f,
+  roughness: f32,
+  metallic: f32,
+  reflectivity: f32,
+}
+"),
+        _ => None,
+    }
+}
+
+/// Names of structs, which nothing else may take.
+pub const STRUCTURES: [&str; 3] = ["Hit", "Contact", "Surface"];
+
+/// The text of an exported function that is the same for every scene.
+pub fn function(export: Export) -> Option<&'static str> {
+    match export {
+        Export::Trace => Some(TRACE),
+        Export::Shadow => Some(SHADOW),
+        Export::Collision => Some(COLLISION),
+        Export::Occlusion => Some(OCCLUSION),
+        _ => None,
+    }
+}
+
+// Sphere tracing (Hart 1996). A step is at least half the tolerance, so that it ends; a hit is where the distance, not the
+// bound, is within the tolerance: half a pixel, or what 32 bits resolve at this place.
+const TRACE: &str = "\
+fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: f32) -> sf_Hit {
+  let span = sf_clip(origin, direction, t_min, t_max);
+  if span.x > span.y {
+    return sf_Hit(t_max, false, 0u);
+  }
+  var t = span.x;
+  for (var step = 1u; step <= 1024u; step++) {
+    let p = origin + direction * t;
+    let tolerance = max(0.5 * footprint * t, 4e-7 * (length(p + sf_uniforms.origin) + 1.0));
+    let free = sf_bound(p);
+    if free <= tolerance {
+      if sf_distance(p) <= tolerance {
+        return sf_Hit(t, true, step);
+      }
+    }
+    // The end itself is looked at before it counts as a miss.
+    if t >= span.y {
+      return sf_Hit(t, false, step);
+    }
+    t = min(t + max(free, 0.5 * tolerance), span.y);
+  }
+  return sf_Hit(t, false, 1024u);
+}
+";
+
+// The penumbra of a ray is its closest passage, as an angle (Quilez, \"Soft shadows in raymarched SDFs\").
+const SHADOW: &str = "\
+fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: f32) -> f32 {
+  let span = sf_clip(origin, direction, t_min, t_max);
+  if span.x > span.y {
+    return 1.0;
+  }
+  var lit = 1.0;
+  var t = span.x;
+  for (var step = 0u; step < 256u; step++) {
+    let p = origin + direction * t;
+    let tolerance = 2e-6 * (length(p + sf_uniforms.origin) + 1.0);
+    let free = sf_bound(p);
+    if free <= tolerance {
+      return 0.0;
+    }
+    if softness > 0.0 {
+      lit = min(lit, softness * sf_distance(p) / max(t, tolerance));
+      if lit < 0.002 {
+        return 0.0;
+      }
+    }
+    t += free;
+    if t > span.y {
+      break;
+    }
+  }
+  return lit * lit * (3.0 - 2.0 * lit);
+}
+";
+
+const COLLISION: &str = "\
+fn sf_collision(center: vec3f, radius: f32) -> sf_Contact {
+  if sf_bound(center) >= radius {
+    return sf_Contact(vec3f(0.0), 0.0);
+  }
+  let gradient = sf_gradient(center).xyz;
+  let steepness = length(gradient);
+  var normal = vec3f(0.0, 1.0, 0.0);
+  if steepness > 0.0 {
+    normal = gradient / steepness;
+  }
+  return sf_Contact(normal, max(radius - sf_distance(center), 0.0));
+}
+";
+
+// Five looks along the normal (Evans 2006, Quilez): what is missing of each one's height, the nearest counting most.
+const OCCLUSION: &str = "\
+fn sf_occlusion(p: vec3f, normal: vec3f) -> f32 {
+  let reach = sf_uniforms.occlusion_reach;
+  if reach <= 0.0 {
+    return 1.0;
+  }
+  var sum = 0.0;
+  var weight = 1.0;
+  for (var i = 1; i <= 5; i++) {
+    let height = reach * f32(i) / 5.0;
+    let free = min(sf_distance(p + normal * height), height);
+    sum += weight * (height - free) / height;
+    weight *= 0.5;
+  }
+  // The weights add up to 31 / 16.
+  return clamp(1.0 - sf_uniforms.occlusion_strength * sum / 1.9375, 0.0, 1.0);
+}
+";
+
+/// A fragment function that looks at the scene, for modules that trace and have a gradient.
+pub const ENTRY_TRACE: &str = "\
+@fragment
+fn sf_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+  let eye = vec3f(4.0, 3.0, 6.0);
+  let forward = normalize(-eye);
+  let right = normalize(cross(forward, vec3f(0.0, 1.0, 0.0)));
+  let up = cross(right, forward);
+  let at = (position.xy - vec2f(320.0, 180.0)) / 360.0;
+  let direction = normalize(forward + 0.73 * (at.x * right - at.y * up));
+  let start = eye - sf_uniforms.origin;
+  let hit = sf_trace(start, direction, 0.0, 1000.0, 0.002);
+  if !hit.hit {
+    return vec4f(mix(vec3f(0.8, 0.86, 0.91), vec3f(0.24, 0.39, 0.63), max(direction.y, 0.0)), 1.0);
+  }
+  let slope = sf_gradient(start + direction * hit.t).xyz;
+  let normal = slope / max(length(slope), 1e-20);
+  return vec4f(vec3f(0.2 + 0.8 * max(dot(normal, normalize(vec3f(1.0, 2.0, 1.0))), 0.0)), 1.0);
+}
+";
+
+/// A fragment function that shows `VALUE` on the plane z = 0.
+pub const ENTRY_SLICE: &str = "\
+@fragment
+fn sf_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+  let p = vec3f((position.xy - vec2f(320.0, 180.0)) / 90.0, 0.0);
+  let value = VALUE;
+  return vec4f(vec3f(0.5 + 0.25 * value), 1.0);
+}
+";

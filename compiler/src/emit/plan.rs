@@ -1,0 +1,459 @@
+//! Which formulas are needed, which of them become functions of the module, and in which order.
+
+use super::EmitError;
+use crate::functions::Functions;
+use crate::graph::kernel::Op;
+use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId};
+use rustc_hash::FxHashMap;
+use std::sync::Arc;
+
+/// What one function of the module computes of a shape. The components of a gradient come together, with the field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Group {
+    /// [`Function::Field`]
+    Field,
+    /// [`Function::Bound`]
+    Bound,
+    /// [`Function::Distance`]
+    Distance,
+    /// The three components of [`Function::Gradient`], then the field.
+    Gradient,
+}
+
+impl Group {
+    fn of(function: Function) -> (Group, Option<u8>) {
+        match function {
+            Function::Field => (Group::Field, None),
+            Function::Bound => (Group::Bound, None),
+            Function::Distance => (Group::Distance, None),
+            Function::Gradient(i) => (Group::Gradient, Some(i)),
+        }
+    }
+
+    /// The formulas that it is made of.
+    fn functions(self) -> &'static [Function] {
+        match self {
+            Group::Field => &[Function::Field],
+            Group::Bound => &[Function::Bound],
+            Group::Distance => &[Function::Distance],
+            Group::Gradient => &[
+                Function::Gradient(0),
+                Function::Gradient(1),
+                Function::Gradient(2),
+                Function::Field,
+            ],
+        }
+    }
+
+    /// What the function's name ends in.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Group::Field => "",
+            Group::Bound => "_bound",
+            Group::Distance => "_distance",
+            Group::Gradient => "_gradient",
+        }
+    }
+}
+
+/// Index of a [`Target`].
+pub type TargetId = u32;
+
+/// One step of a formula; arguments are earlier steps of the same plan.
+#[derive(Clone, Copy, Debug)]
+pub enum Action {
+    /// A number.
+    Constant(f64),
+    /// From outside, variables excepted.
+    Leaf(Leaf),
+    /// The shape's variable with this number; `position` is its place among the shape's variables.
+    Variable {
+        /// Its number in the graph.
+        number: u32,
+        /// Its place.
+        position: Option<u32>,
+    },
+    /// A factor's multiple.
+    Factor(u32),
+    /// An operation.
+    Op(Op),
+    /// Another function.
+    Call(TargetId),
+    /// A component of the call before.
+    Component(u8),
+}
+
+/// A step with where its arguments stand in [`Plan::arguments`].
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// What is done.
+    pub action: Action,
+    /// First argument.
+    pub start: u32,
+    /// Number of arguments.
+    pub count: u32,
+    /// The node, where it has a name in the source.
+    pub named: Option<NodeId>,
+}
+
+/// Formulas over one space, in an order in which they can be computed.
+#[derive(Clone, Debug, Default)]
+pub struct Plan {
+    /// The steps.
+    pub steps: Vec<Step>,
+    /// Arguments of the steps: indices of steps.
+    pub arguments: Vec<u32>,
+    /// The steps that are the results.
+    pub results: Vec<u32>,
+    /// Variables of the space, in ascending order.
+    pub variables: Arc<[u32]>,
+}
+
+impl Plan {
+    fn push(
+        &mut self,
+        action: Action,
+        arguments: impl IntoIterator<Item = u32>,
+        named: Option<NodeId>,
+    ) -> u32 {
+        let start = self.arguments.len() as u32;
+        self.arguments.extend(arguments);
+        let count = self.arguments.len() as u32 - start;
+        self.steps.push(Step { action, start, count, named });
+        self.steps.len() as u32 - 1
+    }
+
+    /// The calls from a step on: step and target.
+    fn calls_after(&self, from: usize) -> impl Iterator<Item = (usize, TargetId)> + '_ {
+        self.steps.iter().enumerate().skip(from).filter_map(|(at, step)| match step.action {
+            Action::Call(target) => Some((at, target)),
+            _ => None,
+        })
+    }
+
+    /// Steps that compute something.
+    fn work(&self) -> u64 {
+        self.steps.iter().filter(|s| matches!(s.action, Action::Op(_))).count() as u64
+    }
+
+    /// Arguments of a step.
+    pub fn arguments(&self, step: &Step) -> &[u32] {
+        self.arguments.get(step.start as usize..(step.start + step.count) as usize).unwrap_or(&[])
+    }
+}
+
+/// A function of a shape that the module needs.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// Whose.
+    pub shape: ShapeId,
+    /// Which.
+    pub group: Group,
+    /// How it is computed.
+    pub plan: Plan,
+    /// Whether it becomes a function of the module; else it is opened where it is called.
+    pub stands_alone: bool,
+    /// How often it is computed, over the text of the module.
+    uses: u64,
+    /// Steps, with those of what it calls and opens.
+    size: u64,
+}
+
+/// A body above this many steps, if opened twice, is a function instead.
+const LARGE: u64 = 14;
+
+/// More shapes of one name than this are opened where they are used once: so many functions bury the reader.
+const MANY: u32 = 24;
+
+/// All functions of shapes that the module needs.
+pub struct Plans<'a> {
+    graph: &'a Graph,
+    functions: &'a Functions,
+    /// The functions, callers and callees mixed.
+    pub targets: Vec<Target>,
+    index: FxHashMap<(ShapeId, Group), TargetId>,
+    /// For each node, the step that computes it in the plan that is being made, and the plan's number.
+    seen: Vec<(u32, u32)>,
+    round: u32,
+}
+
+impl<'a> Plans<'a> {
+    /// No function yet.
+    pub fn new(graph: &'a Graph, functions: &'a Functions) -> Self {
+        let seen = vec![(0, 0); graph.len()];
+        Self { graph, functions, targets: Vec::new(), index: FxHashMap::default(), seen, round: 0 }
+    }
+
+    /// Whether a shape has the formulas of a group.
+    pub fn has(&self, shape: ShapeId, group: Group) -> bool {
+        group.functions().iter().all(|f| self.functions.formulas.contains_key(&(shape, *f)))
+    }
+
+    /// The function that computes a group of a shape; where the formula is that of another group of the shape, that one.
+    /// Its plan is made by [`Plans::complete`].
+    pub fn target(&mut self, shape: ShapeId, group: Group) -> TargetId {
+        if let Some(&id) = self.index.get(&(shape, group)) {
+            return id;
+        }
+        let same = self.same(shape, group);
+        let id = match self.index.get(&(shape, same)) {
+            Some(&id) => id,
+            None => {
+                let plan = Plan::default();
+                let target = Target { shape, group: same, plan, stands_alone: false, uses: 0, size: 0 };
+                self.targets.push(target);
+                self.targets.len() as TargetId - 1
+            }
+        };
+        self.index.insert((shape, same), id);
+        self.index.insert((shape, group), id);
+        id
+    }
+
+    /// The gradient of a shape, where the module needs it.
+    pub fn gradient(&self, shape: ShapeId) -> Option<TargetId> {
+        self.index.get(&(shape, Group::Gradient)).copied()
+    }
+
+    /// The gradient's function that gives the field of `target` too, where it stands alone.
+    pub fn field_from_gradient(&self, target: &Target) -> Option<TargetId> {
+        let id = (target.group == Group::Field).then(|| self.gradient(target.shape))??;
+        self.get(id).filter(|t| t.stands_alone).map(|_| id)
+    }
+
+    /// A target.
+    pub fn get(&self, id: TargetId) -> Option<&Target> {
+        self.targets.get(id as usize)
+    }
+
+    /// Makes the plans of all targets and of what they call, and decides which become functions. `roots` are computed so often
+    /// from outside; `surface` calls too. The answer: those that stand alone, callees before callers.
+    pub fn complete(
+        &mut self,
+        roots: &[(TargetId, u64)],
+        surface: Option<&Plan>,
+    ) -> Result<Vec<TargetId>, EmitError> {
+        let mut at = 0;
+        while let Some(target) = self.targets.get(at) {
+            let (shape, group) = (target.shape, target.group);
+            let mut formulas = Vec::with_capacity(4);
+            for &function in group.functions() {
+                let formula = self.functions.formulas.get(&(shape, function));
+                formulas.push(*formula.ok_or(EmitError::NoFormula(shape, function))?);
+            }
+            let variables =
+                self.graph.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
+            let plan = self.plan(&formulas, variables);
+            if let Some(target) = self.targets.get_mut(at) {
+                target.plan = plan;
+            }
+            at += 1;
+        }
+        let order = self.callees_first()?;
+        self.decide(&order, roots, surface);
+        Ok(order.into_iter().filter(|&id| self.get(id).is_some_and(|t| t.stands_alone)).collect())
+    }
+
+    fn callees_first(&self) -> Result<Vec<TargetId>, EmitError> {
+        #[derive(Clone, Copy, PartialEq)]
+        enum State {
+            New,
+            Open,
+            Done,
+        }
+        let mut state = vec![State::New; self.targets.len()];
+        let mut order = Vec::with_capacity(self.targets.len());
+        for first in 0..self.targets.len() as TargetId {
+            let mut stack = vec![(first, 0usize)];
+            while let Some((id, from)) = stack.pop() {
+                let Some(now) = state.get_mut(id as usize) else { continue };
+                if *now == State::Done || (*now == State::Open && from == 0) {
+                    continue;
+                }
+                *now = State::Open;
+                let Some(target) = self.get(id) else { continue };
+                let next = target.plan.calls_after(from).find_map(|(at, callee)| {
+                    let callee_state = state.get(callee as usize).copied();
+                    (callee_state != Some(State::Done)).then_some((at, callee, callee_state))
+                });
+                match next {
+                    Some((_, _, Some(State::Open))) => {
+                        return Err(EmitError::Cycle(target.shape));
+                    }
+                    Some((at, callee, _)) => {
+                        stack.push((id, at + 1));
+                        stack.push((callee, 0));
+                    }
+                    None => {
+                        if let Some(now) = state.get_mut(id as usize) {
+                            *now = State::Done;
+                        }
+                        order.push(id);
+                    }
+                }
+            }
+        }
+        Ok(order)
+    }
+
+    fn decide(
+        &mut self,
+        callees_first: &[TargetId],
+        roots: &[(TargetId, u64)],
+        surface: Option<&Plan>,
+    ) {
+        let mut same_name: FxHashMap<&str, (u32, Option<ShapeId>)> = FxHashMap::default();
+        let graph = self.graph;
+        for target in &self.targets {
+            if let Some(name) = graph.shape(target.shape).and_then(|s| s.name.as_deref()) {
+                let (count, last) = same_name.entry(name).or_insert((0, None));
+                if *last != Some(target.shape) {
+                    *count += 1;
+                    *last = Some(target.shape);
+                }
+            }
+        }
+        let is_root = |id| roots.iter().any(|r| r.0 == id);
+        for &id in callees_first {
+            let Some(target) = self.targets.get(id as usize) else { continue };
+            let mut size = target.plan.work();
+            for (_, callee) in target.plan.calls_after(0) {
+                let callee = self.targets.get(callee as usize);
+                size = size.saturating_add(callee.map_or(0, |c| if c.stands_alone { 1 } else { c.size }));
+            }
+            let name = graph.shape(target.shape).and_then(|s| s.name.as_deref());
+            let named = name.is_some_and(|n| same_name.get(n).is_some_and(|c| c.0 <= MANY));
+            if let Some(target) = self.targets.get_mut(id as usize) {
+                target.size = size;
+                target.stands_alone = named && !is_root(id);
+            }
+        }
+        let called = surface.into_iter().flat_map(|s| s.calls_after(0)).map(|(_, id)| (id, 1));
+        for (id, uses) in roots.iter().copied().chain(called) {
+            if let Some(target) = self.targets.get_mut(id as usize) {
+                target.uses = target.uses.saturating_add(uses);
+            }
+        }
+        for &id in callees_first.iter().rev() {
+            let Some(target) = self.targets.get_mut(id as usize) else { continue };
+            target.stands_alone |= target.uses > 1 && target.size > LARGE;
+            let times = if target.stands_alone { 1 } else { target.uses };
+            let plan = std::mem::take(&mut target.plan);
+            for (_, callee) in plan.calls_after(0) {
+                if let Some(callee) = self.targets.get_mut(callee as usize) {
+                    callee.uses = callee.uses.saturating_add(times);
+                }
+            }
+            if let Some(target) = self.targets.get_mut(id as usize) {
+                target.plan = plan;
+            }
+        }
+    }
+
+    /// The first group of a shape whose formula is this one's: the same node, or a call that passes everything on.
+    fn same(&self, shape: ShapeId, group: Group) -> Group {
+        let formula = |f: Function| self.functions.formulas.get(&(shape, f)).copied();
+        let (first, earlier): (Function, &[(Function, Group)]) = match group {
+            Group::Bound => (Function::Bound, &[(Function::Field, Group::Field)]),
+            Group::Distance => (
+                Function::Distance,
+                &[(Function::Field, Group::Field), (Function::Bound, Group::Bound)],
+            ),
+            Group::Field | Group::Gradient => return group,
+        };
+        let Some(own) = formula(first) else { return group };
+        for &(function, other) in earlier {
+            if formula(function) == Some(own) || self.passes_on(own, shape, function) {
+                return self.same(shape, other);
+            }
+        }
+        group
+    }
+
+    fn passes_on(&self, node: NodeId, shape: ShapeId, function: Function) -> bool {
+        let Node::Call(to, what, args) = self.graph.node(node) else { return false };
+        let Some(known) = self.graph.shape(shape) else { return false };
+        *to == shape
+            && *what == function
+            && args.iter().enumerate().all(|(i, &a)| match self.graph.node(a) {
+                Node::Leaf(Leaf::P(c)) => usize::from(*c) == i,
+                Node::Leaf(Leaf::Variable(v)) => {
+                    i >= 3 && known.variables.get(i - 3) == Some(v)
+                }
+                Node::Constant(0) => i == 2 && known.dimensions == 2,
+                _ => false,
+            })
+    }
+
+    /// The steps of some formulas over a space with these variables. A call's target is found, its plan made later.
+    pub fn plan(&mut self, roots: &[NodeId], variables: Arc<[u32]>) -> Plan {
+        self.round += 1;
+        let round = self.round;
+        let graph = self.graph;
+        let mut seen = std::mem::take(&mut self.seen);
+        // What a claim speaks of is not computed.
+        let arguments = |id: NodeId| match graph.node(id) {
+            Node::Claim(args, _) => args.get(..1).unwrap_or(&[]),
+            _ => graph.arguments(id),
+        };
+        let mut nodes: Vec<NodeId> = Vec::with_capacity(roots.len() * 8);
+        let mut stack: Vec<NodeId> = roots.to_vec();
+        while let Some(id) = stack.pop() {
+            if let Some(seen) = seen.get_mut(id.0 as usize).filter(|s| s.0 != round) {
+                *seen = (round, 0);
+                nodes.push(id);
+                stack.extend_from_slice(arguments(id));
+            }
+        }
+        nodes.sort_unstable();
+        let mut plan = Plan { variables, ..Plan::default() };
+        plan.steps.reserve(nodes.len());
+        // Calls of a gradient at the same arguments are one step.
+        let mut gradients: FxHashMap<(TargetId, &[NodeId]), u32> = FxHashMap::default();
+        for &id in &nodes {
+            let args = arguments(id);
+            let place = |a: &NodeId| seen.get(a.0 as usize).map_or(0, |s| s.1);
+            let named = graph.node_name(id).map(|_| id);
+            let step = match graph.node(id) {
+                Node::Claim(..) => {
+                    let at = args.first().map_or(0, place);
+                    // The claim's own name goes to what it speaks of.
+                    if let Some(step) = plan.steps.get_mut(at as usize) {
+                        step.named = step.named.or(named);
+                    }
+                    at
+                }
+                Node::Constant(bits) => plan.push(Action::Constant(f64::from_bits(*bits)), [], named),
+                Node::Leaf(Leaf::Variable(number)) => {
+                    let position = plan.variables.binary_search(number).ok().map(|i| i as u32);
+                    plan.push(Action::Variable { number: *number, position }, [], named)
+                }
+                Node::Leaf(leaf) => plan.push(Action::Leaf(*leaf), [], named),
+                Node::Factor(i) => plan.push(Action::Factor(*i), [], named),
+                Node::Op(op, _) => plan.push(Action::Op(*op), args.iter().map(place), named),
+                Node::Call(shape, function, list) => {
+                    let (group, component) = Group::of(*function);
+                    let target = self.target(*shape, group);
+                    match component {
+                        None => plan.push(Action::Call(target), args.iter().map(place), named),
+                        Some(i) => {
+                            let call = *gradients.entry((target, &list[..])).or_insert_with(|| {
+                                plan.push(Action::Call(target), args.iter().map(place), None)
+                            });
+                            plan.push(Action::Component(i), [call], named)
+                        }
+                    }
+                }
+            };
+            if let Some(seen) = seen.get_mut(id.0 as usize) {
+                seen.1 = step;
+            }
+        }
+        plan.results = roots
+            .iter()
+            .map(|r| seen.get(r.0 as usize).map_or(0, |s| s.1))
+            .collect();
+        self.seen = seen;
+        plan
+    }
+}

@@ -1,0 +1,121 @@
+//! Modules checked, and in other languages, through naga.
+
+use super::library;
+use crate::compiled::{Export, Module};
+use naga::back::{glsl, hlsl, msl, spv};
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+
+/// A language of shaders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Target {
+    /// WebGPU's, as emitted.
+    Wgsl,
+    /// OpenGL ES 3.0 and WebGL 2: a fragment shader.
+    Glsl,
+    /// Direct3D's, shader model 6.0.
+    Hlsl,
+    /// Metal's.
+    Msl,
+    /// Vulkan's, as bytes.
+    Spirv,
+}
+
+impl Target {
+    /// All of them.
+    pub const ALL: [Target; 5] = [Target::Wgsl, Target::Glsl, Target::Hlsl, Target::Msl, Target::Spirv];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Target::Wgsl => "wgsl",
+            Target::Glsl => "glsl",
+            Target::Hlsl => "hlsl",
+            Target::Msl => "msl",
+            Target::Spirv => "spirv",
+        }
+    }
+}
+
+/// The module as naga reads it, with what its validator found out; or what is wrong, as naga shows it.
+pub fn validate(wgsl: &str) -> Result<(naga::Module, ModuleInfo), String> {
+    let module = naga::front::wgsl::parse_str(wgsl).map_err(|e| e.emit_to_string(wgsl))?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .map_err(|e| e.emit_to_string(wgsl))?;
+    Ok((module, info))
+}
+
+/// The module in another language. A language that has no modules without an entry point gets a fragment function that looks
+/// at the scene.
+pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8>, String> {
+    if target == Target::Wgsl {
+        return Ok(module.wgsl.clone().into_bytes());
+    }
+    let mut text = module.wgsl.clone();
+    if target == Target::Glsl {
+        text.push('\n');
+        text.push_str(&entry(module).replace("sf_", prefix));
+    }
+    let (parsed, info) = validate(&text)?;
+    match target {
+        Target::Wgsl => Ok(text.into_bytes()),
+        Target::Glsl => {
+            let options = glsl::Options {
+                version: glsl::Version::new_gles(300),
+                writer_flags: glsl::WriterFlags::empty(),
+                ..glsl::Options::default()
+            };
+            let pipeline = glsl::PipelineOptions {
+                shader_stage: naga::ShaderStage::Fragment,
+                entry_point: format!("{prefix}fragment"),
+                multiview: None,
+            };
+            let mut out = String::new();
+            let policies = naga::proc::BoundsCheckPolicies::default();
+            glsl::Writer::new(&mut out, &parsed, &info, &options, &pipeline, policies)
+                .and_then(|mut writer| writer.write())
+                .map_err(|e| e.to_string())?;
+            Ok(out.into_bytes())
+        }
+        Target::Hlsl => {
+            let options = hlsl::Options {
+                shader_model: hlsl::ShaderModel::V6_0,
+                ..hlsl::Options::default()
+            };
+            let pipeline = hlsl::PipelineOptions::default();
+            let mut out = String::new();
+            hlsl::Writer::new(&mut out, &options, &pipeline)
+                .write(&parsed, &info, None)
+                .map_err(|e| e.to_string())?;
+            Ok(out.into_bytes())
+        }
+        Target::Msl => {
+            let pipeline = msl::PipelineOptions::default();
+            msl::write_string(&parsed, &info, &msl::Options::default(), &pipeline)
+                .map(|(text, _)| text.into_bytes())
+                .map_err(|e| e.to_string())
+        }
+        Target::Spirv => {
+            let words = spv::write_vec(&parsed, &info, &spv::Options::default(), None)
+                .map_err(|e| e.to_string())?;
+            Ok(words.into_iter().flat_map(u32::to_le_bytes).collect())
+        }
+    }
+}
+
+/// A fragment function that calls something of the module: the tracer where there is one.
+fn entry(module: &Module) -> String {
+    let has = |export| module.exports.contains(&export);
+    if has(Export::Trace) && has(Export::Gradient) {
+        return library::ENTRY_TRACE.to_owned();
+    }
+    let value = module.exports.iter().find_map(|export| match export {
+        Export::Field => Some("sf_field(p)"),
+        Export::Bound => Some("sf_bound(p)"),
+        Export::Distance => Some("sf_distance(p)"),
+        Export::Gradient => Some("sf_gradient(p).w"),
+        Export::Surface => Some("sf_surface(p, vec3f(0.0, 1.0, 0.0)).roughness"),
+        _ => None,
+    });
+    library::ENTRY_SLICE.replace("VALUE", value.unwrap_or("0.0"))
+}

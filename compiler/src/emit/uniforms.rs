@@ -1,0 +1,136 @@
+//! The uniform block: which values of the scene are live, their names and where they stand.
+
+use super::EmitError;
+use super::body::{Outside, Read};
+use super::names::{Scope, identifier};
+use crate::compiled::{Parameter, Uniform, UniformSource};
+use crate::graph::Graph;
+use crate::graph::interval::Interval;
+
+/// A value that a module may read.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// Name in the struct.
+    pub name: String,
+    /// Where it comes from.
+    pub source: UniformSource,
+    /// Number of floats, 1 to 4.
+    pub components: u8,
+    /// All values of each component.
+    pub ranges: Vec<Interval>,
+    /// Whether something reads it.
+    pub read: bool,
+    /// Index of the parameter that it is.
+    pub parameter: Option<usize>,
+}
+
+/// All values that a module may read.
+#[derive(Clone, Debug)]
+pub struct Candidates {
+    /// In the order of the struct: origin, time, parameters, occlusion, factors.
+    pub all: Vec<Candidate>,
+    /// Candidate and component of each component of a parameter in the graph.
+    components: Vec<Option<(u32, u8)>>,
+    /// Candidate of the first factor.
+    factors: u32,
+}
+
+const TIME: u32 = 1;
+
+impl Candidates {
+    /// Names every live value. The names do not depend on what is read.
+    pub fn new(graph: &Graph, parameters: &[Parameter]) -> Self {
+        let mut scope = Scope::default();
+        let mut all = Vec::with_capacity(parameters.len() + graph.factors.len() + 4);
+        let mut add = |name: &str, source, components, ranges, parameter| {
+            let name = scope.give(&identifier(name), None);
+            all.push(Candidate { name, source, components, ranges, read: false, parameter });
+            all.len() as u32 - 1
+        };
+        add("origin", UniformSource::Origin, 3, vec![Interval::ALL; 3], None);
+        add("time", UniformSource::Time, 1, vec![Interval::ALL], None);
+        let mut components = vec![None; graph.parameters.len()];
+        for (index, parameter) in parameters.iter().enumerate() {
+            let Some(first) = parameter.first else { continue };
+            let count = parameter.default.len().clamp(1, 4);
+            let range = |i: usize| match (parameter.min.get(i), parameter.max.get(i)) {
+                (Some(&lo), Some(&hi)) => Interval::new(lo, hi),
+                _ => Interval::ALL,
+            };
+            let ranges = (0..count).map(range).collect();
+            let source = UniformSource::Parameter(first);
+            let candidate = add(&parameter.name, source, count as u8, ranges, Some(index));
+            for i in 0..count {
+                if let Some(slot) = components.get_mut(first as usize + i) {
+                    *slot = Some((candidate, i as u8));
+                }
+            }
+        }
+        let positive = Interval::new(0.0, f64::INFINITY);
+        add("occlusion_reach", UniformSource::OcclusionReach, 1, vec![positive], None);
+        add("occlusion_strength", UniformSource::OcclusionStrength, 1, vec![positive], None);
+        let mut factors = 0;
+        for (i, factor) in graph.factors.iter().enumerate() {
+            let source = UniformSource::Factor(i as u32);
+            let candidate = add(&factor.name, source, 1, vec![positive], None);
+            if i == 0 {
+                factors = candidate;
+            }
+        }
+        Self { all, components, factors }
+    }
+
+    /// A candidate.
+    pub fn get(&self, index: u32) -> Option<&Candidate> {
+        self.all.get(index as usize)
+    }
+
+    /// Marks what comes from `source` as read.
+    pub fn read(&mut self, source: UniformSource) {
+        for candidate in self.all.iter_mut().filter(|c| c.source == source) {
+            candidate.read = true;
+        }
+    }
+
+    /// Marks a candidate as read.
+    pub fn mark(&mut self, index: u32) {
+        if let Some(candidate) = self.all.get_mut(index as usize) {
+            candidate.read = true;
+        }
+    }
+
+    /// The fields that are read, and the size of the block.
+    pub fn layout(&self) -> (Vec<Uniform>, u32) {
+        let mut end = 0;
+        let mut fields = Vec::new();
+        for candidate in self.all.iter().filter(|c| c.read) {
+            let components = u32::from(candidate.components);
+            // WGSL § 14.4.1: a vec2 starts at a multiple of 8 bytes, a vec3 or vec4 of 16; what follows a vec3 may fill its rest.
+            let align = match components {
+                1 => 4,
+                2 => 8,
+                _ => 16,
+            };
+            let offset = u32::next_multiple_of(end, align);
+            end = offset + 4 * components;
+            let (name, source) = (candidate.name.clone(), candidate.source);
+            fields.push(Uniform { name, source, components, offset });
+        }
+        (fields, end.next_multiple_of(16))
+    }
+}
+
+impl Outside for Candidates {
+    fn uniform(&self, read: Read) -> Result<(u32, u8, u8), EmitError> {
+        let (index, i) = match read {
+            Read::Time => (TIME, 0),
+            Read::Parameter(component) => {
+                let known = self.components.get(component as usize).copied().flatten();
+                known.ok_or(EmitError::NoParameter(component))?
+            }
+            Read::Factor(i) => (self.factors + i, 0),
+        };
+        let candidate = self.all.get(index as usize).ok_or(EmitError::NoParameter(index))?;
+        Ok((index, candidate.components, i))
+    }
+}

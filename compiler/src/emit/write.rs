@@ -1,0 +1,592 @@
+//! Expressions as a person would write them: what is used twice or has a name stands in a `let`, the rest is nested while short.
+
+use super::body::{Body, Code, ExprId};
+use super::library::{Helpers, helper_of};
+use super::names::{Scope, identifier};
+use super::plan::{Plans, TargetId};
+use super::uniforms::Candidates;
+use crate::graph::Graph;
+use crate::graph::interval::Interval;
+use crate::graph::kernel::{self, Op};
+use rustc_hash::FxHashMap;
+use std::fmt::Write;
+
+/// What writing a function needs to know of the module.
+pub struct Context<'a> {
+    /// The graph, for names.
+    pub graph: &'a Graph,
+    /// The functions of shapes.
+    pub plans: &'a Plans<'a>,
+    /// Name of each function that stands alone, by target.
+    pub functions: &'a FxHashMap<TargetId, String>,
+    /// Operations in one call of each.
+    pub operations: &'a FxHashMap<TargetId, usize>,
+    /// Names of the module.
+    pub module: &'a Scope,
+    /// Before every name of the module.
+    pub prefix: &'a str,
+    /// Name of the uniform block's variable.
+    pub uniform_name: &'a str,
+    /// Live values; those that are read are marked.
+    pub uniforms: &'a mut Candidates,
+    /// Helpers; those that are called are marked.
+    pub helpers: &'a mut Helpers,
+}
+
+/// Text of an expression, in the scratch of its writer.
+#[derive(Clone, Copy, Debug, Default)]
+struct Text {
+    start: u32,
+    length: u32,
+    /// How strongly it binds: 9 for names and calls.
+    strength: u8,
+    /// Whether it is as short as it can be: a name, a number.
+    atom: bool,
+}
+
+/// A nested expression longer than this is split.
+const LONGEST: u32 = 78;
+
+struct Writer<'c, 'a> {
+    context: &'c mut Context<'a>,
+    body: &'c Body,
+    shared: FxHashMap<ExprId, ExprId>,
+    out: &'c mut String,
+    scratch: String,
+    texts: Vec<Text>,
+    /// Whether a value can't be negative, however it is rounded.
+    not_negative: Vec<bool>,
+    /// All values, where a division needs to know; else empty.
+    ranges: Vec<Interval>,
+    locals: Scope,
+    operations: usize,
+}
+
+/// Writes the lines that compute `root` and give it back. `arguments` are names that the function's arguments have.
+/// The answer: how many operations of the kernel that takes.
+pub fn write(
+    context: &mut Context,
+    body: &mut Body,
+    root: ExprId,
+    arguments: &[&str],
+    out: &mut String,
+) -> usize {
+    let shared = shared_fields(context, body, root);
+    let mut locals = Scope::default();
+    for name in arguments {
+        locals.reserve(name);
+    }
+    let count = body.len();
+    let divides = (0..count as u32).any(|e| {
+        body.code(e) == Code::Op(Op::Div)
+            && body.arguments(e).get(1).is_some_and(|&b| body.as_constant(b).is_none())
+    });
+    let mut writer = Writer {
+        context,
+        body,
+        shared,
+        out,
+        scratch: String::with_capacity(16 * count),
+        texts: vec![Text::default(); count],
+        not_negative: vec![false; count],
+        ranges: if divides { vec![Interval::ALL; count] } else { Vec::new() },
+        locals,
+        operations: 0,
+    };
+    let root = writer.resolve(root);
+    let (order, uses) = writer.order(root);
+    for &id in &order {
+        writer.expression(id, uses.get(id as usize).copied().unwrap_or(0), id == root);
+    }
+    let text = writer.text(root);
+    let range = text.start as usize..(text.start + text.length) as usize;
+    let result = writer.scratch.get(range).unwrap_or("0.0");
+    let _ = writeln!(writer.out, "  return {result};");
+    writer.operations
+}
+
+/// Fields that a gradient gives that is called at the same place anyway.
+fn shared_fields(context: &Context, body: &mut Body, root: ExprId) -> FxHashMap<ExprId, ExprId> {
+    if !body.may_share() {
+        return FxHashMap::default();
+    }
+    let mut live = vec![false; body.len()];
+    let mut stack = vec![root];
+    while let Some(id) = stack.pop() {
+        if let Some(live) = live.get_mut(id as usize).filter(|l| !**l) {
+            *live = true;
+            stack.extend_from_slice(body.arguments(id));
+        }
+    }
+    body.shared_fields(context.graph, context.plans, &live)
+}
+
+impl Writer<'_, '_> {
+    fn resolve(&self, id: ExprId) -> ExprId {
+        if self.shared.is_empty() { id } else { self.shared.get(&id).copied().unwrap_or(id) }
+    }
+
+    /// What the root needs, arguments first, and how often each is used.
+    fn order(&self, root: ExprId) -> (Vec<ExprId>, Vec<u32>) {
+        let mut uses = vec![0u32; self.body.len()];
+        let mut order = Vec::new();
+        let mut stack = vec![(self.resolve(root), 0usize)];
+        if let Some(count) = uses.get_mut(self.resolve(root) as usize) {
+            *count = 1;
+        }
+        while let Some((id, at)) = stack.pop() {
+            match self.body.arguments(id).get(at) {
+                None => order.push(id),
+                Some(&next) => {
+                    stack.push((id, at + 1));
+                    let next = self.resolve(next);
+                    if let Some(count) = uses.get_mut(next as usize) {
+                        *count += 1;
+                        if *count == 1 {
+                            stack.push((next, 0));
+                        }
+                    }
+                }
+            }
+        }
+        (order, uses)
+    }
+
+    fn text(&self, id: ExprId) -> Text {
+        self.texts.get(self.resolve(id) as usize).copied().unwrap_or_default()
+    }
+
+    fn argument(&self, id: ExprId, i: usize) -> ExprId {
+        self.body.arguments(id).get(i).map_or(id, |&a| self.resolve(a))
+    }
+
+    /// Writes an expression into the scratch, and as a `let` where that is better.
+    fn expression(&mut self, id: ExprId, uses: u32, is_root: bool) {
+        self.learn(id);
+        self.shorten(id);
+        let start = self.scratch.len() as u32;
+        let strength = self.compose(id);
+        let text = Text {
+            start,
+            length: self.scratch.len() as u32 - start,
+            strength,
+            atom: matches!(
+                self.body.code(id),
+                Code::Constant(_)
+                    | Code::Point(_)
+                    | Code::World
+                    | Code::Scene
+                    | Code::Normal
+                    | Code::Variable(_)
+                    | Code::Uniform(..)
+                    | Code::Component(_)
+                    | Code::Swizzle(..)
+            ),
+        };
+        if let Some(slot) = self.texts.get_mut(id as usize) {
+            *slot = text;
+        }
+        if text.atom || is_root {
+            return;
+        }
+        let negated = self.body.code(id) == Code::Op(Op::Neg);
+        let short = negated && self.text(self.argument(id, 0)).atom;
+        let named = self.body.named(id).is_some();
+        // Components are taken of names only.
+        let whole = matches!(self.body.code(id), Code::Call(_)) && self.body.is_taken_apart(id);
+        if uses > 1 && !short || named || whole {
+            self.bind(id);
+        }
+    }
+
+    /// Moves the longest arguments into `let`s until the expression fits on a line.
+    fn shorten(&mut self, id: ExprId) {
+        loop {
+            let (mut total, mut longest, mut which) = (0, 12, None);
+            for &arg in self.body.arguments(id) {
+                let text = self.text(arg);
+                total += text.length + 2;
+                if !text.atom && text.length > longest {
+                    (longest, which) = (text.length, Some(self.resolve(arg)));
+                }
+            }
+            match which {
+                Some(arg) if total > LONGEST => self.bind(arg),
+                _ => return,
+            }
+        }
+    }
+
+    /// Gives an expression a name.
+    fn bind(&mut self, id: ExprId) {
+        let text = self.text(id);
+        let source = self.body.named(id).and_then(|n| self.context.graph.node_name(n));
+        let name = match source {
+            Some(source) => self.locals.give(&identifier(source), Some(self.context.module)),
+            None => self.locals.give(self.usual_name(id), Some(self.context.module)),
+        };
+        let range = text.start as usize..(text.start + text.length) as usize;
+        let value = self.scratch.get(range).unwrap_or("0.0");
+        self.out.push_str("  let ");
+        self.out.push_str(&name);
+        self.out.push_str(" = ");
+        self.out.push_str(value);
+        self.out.push_str(";\n");
+        let start = self.scratch.len() as u32;
+        self.scratch.push_str(&name);
+        if let Some(slot) = self.texts.get_mut(id as usize) {
+            *slot = Text { start, length: name.len() as u32, strength: 9, atom: true };
+        }
+    }
+
+    /// The name that a person would take for a value without one.
+    fn usual_name(&self, id: ExprId) -> &'static str {
+        match self.body.code(id) {
+            Code::Op(op) => match op {
+                Op::Cos => "c",
+                Op::Sin => "s",
+                Op::Min | Op::Max => "d",
+                Op::Length2 | Op::Length3 | Op::Length4 => "r",
+                Op::Floor | Op::Ceil | Op::Trunc | Op::Round => "n",
+                Op::Atan | Op::Atan2 | Op::Asin | Op::Acos => "angle",
+                Op::Lt | Op::Le | Op::Eq | Op::And | Op::Or | Op::Not => "is",
+                Op::Hash => "h",
+                _ => "a",
+            },
+            Code::Call(target) => match self.context.plans.get(target) {
+                Some(t) if t.group == super::plan::Group::Gradient => "g",
+                _ => "d",
+            },
+            Code::Vector(_) | Code::VectorOp(..) => "q",
+            _ => "a",
+        }
+    }
+
+    /// Notes what is known of an expression's value.
+    fn learn(&mut self, id: ExprId) {
+        let args = self.body.arguments(id);
+        let known = |a: ExprId| {
+            self.not_negative.get(self.resolve(a) as usize).copied().unwrap_or(false)
+        };
+        let not_negative = match self.body.code(id) {
+            Code::Constant(bits) => f64::from_bits(bits) >= 0.0,
+            Code::Uniform(index, 1) => {
+                let field = self.context.uniforms.get(index);
+                field.and_then(|f| f.ranges.first()).is_some_and(|r| r.lo >= 0.0)
+            }
+            Code::Op(op) => match op {
+                Op::Square | Op::Abs | Op::Sqrt | Op::Exp | Op::Pow | Op::Hash => true,
+                Op::Length2 | Op::Length3 | Op::Length4 => true,
+                Op::Max => args.iter().any(|&a| known(a)),
+                Op::Min | Op::Add | Op::Mul | Op::Div => args.iter().all(|&a| known(a)),
+                Op::Select => args.iter().skip(1).all(|&a| known(a)),
+                _ => false,
+            },
+            _ => false,
+        };
+        if let Some(slot) = self.not_negative.get_mut(id as usize) {
+            *slot = not_negative;
+        }
+        if !self.ranges.is_empty() {
+            let range = self.range(id);
+            if let Some(slot) = self.ranges.get_mut(id as usize) {
+                *slot = range;
+            }
+        }
+    }
+
+    fn known_range(&self, id: ExprId) -> Interval {
+        self.ranges.get(self.resolve(id) as usize).copied().unwrap_or(Interval::ALL)
+    }
+
+    fn range(&self, id: ExprId) -> Interval {
+        let args = self.body.arguments(id);
+        let of = |args: &[ExprId], op: Op| {
+            let mut all = [Interval::ALL; 4];
+            for (slot, &arg) in all.iter_mut().zip(args) {
+                *slot = self.known_range(arg);
+            }
+            kernel::interval(op, all.get(..args.len().min(4)).unwrap_or(&[]))
+        };
+        let field = |id: ExprId, i: usize| match self.body.code(id) {
+            Code::Uniform(index, _) => {
+                let field = self.context.uniforms.get(index);
+                field.and_then(|f| f.ranges.get(i)).copied().unwrap_or(Interval::ALL)
+            }
+            _ => Interval::ALL,
+        };
+        match self.body.code(id) {
+            Code::Constant(bits) => Interval::point(f64::from_bits(bits)),
+            Code::Uniform(_, 1) => field(id, 0),
+            Code::Component(i) => field(self.argument(id, 0), usize::from(i)),
+            Code::Op(op @ (Op::Length2 | Op::Length3 | Op::Length4)) => {
+                let vector = self.argument(id, 0);
+                match self.body.code(vector) {
+                    Code::Vector(_) => of(self.body.arguments(vector), op),
+                    _ => Interval::new(0.0, f64::INFINITY),
+                }
+            }
+            Code::Op(op) => of(args, op),
+            _ => Interval::ALL,
+        }
+    }
+
+    /// Whether a value is so far from zero, rounding counted, that one may divide by it.
+    fn is_safe_below(&self, id: ExprId) -> bool {
+        if let Some(c) = self.body.as_constant(id) {
+            return c.abs() >= 1e-28;
+        }
+        let range = self.known_range(id);
+        let least = range.mignitude();
+        let of_sum = matches!(self.body.code(id), Code::Op(Op::Add | Op::Sub));
+        let cancels = of_sum
+            && self.body.arguments(id).iter().any(|&a| {
+                // Numbers of one sign can't cancel.
+                let arg = self.known_range(a);
+                arg.lo < 0.0 && least < 1e-4 * arg.magnitude()
+            });
+        least >= 1e-28 && !cancels && !range.is_empty()
+    }
+
+    fn put(&mut self, text: &str) {
+        self.scratch.push_str(text);
+    }
+
+    /// An argument's text, in parentheses where it binds less than `least`.
+    fn put_argument(&mut self, id: ExprId, least: u8) {
+        let text = self.text(id);
+        let range = text.start as usize..(text.start + text.length) as usize;
+        let parentheses = text.strength < least;
+        if parentheses {
+            self.scratch.push('(');
+        }
+        self.scratch.extend_from_within(range);
+        if parentheses {
+            self.scratch.push(')');
+        }
+    }
+
+    /// An argument as a condition.
+    fn put_condition(&mut self, id: ExprId, least: u8) {
+        if self.body.is_condition(id) {
+            return self.put_argument(id, least);
+        }
+        match self.body.as_constant(id) {
+            Some(c) => self.put(if c != 0.0 { "true" } else { "false" }),
+            None => {
+                self.put(if least > 4 { "(" } else { "" });
+                self.put_argument(id, 6);
+                self.put(if least > 4 { " != 0.0)" } else { " != 0.0" });
+            }
+        }
+    }
+
+    /// An argument as a number.
+    fn put_number(&mut self, id: ExprId, least: u8) {
+        if self.body.is_condition(id) {
+            self.put("select(0.0, 1.0, ");
+            self.put_argument(id, 0);
+            self.put(")");
+        } else {
+            self.put_argument(id, least);
+        }
+    }
+
+    /// Writes an expression; the answer is how strongly it binds.
+    fn compose(&mut self, id: ExprId) -> u8 {
+        match self.body.code(id) {
+            Code::Constant(bits) => {
+                let value = f64::from_bits(bits) as f32;
+                // What 32 bits can't hold in full is zero to many a GPU.
+                let value = if value.is_normal() { value } else { 0.0 };
+                let _ = write!(self.scratch, "{value:?}");
+                if value < 0.0 { 8 } else { 9 }
+            }
+            Code::Point(_) => {
+                self.put("p");
+                9
+            }
+            Code::World => {
+                self.put("world");
+                9
+            }
+            Code::Scene => {
+                self.put("q");
+                9
+            }
+            Code::Normal => {
+                self.put("normal");
+                9
+            }
+            Code::Variable(i) => {
+                let _ = write!(self.scratch, "k{i}");
+                9
+            }
+            Code::Uniform(index, _) => {
+                self.context.uniforms.mark(index);
+                self.scratch.push_str(self.context.uniform_name);
+                self.scratch.push('.');
+                if let Some(field) = self.context.uniforms.get(index) {
+                    self.scratch.push_str(&field.name);
+                }
+                9
+            }
+            Code::Component(i) => {
+                self.put_argument(self.argument(id, 0), 9);
+                self.put(component_name(i));
+                9
+            }
+            Code::Swizzle(count, order) => {
+                self.put_argument(self.argument(id, 0), 9);
+                self.put(".");
+                for i in 0..count {
+                    let name = component_name((order >> (4 * i) & 3) as u8);
+                    self.scratch.push_str(name.trim_start_matches('.'));
+                }
+                9
+            }
+            Code::Vector(count) => {
+                self.put(vector_type(count));
+                self.list(id)
+            }
+            Code::VectorOp(op, count) => {
+                self.operations += usize::from(count);
+                self.infix(id, op)
+            }
+            Code::Surface => {
+                self.scratch.push_str(self.context.prefix);
+                self.put("Surface");
+                self.list(id)
+            }
+            Code::Call(target) => {
+                self.operations += self.context.operations.get(&target).copied().unwrap_or(0);
+                if let Some(name) = self.context.functions.get(&target) {
+                    self.scratch.push_str(name);
+                }
+                self.list(id)
+            }
+            Code::Op(op) => {
+                self.operations += 1;
+                self.operation(id, op)
+            }
+        }
+    }
+
+    /// The arguments in parentheses.
+    fn list(&mut self, id: ExprId) -> u8 {
+        for i in 0..self.body.arguments(id).len() {
+            self.put(if i == 0 { "(" } else { ", " });
+            self.put_number(self.argument(id, i), 0);
+        }
+        self.put(")");
+        9
+    }
+
+    /// `a op b` for the four operators of numbers.
+    fn infix(&mut self, id: ExprId, op: Op) -> u8 {
+        let (a, b) = (self.argument(id, 0), self.argument(id, 1));
+        let (sign, strength) = match op {
+            Op::Add => (" + ", 6),
+            Op::Sub => (" - ", 6),
+            Op::Mul => (" * ", 7),
+            _ => (" / ", 7),
+        };
+        self.put_number(a, strength);
+        let text = self.text(b);
+        let range = text.start as usize..(text.start + text.length) as usize;
+        let negative = self.scratch.get(range).is_some_and(|t| t.starts_with('-'));
+        match (op, negative, self.body.as_constant(b)) {
+            // a + -1.0 is a - 1.0, to the last bit.
+            (Op::Add | Op::Sub, true, Some(_)) => {
+                self.put(if op == Op::Add { " - " } else { " + " });
+                let range = text.start as usize + 1..(text.start + text.length) as usize;
+                self.scratch.extend_from_within(range);
+            }
+            _ => {
+                self.put(sign);
+                self.put_number(b, if negative { 9 } else { strength + 1 });
+            }
+        }
+        strength
+    }
+
+    fn operation(&mut self, id: ExprId, op: Op) -> u8 {
+        let row = op.row();
+        let a = self.argument(id, 0);
+        match op {
+            Op::Add | Op::Sub | Op::Mul => return self.infix(id, op),
+            Op::Div if self.is_safe_below(self.argument(id, 1)) => return self.infix(id, op),
+            Op::Square if self.text(a).atom => {
+                self.put_number(a, 8);
+                self.put(" * ");
+                self.put_number(a, 9);
+                return 7;
+            }
+            Op::Sqrt if self.not_negative.get(a as usize) == Some(&true) => {
+                self.put("sqrt(");
+                self.put_number(a, 0);
+                self.put(")");
+                return 9;
+            }
+            Op::Length2 | Op::Length3 | Op::Length4 => {
+                self.put("length(");
+                self.put_argument(a, 0);
+                self.put(")");
+                return 9;
+            }
+            Op::And | Op::Or => {
+                // Of && and || only the same may stand beside each other, and only on the left.
+                let b = self.argument(id, 1);
+                let same = self.body.code(a) == Code::Op(op) && self.text(a).strength == row.strength;
+                self.put_condition(a, if same { row.strength } else { 3 });
+                self.put(if op == Op::And { " && " } else { " || " });
+                self.put_condition(b, 3);
+                return row.strength;
+            }
+            _ => {}
+        }
+        if let Some(helper) = helper_of(op) {
+            self.context.helpers.need(helper);
+        }
+        let mut rest = row.wgsl;
+        if let Some(helper) = rest.strip_prefix("sf_") {
+            self.scratch.push_str(self.context.prefix);
+            rest = helper;
+        }
+        // Inside parentheses anything may stand, beside an operator only what binds more.
+        let least = if row.strength == 9 { 0 } else { row.strength + 1 };
+        while let Some((before, after)) = rest.split_once('{') {
+            self.put(before);
+            let (index, after) = after.split_once('}').unwrap_or((after, ""));
+            let i = index.parse().unwrap_or(0);
+            let arg = self.argument(id, i);
+            match op {
+                Op::Not => self.put_condition(arg, least),
+                Op::Select if i == 0 => self.put_condition(arg, least),
+                _ => self.put_number(arg, least),
+            }
+            rest = after;
+        }
+        self.put(rest);
+        row.strength
+    }
+}
+
+fn component_name(i: u8) -> &'static str {
+    match i {
+        0 => ".x",
+        1 => ".y",
+        2 => ".z",
+        _ => ".w",
+    }
+}
+
+/// The type of a vector of 32-bit floats.
+pub fn vector_type(components: u8) -> &'static str {
+    match components {
+        0 | 1 => "f32",
+        2 => "vec2f",
+        3 => "vec3f",
+        _ => "vec4f",
+    }
+}
