@@ -1,7 +1,7 @@
 //! What the compiler hands over: a module of WGSL, what a host must write into its uniform block, and the scene around it.
 
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::functions::Functions;
+use crate::functions::{Functions, Kind};
 use crate::graph::algebra::Reals;
 use crate::graph::{Graph, Leaf, NodeId, ShapeId};
 use crate::source::{Sources, Span};
@@ -328,6 +328,8 @@ pub struct Compiled {
     pub root: ShapeId,
     /// Field, bound, distance, gradient and surface as nodes of the graph.
     pub functions: Functions,
+    /// What is known of the field as a whole.
+    pub kind: Kind,
     /// Parameters in the order of the text, those of imports after those of the file.
     pub parameters: Vec<Parameter>,
     /// What stands around the field.

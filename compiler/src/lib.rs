@@ -6,8 +6,10 @@ pub mod diagnostic;
 pub mod emit;
 pub mod functions;
 pub mod graph;
+pub mod pipeline;
 pub mod program;
 pub mod source;
 pub mod syntax;
 
 pub use compiled::{Compiled, Export, Frame, Live, Loader, MemoryLoader, Module, Options, Outcome};
+pub use pipeline::{compile, compile_observed, Stage};

@@ -59,7 +59,7 @@ pub fn compile_observed(
         outcome.diagnostics.extend(found);
         finished(Stage::Analyse);
         if !outcome.has_errors() {
-            match emit::emit(&mut graph, root, &functions, &elaboration.blocks, &elaboration.parameters, options) {
+            match emit::emit(&graph, root, &functions, &elaboration.blocks, &elaboration.parameters, options) {
                 Ok(module) => {
                     outcome.compiled = Some(Compiled {
                         graph,
