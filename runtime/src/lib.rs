@@ -1,1 +1,17 @@
-#![doc = "x"]
+//! Draws what the compiler emits, with wgpu, and swaps it while it runs. Knows no syntax.
+
+pub mod frame;
+pub mod gpu;
+pub mod headless;
+pub mod live;
+pub mod passes;
+pub mod stage;
+pub mod view;
+
+pub use frame::Picture;
+pub use gpu::{Gpu, NoAdapter, Stats};
+pub use live::LiveScene;
+pub use passes::evaluate::evaluate;
+pub use passes::scene::ViewMode;
+pub use stage::Stage;
+pub use view::View;

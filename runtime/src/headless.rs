@@ -1,0 +1,243 @@
+//! Pictures and numbers without a window.
+
+use crate::frame::Picture;
+use crate::gpu::Gpu;
+use crate::passes::scene::ViewMode;
+use crate::view::View;
+use surefoot_compiler::compiled::{Camera, Compiled, Live};
+
+/// A picture that is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shot {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// What it shows.
+    pub mode: ViewMode,
+    /// From where; the scene's first camera where there is none.
+    pub camera: Option<Camera>,
+}
+
+impl Shot {
+    /// The scene in its light, through its first camera.
+    pub fn new(width: u32, height: u32) -> Self {
+        Self { width, height, mode: ViewMode::default(), camera: None }
+    }
+}
+
+/// Rows of pixels from the top, four bytes each: red, green, blue (sRGB), opacity.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pixels {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// `4 * width * height` bytes.
+    pub rgba: Vec<u8>,
+}
+
+impl Pixels {
+    /// The pixel of a column and a row; transparent black outside.
+    pub fn get(&self, x: u32, y: u32) -> [u8; 4] {
+        let at = 4 * (y as usize * self.width as usize + x as usize);
+        let inside = x < self.width;
+        let found = self.rgba.get(at..at + 4).filter(|_| inside);
+        found.and_then(|bytes| bytes.try_into().ok()).unwrap_or_default()
+    }
+}
+
+/// What a picture without a window is drawn on.
+pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// Pictures are drawn in squares of at most so many pixels a side: any size fits, and no single piece of work holds a graphics card
+/// so long that its driver gives up.
+const TILE: u32 = 512;
+
+/// The greatest number of pixels of one picture.
+const MOST_PIXELS: u64 = 1 << 28;
+
+/// Builds a scene's pipeline and draws one picture.
+pub fn render(gpu: &Gpu, compiled: &Compiled, live: &Live, shot: &Shot) -> Result<Pixels, String> {
+    let mut picture = Picture::prepare(gpu, compiled, FORMAT, shot.mode)?;
+    render_with(gpu, &mut picture, compiled, live, shot)
+}
+
+/// Draws one picture with a pipeline that is there already; it was prepared for [`FORMAT`] and shows what it was prepared for.
+pub fn render_with(
+    gpu: &Gpu,
+    picture: &mut Picture,
+    compiled: &Compiled,
+    live: &Live,
+    shot: &Shot,
+) -> Result<Pixels, String> {
+    let Shot { width, height, camera, .. } = *shot;
+    if width == 0 || height == 0 || u64::from(width) * u64::from(height) > MOST_PIXELS {
+        return Err(format!("a picture of {width} by {height} pixels can't be drawn"));
+    }
+    let frame = compiled.frame(live);
+    let camera = match (camera, frame.cameras.first()) {
+        (Some(camera), _) => camera,
+        (None, Some((_, camera))) => *camera,
+        (None, None) => return Err("the scene has no camera".to_owned()),
+    };
+    let target = Target::new(gpu, width.min(TILE), height.min(TILE))?;
+    let mut pixels =
+        Pixels { width, height, rgba: vec![0; 4 * width as usize * height as usize] };
+    for top in (0..height).step_by(TILE as usize) {
+        for left in (0..width).step_by(TILE as usize) {
+            let view = View {
+                camera,
+                size: [width as f32, height as f32],
+                corner: [-(left as f32), -(top as f32)],
+            };
+            picture.update(gpu.queue(), compiled, live, &view);
+            let tile = target.draw(gpu, picture)?;
+            copy_tile(&tile, target.stride(), &mut pixels, left, top);
+        }
+    }
+    Ok(pixels)
+}
+
+/// Draws one pixel and waits for it. Some drivers make the machine code only at the first draw; after this it is made.
+pub(crate) fn warm_up(
+    gpu: &Gpu,
+    picture: &mut Picture,
+    compiled: &Compiled,
+    format: wgpu::TextureFormat,
+) -> Result<(), String> {
+    let live = compiled.live();
+    let frame = compiled.frame(&live);
+    let Some(&(_, camera)) = frame.cameras.first() else { return Ok(()) };
+    let view = View { camera, size: [1.0, 1.0], corner: [0.0, 0.0] };
+    gpu.catch(|| {
+        picture.update(gpu.queue(), compiled, &live, &view);
+        let texture = texture(gpu, 1, 1, format);
+        let submitted = gpu.queue().submit([encode(gpu, picture, &texture).finish()]);
+        wait(gpu, submitted)
+    })?
+}
+
+/// A texture and the buffer through which its pixels come back.
+struct Target {
+    texture: wgpu::Texture,
+    buffer: wgpu::Buffer,
+}
+
+impl Target {
+    fn new(gpu: &Gpu, width: u32, height: u32) -> Result<Self, String> {
+        gpu.catch(|| {
+            let texture = texture(gpu, width, height, FORMAT);
+            let buffer = gpu.device().create_buffer(&wgpu::BufferDescriptor {
+                label: Some("surefoot pixels"),
+                size: u64::from(stride(width)) * u64::from(height),
+                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+                mapped_at_creation: false,
+            });
+            Self { texture, buffer }
+        })
+    }
+
+    /// Bytes from one row to the next.
+    fn stride(&self) -> usize {
+        stride(self.texture.width()) as usize
+    }
+
+    fn draw(&self, gpu: &Gpu, picture: &Picture) -> Result<Vec<u8>, String> {
+        let submitted = gpu.catch(|| {
+            let mut encoder = encode(gpu, picture, &self.texture);
+            encoder.copy_texture_to_buffer(
+                self.texture.as_image_copy(),
+                wgpu::TexelCopyBufferInfo {
+                    buffer: &self.buffer,
+                    layout: wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: Some(stride(self.texture.width())),
+                        rows_per_image: None,
+                    },
+                },
+                self.texture.size(),
+            );
+            gpu.queue().submit([encoder.finish()])
+        })?;
+        read(gpu, &self.buffer, submitted)
+    }
+}
+
+fn texture(gpu: &Gpu, width: u32, height: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
+    gpu.device().create_texture(&wgpu::TextureDescriptor {
+        label: Some("surefoot picture"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
+fn encode(gpu: &Gpu, picture: &Picture, texture: &wgpu::Texture) -> wgpu::CommandEncoder {
+    let mut encoder = gpu.device().create_command_encoder(&Default::default());
+    let view = texture.create_view(&Default::default());
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("surefoot"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                store: wgpu::StoreOp::Store,
+            },
+        })],
+        ..Default::default()
+    });
+    picture.draw(&mut pass);
+    drop(pass);
+    encoder
+}
+
+/// Rows of a copy are multiples of 256 bytes.
+fn stride(width: u32) -> u32 {
+    (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
+}
+
+fn copy_tile(tile: &[u8], stride: usize, pixels: &mut Pixels, left: u32, top: u32) {
+    let width = 4 * pixels.width as usize;
+    let left = 4 * left as usize;
+    let rows = pixels.rgba.chunks_exact_mut(width).skip(top as usize);
+    for (row, from) in rows.zip(tile.chunks_exact(stride)) {
+        for (to, from) in row.iter_mut().skip(left).zip(from.iter().take(4 * TILE as usize)) {
+            *to = *from;
+        }
+    }
+}
+
+/// Waits until the work is done.
+pub(crate) fn wait(gpu: &Gpu, submitted: wgpu::SubmissionIndex) -> Result<(), String> {
+    let poll = wgpu::PollType::Wait { submission_index: Some(submitted), timeout: None };
+    gpu.device().poll(poll).map(|_| ()).map_err(|e| e.to_string())
+}
+
+/// The bytes of a buffer once the work that fills it is done.
+pub(crate) fn read(
+    gpu: &Gpu,
+    buffer: &wgpu::Buffer,
+    submitted: wgpu::SubmissionIndex,
+) -> Result<Vec<u8>, String> {
+    let (sender, receiver) = std::sync::mpsc::channel();
+    buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+        // Nobody waits any more where this fails.
+        let _ = sender.send(result);
+    });
+    wait(gpu, submitted)?;
+    match receiver.recv() {
+        Ok(Ok(())) => {}
+        Ok(Err(error)) => return Err(error.to_string()),
+        Err(_) => return Err("the device was lost".to_owned()),
+    }
+    let bytes = buffer.get_mapped_range(..).map_err(|e| e.to_string())?.to_vec();
+    buffer.unmap();
+    Ok(bytes)
+}

@@ -1,0 +1,117 @@
+//! Which files a compilation read, and what they held.
+
+use super::SharedLoader;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::Arc;
+use surefoot_compiler::compiled::Loader;
+
+/// What a file held: a hash of its bytes, or none where it could not be read.
+type Content = Option<(u64, usize)>;
+
+/// Unsaved texts by their plain names.
+pub(super) type Texts = BTreeMap<String, Arc<[u8]>>;
+
+/// A loader that answers with unsaved texts first and remembers what it answered.
+pub(super) struct Recorder {
+    loader: SharedLoader,
+    texts: Texts,
+    seen: RefCell<BTreeMap<String, Content>>,
+}
+
+impl Recorder {
+    pub fn new(loader: SharedLoader, texts: Texts) -> Self {
+        Self { loader, texts, seen: RefCell::default() }
+    }
+
+    /// The names of the files that were asked for.
+    pub fn files(&self) -> Vec<String> {
+        self.seen.borrow().keys().cloned().collect()
+    }
+
+    /// Whether a file holds something else by now. `texts` are the unsaved ones of now.
+    pub fn is_stale(&self, texts: &Texts) -> bool {
+        self.seen.borrow().iter().any(|(path, then)| content(&self.get(texts, path)) != *then)
+    }
+
+    fn get(&self, texts: &Texts, path: &str) -> Result<Vec<u8>, String> {
+        match texts.get(&plain(path)) {
+            Some(text) => Ok(text.to_vec()),
+            None => self.loader.read(path),
+        }
+    }
+}
+
+impl Loader for Recorder {
+    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
+        let bytes = self.get(&self.texts, path);
+        // Where a file is read twice, the first answer counts: if the second differs, the file is stale.
+        self.seen.borrow_mut().entry(path.to_owned()).or_insert_with(|| content(&bytes));
+        bytes
+    }
+}
+
+fn content(bytes: &Result<Vec<u8>, String>) -> Content {
+    let bytes = bytes.as_ref().ok()?;
+    let mut hasher = DefaultHasher::new();
+    bytes.hash(&mut hasher);
+    Some((hasher.finish(), bytes.len()))
+}
+
+/// A name without `.` and, where something stands before it, without `..`: two spellings of a file become one.
+pub(super) fn plain(path: &str) -> String {
+    let path = path.replace('\\', "/");
+    let mut parts: Vec<&str> = Vec::new();
+    for part in path.split('/') {
+        match part {
+            "" | "." => {}
+            ".." if parts.last().is_some_and(|last| *last != "..") => {
+                parts.pop();
+            }
+            part => parts.push(part),
+        }
+    }
+    let root = if path.starts_with('/') { "/" } else { "" };
+    format!("{root}{}", parts.join("/"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use surefoot_compiler::MemoryLoader;
+
+    #[test]
+    fn two_spellings_become_one() {
+        for (path, want) in [
+            ("a.sdf", "a.sdf"),
+            ("./a.sdf", "a.sdf"),
+            ("parts/../a.sdf", "a.sdf"),
+            ("../a.sdf", "../a.sdf"),
+            ("../../b/./c//d", "../../b/c/d"),
+            ("/x/../y", "/y"),
+            ("x\\y", "x/y"),
+        ] {
+            assert_eq!(plain(path), want, "{path}");
+        }
+    }
+
+    #[test]
+    fn a_record_goes_stale_with_its_files_only() {
+        let files = MemoryLoader::new().with("a", "1").with("b", "2");
+        let texts = Texts::from([("b".to_owned(), Arc::from(&b"3"[..]))]);
+        let recorder = Recorder::new(Arc::new(files), texts);
+        assert_eq!(recorder.read("a"), Ok(b"1".to_vec()));
+        assert_eq!(recorder.read("./b"), Ok(b"3".to_vec()), "unsaved text comes first");
+        assert!(recorder.read("c").is_err());
+        assert_eq!(recorder.files(), ["./b", "a", "c"]);
+        let texts = recorder.texts.clone();
+        assert!(!recorder.is_stale(&texts));
+        assert!(recorder.is_stale(&Texts::new()), "unsaved text that was taken back");
+        let mut later = recorder;
+        later.loader = Arc::new(MemoryLoader::new().with("a", "1").with("b", "other"));
+        assert!(!later.is_stale(&texts), "what is hidden by unsaved text does not matter");
+        later.loader = Arc::new(MemoryLoader::new().with("a", "1").with("c", ""));
+        assert!(later.is_stale(&texts), "a file that was missing and came");
+    }
+}

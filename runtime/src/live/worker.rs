@@ -1,0 +1,287 @@
+//! The thread that compiles and builds.
+
+use super::record::Recorder;
+use super::watch::Watch;
+use super::{Ready, Setup, Shared, State, Times, Update, Words};
+use crate::frame::Picture;
+use crate::headless;
+use crate::passes::scene::ViewMode;
+use std::any::Any;
+use std::mem::take;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+use surefoot_compiler::compiled::{Compiled, Outcome};
+use surefoot_compiler::source::Sources;
+
+/// Events that follow each other faster than this belong to one save…
+const PAUSE: Duration = Duration::from_millis(5);
+/// …but nobody waits longer than this for them to end.
+const LONGEST_PAUSE: Duration = Duration::from_millis(40);
+/// How long an error in a file that changed just now is held back.
+const DOUBT: Duration = Duration::from_millis(50);
+/// How often the files are read again meanwhile.
+const DOUBT_STEP: Duration = Duration::from_millis(5);
+/// Deep nesting takes stack, here and in naga.
+const STACK: usize = 64 << 20;
+
+pub(super) fn spawn(setup: Setup, shared: Arc<Shared>) -> std::io::Result<JoinHandle<()>> {
+    std::thread::Builder::new().name("surefoot live".to_owned()).stack_size(STACK).spawn(
+        move || {
+            let ears = shared.clone();
+            let watch = Watch::new(move || {
+                let mut state = ears.lock();
+                state.report.events += 1;
+                let now = Instant::now();
+                state.last_event = Some(now);
+                state.asked.get_or_insert(now);
+                ears.changed.notify_all();
+            });
+            Worker { setup, shared, watch, record: None, newest: Newest::default() }.run();
+        },
+    )
+}
+
+struct Worker {
+    setup: Setup,
+    shared: Arc<Shared>,
+    watch: Watch,
+    /// What the newest compilation read.
+    record: Option<Recorder>,
+    newest: Newest,
+}
+
+/// What is known of the newest text, and the newest scene that was good.
+#[derive(Default)]
+struct Newest {
+    words: Arc<Words>,
+    failure: Option<String>,
+    good: Option<Arc<Compiled>>,
+    /// What the newest picture shows.
+    mode: ViewMode,
+    times: Times,
+}
+
+/// What is to be worked on.
+struct Job {
+    since: Instant,
+    /// An editor pushed a whole text: what is wrong in it is wrong.
+    pushed: bool,
+    /// The files may be as they were: the options are not, or the path.
+    anew: bool,
+}
+
+impl Worker {
+    fn run(mut self) {
+        while let Some(job) = self.next() {
+            // Before anything is read, so that nothing falls between.
+            self.watch.refresh();
+            self.watch.look();
+            let mode = self.shared.lock().mode;
+            let other_mode = mode != self.newest.mode;
+            let since = job.since;
+            let mut scene = None;
+            if job.anew || self.is_stale() {
+                scene = self.work(job);
+            } else if !other_mode {
+                continue;
+            }
+            if other_mode && scene.is_none() {
+                scene = self.newest.good.clone();
+            }
+            let update = self.build(scene, mode, since);
+            self.deliver(update);
+        }
+    }
+
+    /// Waits for the next change. None: it is time to end.
+    fn next(&mut self) -> Option<Job> {
+        let shared = self.shared.clone();
+        let mut state = shared.lock();
+        state.busy = false;
+        let mut looked = Instant::now();
+        loop {
+            if state.stop {
+                return None;
+            }
+            if state.asked.is_some() {
+                break;
+            }
+            let patience = self.watch.patience().saturating_sub(looked.elapsed());
+            state = wait(&shared, state, patience);
+            if state.asked.is_none() && looked.elapsed() >= self.watch.patience() {
+                drop(state);
+                // Without the lock: the watcher's thread may be waiting for it.
+                let changed = self.watch.refresh() | self.watch.look();
+                looked = Instant::now();
+                state = shared.lock();
+                if changed {
+                    state.asked.get_or_insert(looked);
+                }
+            }
+        }
+        // What was pushed is whole. What was saved may be halfway.
+        let begun = Instant::now();
+        while !state.pushed && !state.stop {
+            let quiet = state.last_event.map_or(PAUSE, |at| at.elapsed());
+            if quiet >= PAUSE || begun.elapsed() >= LONGEST_PAUSE {
+                break;
+            }
+            state = wait(&shared, state, PAUSE - quiet);
+        }
+        state.busy = true;
+        let since = state.asked.take().unwrap_or(begun);
+        Some(Job { since, pushed: take(&mut state.pushed), anew: take(&mut state.anew) })
+    }
+
+    /// Whether a file, or the text that an editor holds in its stead, is not what was compiled.
+    fn is_stale(&self) -> bool {
+        let texts = self.shared.lock().texts.clone();
+        self.record.as_ref().is_none_or(|record| record.is_stale(&texts))
+    }
+
+    /// Compiles, and doubts an error for a moment.
+    fn work(&mut self, mut job: Job) -> Option<Arc<Compiled>> {
+        let mut doubted: Option<Instant> = None;
+        loop {
+            let scene = self.compile(&mut job);
+            if scene.is_some() || job.pushed {
+                return scene;
+            }
+            let since = *doubted.get_or_insert_with(Instant::now);
+            if !self.changes_before(since + DOUBT) {
+                return None;
+            }
+        }
+    }
+
+    fn compile(&mut self, job: &mut Job) -> Option<Arc<Compiled>> {
+        let (path, options, texts) = {
+            let mut state = self.shared.lock();
+            state.report.compilations += 1;
+            // What was pushed since the job began is compiled with it.
+            job.pushed |= take(&mut state.pushed);
+            state.anew = false;
+            (state.path.clone(), state.options.clone(), state.texts.clone())
+        };
+        let recorder = Recorder::new(self.setup.loader.clone(), texts);
+        let start = Instant::now();
+        let compile = || (self.setup.compile)(&recorder, &path, &options);
+        let (outcome, failure) = match catch_unwind(AssertUnwindSafe(compile)) {
+            Ok(outcome) => (outcome, None),
+            Err(panic) => (nothing(&path), Some(broken("the compiler", panic.as_ref()))),
+        };
+        let Outcome { sources, diagnostics, mut files, compiled } = outcome;
+        for file in recorder.files() {
+            if !files.contains(&file) {
+                files.push(file);
+            }
+        }
+        let compile = start.elapsed();
+        let unheard = self.watch.follow(&files);
+        self.record = Some(recorder);
+        if unheard && self.is_stale() {
+            self.shared.lock().asked.get_or_insert(start);
+        }
+        self.newest.words = Arc::new(Words { sources, diagnostics, files });
+        self.newest.failure = failure;
+        self.newest.times = Times { compile, ..Times::default() };
+        compiled.map(Arc::new)
+    }
+
+    /// Builds a scene's picture, where there is a scene.
+    fn build(&mut self, scene: Option<Arc<Compiled>>, mode: ViewMode, since: Instant) -> Update {
+        let start = Instant::now();
+        let ready = scene.and_then(|compiled| {
+            let prepare = || self.prepare(&compiled, mode);
+            let prepared = catch_unwind(AssertUnwindSafe(prepare))
+                .unwrap_or_else(|panic| Err(broken("the translation", panic.as_ref())));
+            match prepared {
+                Ok(picture) => Some(Ready { compiled, picture }),
+                Err(error) => {
+                    self.newest.failure = Some(error);
+                    None
+                }
+            }
+        });
+        let newest = &mut self.newest;
+        newest.mode = mode;
+        if let Some(ready) = &ready {
+            newest.good = Some(ready.compiled.clone());
+            newest.times.pipeline = start.elapsed();
+        }
+        newest.times.total = since.elapsed();
+        Update {
+            words: newest.words.clone(),
+            failure: newest.failure.clone(),
+            ready,
+            times: newest.times,
+        }
+    }
+
+    fn prepare(&self, compiled: &Compiled, mode: ViewMode) -> Result<Option<Picture>, String> {
+        let Some((gpu, format)) = &self.setup.target else { return Ok(None) };
+        let mut picture = Picture::prepare(gpu, compiled, *format, mode)?;
+        headless::warm_up(gpu, &mut picture, compiled, *format)?;
+        Ok(Some(picture))
+    }
+
+    fn deliver(&self, mut update: Update) {
+        let mut state = self.shared.lock();
+        state.report.updates += 1;
+        if let Some(older) = state.update.take() {
+            state.report.replaced += 1;
+            // What is drawn must not fall behind the newest good scene, even if nobody saw it yet.
+            if update.ready.is_none() {
+                update.ready = older.ready;
+            }
+        }
+        state.update = Some(update);
+        state.busy = state.asked.is_some();
+        drop(state);
+        (self.setup.wake)();
+    }
+
+    /// Waits until a file holds something else than what was compiled. False if none does until the deadline.
+    fn changes_before(&self, deadline: Instant) -> bool {
+        loop {
+            if self.is_stale() {
+                return true;
+            }
+            let left = deadline.saturating_duration_since(Instant::now());
+            let state = self.shared.lock();
+            if left.is_zero() || state.stop || state.pushed {
+                return false;
+            }
+            drop(wait(&self.shared, state, left.min(DOUBT_STEP)));
+        }
+    }
+}
+
+fn wait<'a>(
+    shared: &'a Shared,
+    state: MutexGuard<'a, State>,
+    time: Duration,
+) -> MutexGuard<'a, State> {
+    shared.changed.wait_timeout(state, time).unwrap_or_else(PoisonError::into_inner).0
+}
+
+/// The outcome of a compiler that did not come to its end.
+fn nothing(path: &str) -> Outcome {
+    Outcome {
+        sources: Sources::default(),
+        diagnostics: Vec::new(),
+        files: vec![path.to_owned()],
+        compiled: None,
+    }
+}
+
+fn broken(what: &str, panic: &(dyn Any + Send)) -> String {
+    let words = panic
+        .downcast_ref::<String>()
+        .map(String::as_str)
+        .or_else(|| panic.downcast_ref::<&str>().copied())
+        .unwrap_or("no reason given");
+    format!("a mistake in Surefoot, please report it: {what} stopped with: {words}")
+}

@@ -1,0 +1,86 @@
+//! The pass over the screen on the GPU: pipeline, uniforms, draw.
+
+use super::scene::{Features, SceneUniforms, ViewMode};
+use crate::gpu::{Gpu, PipelineKey, UniformBlock, uniform_layout};
+use crate::view::View;
+use surefoot_compiler::compiled::{Compiled, Live, UniformSource};
+
+/// A compiled scene as a pipeline. Its uniforms change; it itself does not.
+#[derive(Debug)]
+pub struct ScenePipeline {
+    pipeline: wgpu::RenderPipeline,
+    module: UniformBlock,
+    scene: UniformBlock,
+    srgb_target: bool,
+}
+
+impl ScenePipeline {
+    /// Builds the pipeline that draws a scene on targets of a format, or says what naga or the device finds wrong in it.
+    pub fn prepare(
+        gpu: &Gpu,
+        compiled: &Compiled,
+        format: wgpu::TextureFormat,
+        mode: ViewMode,
+    ) -> Result<Self, String> {
+        let features = Features::of(compiled, mode);
+        for export in features.exports() {
+            if !compiled.module.exports.contains(&export) {
+                return Err(format!("the module has no function `{}`", export.name()));
+            }
+        }
+        let label = "surefoot scene";
+        let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let module_size = u64::from(compiled.module.uniform_size);
+        let scene_size = size_of::<SceneUniforms>() as u64;
+        let key = PipelineKey {
+            wgsl: format!("{}\n{}", compiled.module.wgsl, features.wgsl()),
+            constants: Vec::new(),
+            format,
+        };
+        gpu.catch(|| {
+            let module_layout = uniform_layout(gpu, label, module_size, stage);
+            let scene_layout = uniform_layout(gpu, label, scene_size, stage);
+            // The same layout, bound or built again, is the same to wgpu: a pipeline that was kept fits.
+            let layouts = [Some(&module_layout), Some(&scene_layout)];
+            let pipeline = gpu.screen_pipeline(label, key, &layouts)?;
+            Ok(Self {
+                pipeline,
+                module: UniformBlock::new(gpu, label, &module_layout, module_size),
+                scene: UniformBlock::new(gpu, label, &scene_layout, scene_size),
+                srgb_target: format.is_srgb(),
+            })
+        })?
+    }
+
+    /// Writes the uniforms of one moment. Answers whether anything changed: where nothing did, the picture is the same.
+    pub fn update(
+        &mut self,
+        queue: &wgpu::Queue,
+        compiled: &Compiled,
+        live: &Live,
+        view: &View,
+    ) -> bool {
+        let frame = compiled.frame(live);
+        let origin = origin(compiled, view);
+        let View { camera, size, corner } = *view;
+        let uniforms =
+            SceneUniforms::new(&frame, &camera, origin, size, corner, self.srgb_target);
+        let module = self.module.write(queue, &compiled.uniform_bytes(live, origin));
+        let scene = self.scene.write(queue, bytemuck::bytes_of(&uniforms));
+        module || scene
+    }
+
+    /// Draws over the whole of the pass's viewport and scissors.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, self.module.group(), &[]);
+        pass.set_bind_group(1, self.scene.group(), &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+/// The scene's point at which the module's `p` is zero: the eye as 32 bits hold it, where the module can be moved at all.
+fn origin(compiled: &Compiled, view: &View) -> [f64; 3] {
+    let moves = compiled.module.uniforms.iter().any(|u| u.source == UniformSource::Origin);
+    if moves { view.camera.eye.map(|c| f64::from(c as f32)) } else { [0.0; 3] }
+}

@@ -1,0 +1,163 @@
+//! A sphere has a closed form: every pixel is asserted.
+
+mod common;
+
+use common::{EYE, gpu, sphere, sphere_in};
+use glam::DVec3;
+use surefoot_compiler::compiled::Export;
+use surefoot_runtime::headless::{self, FORMAT, Shot};
+use surefoot_runtime::{Picture, View, ViewMode, evaluate};
+
+/// Where the ray of a pixel meets a sphere about the origin: the normal there, and how far beside the rim the ray passes.
+fn truth(x: u32, y: u32, (width, height): (u32, u32), radius: f64) -> (Option<DVec3>, f64) {
+    let eye = DVec3::from(EYE);
+    let forward = (-eye).normalize();
+    let right = forward.cross(DVec3::Y).normalize();
+    let up = right.cross(forward);
+    let half = (0.8f64 / 2.0).tan();
+    let across = (2.0 * (f64::from(x) + 0.5) - f64::from(width)) / f64::from(height);
+    let down = 2.0 * (f64::from(y) + 0.5) / f64::from(height) - 1.0;
+    let direction = (forward + half * (across * right - down * up)).normalize();
+    let middle = -eye.dot(direction);
+    let nearest = (eye + middle * direction).length();
+    let beside = nearest - radius;
+    if beside >= 0.0 {
+        return (None, beside);
+    }
+    let t = middle - (radius * radius - nearest * nearest).sqrt();
+    (Some((eye + t * direction) / radius), beside)
+}
+
+#[test]
+fn silhouette_and_normals_are_those_of_the_formula() {
+    let gpu = gpu();
+    // Wider than a tile, and neither side a multiple of one, so that the seams are looked at too.
+    let size = (701, 530);
+    let compiled = sphere(1.3);
+    let shot = Shot { mode: ViewMode::Normals, ..Shot::new(size.0, size.1) };
+    let pixels = headless::render(&gpu, &compiled, &compiled.live(), &shot).unwrap();
+    let background = pixels.get(0, 0);
+    let mut hits = 0;
+    for y in 0..size.1 {
+        for x in 0..size.0 {
+            let (normal, beside) = truth(x, y, size, 1.3);
+            let got = pixels.get(x, y);
+            if beside.abs() < 2e-3 {
+                continue; // Within a fifth of a pixel of the rim, either answer is right.
+            }
+            let Some(normal) = normal else {
+                assert_eq!(got, background, "a ray that misses, at {x}, {y}");
+                continue;
+            };
+            hits += 1;
+            // Where a ray touches the rim, a hit that is off by the tolerance turns the normal by its root.
+            let allowed = if beside > -0.02 { 6 } else { 2 };
+            for (got, want) in got.into_iter().zip(normal.to_array()) {
+                let want = 255.0 * (0.5 + 0.5 * want);
+                assert!((f64::from(got) - want).abs() <= f64::from(allowed), "at {x}, {y}: {got}, not {want}");
+            }
+        }
+    }
+    assert!(hits > 40_000, "{hits} hits");
+}
+
+#[test]
+fn all_views_draw_and_differ() {
+    let gpu = gpu();
+    let compiled = sphere(1.0);
+    let modes = [ViewMode::Shaded, ViewMode::Normals, ViewMode::Steps, ViewMode::Depth];
+    let pictures = modes.map(|mode| {
+        let shot = Shot { mode, ..Shot::new(64, 48) };
+        headless::render(&gpu, &compiled, &compiled.live(), &shot).unwrap()
+    });
+    for (i, a) in pictures.iter().enumerate() {
+        assert_ne!(a.get(32, 24), a.get(0, 0), "{:?} shows the sphere", modes[i]);
+        for b in &pictures[..i] {
+            assert_ne!(a, b);
+        }
+    }
+}
+
+#[test]
+fn a_slider_builds_nothing_and_what_is_the_same_writes_nothing() {
+    let gpu = gpu();
+    let compiled = sphere(1.0);
+    let mut picture = Picture::prepare(&gpu, &compiled, FORMAT, ViewMode::Normals).unwrap();
+    let built = gpu.stats();
+    assert_eq!(built.pipelines, 1);
+    let mut live = compiled.live();
+    let frame = compiled.frame(&live);
+    let mut view = View { camera: frame.cameras[0].1, size: [64.0, 48.0], corner: [0.0, 0.0] };
+    assert!(picture.update(gpu.queue(), &compiled, &live, &view));
+    assert!(!picture.update(gpu.queue(), &compiled, &live, &view), "nothing changed");
+    let shot = Shot { mode: ViewMode::Normals, ..Shot::new(64, 48) };
+    let mut covered = Vec::new();
+    for radius in [0.5, 1.0, 1.5] {
+        live.components[0] = radius;
+        assert!(picture.update(gpu.queue(), &compiled, &live, &view));
+        let pixels = headless::render_with(&gpu, &mut picture, &compiled, &live, &shot).unwrap();
+        let background = pixels.get(0, 0);
+        covered.push(pixels.rgba.chunks(4).filter(|p| **p != background).count());
+    }
+    assert!(covered[0] < covered[1] && covered[1] < covered[2], "{covered:?}");
+    view.camera.eye = [0.0, 0.0, 5.0];
+    assert!(picture.update(gpu.queue(), &compiled, &live, &view));
+    assert_eq!(gpu.stats(), built, "no module and no pipeline for all that");
+    // The same scene again is there already.
+    Picture::prepare(&gpu, &sphere(1.4), FORMAT, ViewMode::Normals).unwrap();
+    assert_eq!((gpu.stats().pipelines, gpu.stats().reused), (1, 1));
+}
+
+#[test]
+fn what_the_device_refuses_comes_back_as_text() {
+    let gpu = gpu();
+    gpu.device().on_uncaptured_error(std::sync::Arc::new(|error| panic!("uncaptured: {error}")));
+    for broken in ["fn sf_field(p: vec3f) -> f32 { return p; }", "nonsense", ""] {
+        let compiled = sphere_in(broken, 1.0, (0.5, 2.0));
+        let refused = Picture::prepare(&gpu, &compiled, FORMAT, ViewMode::Normals).map(|_| ());
+        assert!(refused.is_err_and(|text| !text.is_empty()), "{broken}");
+        let refused = evaluate(&gpu, &compiled, &compiled.live(), [0.0; 3], Export::Field, &[]);
+        assert!(refused.is_err(), "{broken}");
+    }
+    // A block that is smaller than what the shader reads.
+    let mut compiled = sphere(1.0);
+    compiled.module.uniform_size = 0;
+    assert!(Picture::prepare(&gpu, &compiled, FORMAT, ViewMode::Normals).is_err());
+    // A function that the pass needs and the module lacks.
+    let mut compiled = sphere(1.0);
+    compiled.module.exports.clear();
+    assert!(Picture::prepare(&gpu, &compiled, FORMAT, ViewMode::Normals).is_err());
+    let good = sphere(1.0);
+    for (width, height) in [(0, 10), (10, 0), (1 << 20, 1 << 20)] {
+        let shot = Shot::new(width, height);
+        assert!(headless::render(&gpu, &good, &good.live(), &shot).is_err());
+    }
+    assert!(headless::render(&gpu, &good, &good.live(), &Shot::new(3, 1)).is_ok());
+}
+
+#[test]
+fn functions_at_points() {
+    let gpu = gpu();
+    let compiled = sphere(1.25);
+    let live = compiled.live();
+    let points: Vec<[f32; 3]> =
+        (0..1000).map(|i| [i as f32 * 0.01 - 5.0, (i % 7) as f32 - 3.0, (i % 11) as f32 - 5.0]).collect();
+    let origin = [0.25, 0.5, -0.75];
+    for export in [Export::Field, Export::Bound, Export::Distance] {
+        let got = evaluate(&gpu, &compiled, &live, origin, export, &points).unwrap();
+        assert_eq!(got.len(), points.len());
+        for (p, got) in points.iter().zip(got) {
+            let want = (DVec3::from(p.map(f64::from)) + DVec3::from(origin)).length() - 1.25;
+            assert!((f64::from(got) - want).abs() < 1e-5, "{p:?}: {got}, not {want}");
+        }
+    }
+    let got = evaluate(&gpu, &compiled, &live, [0.0; 3], Export::Gradient, &points).unwrap();
+    for (p, got) in points.iter().zip(got.chunks(4)) {
+        let want = DVec3::from(p.map(f64::from));
+        let direction = want.normalize_or_zero();
+        let got = DVec3::new(got[0].into(), got[1].into(), got[2].into());
+        assert!(got.distance(direction) < 1e-5, "{p:?}: {got}, not {direction}");
+    }
+    assert!(evaluate(&gpu, &compiled, &live, [0.0; 3], Export::Field, &[]).unwrap().is_empty());
+    assert!(evaluate(&gpu, &compiled, &live, [0.0; 3], Export::Trace, &points).is_err());
+}
