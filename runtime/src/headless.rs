@@ -82,8 +82,7 @@ pub fn render_with(
         (None, None) => return Err("the scene has no camera".to_owned()),
     };
     let target = Target::new(gpu, width.min(TILE), height.min(TILE))?;
-    let mut pixels =
-        Pixels { width, height, rgba: vec![0; 4 * width as usize * height as usize] };
+    let mut pixels = Pixels { width, height, rgba: vec![0; 4 * width as usize * height as usize] };
     for top in (0..height).step_by(TILE as usize) {
         for left in (0..width).step_by(TILE as usize) {
             let view = View {

@@ -65,7 +65,9 @@ impl Stage {
     /// Gives a parameter a value, clamped to its range. Answers whether the scene has it.
     pub fn set(&mut self, name: &str, value: &[f64]) -> bool {
         let (Some(scene), Some(live)) = (&self.scene, &mut self.live) else { return false };
-        let Some(parameter) = scene.parameters.iter().find(|p| p.name == name) else { return false };
+        let Some(parameter) = scene.parameters.iter().find(|p| p.name == name) else {
+            return false;
+        };
         write(parameter, value, live)
     }
 

@@ -54,7 +54,10 @@ fn silhouette_and_normals_are_those_of_the_formula() {
             let allowed = if beside > -0.02 { 6 } else { 2 };
             for (got, want) in got.into_iter().zip(normal.to_array()) {
                 let want = 255.0 * (0.5 + 0.5 * want);
-                assert!((f64::from(got) - want).abs() <= f64::from(allowed), "at {x}, {y}: {got}, not {want}");
+                assert!(
+                    (f64::from(got) - want).abs() <= f64::from(allowed),
+                    "at {x}, {y}: {got}, not {want}"
+                );
             }
         }
     }
@@ -140,8 +143,9 @@ fn functions_at_points() {
     let gpu = gpu();
     let compiled = sphere(1.25);
     let live = compiled.live();
-    let points: Vec<[f32; 3]> =
-        (0..1000).map(|i| [i as f32 * 0.01 - 5.0, (i % 7) as f32 - 3.0, (i % 11) as f32 - 5.0]).collect();
+    let points: Vec<[f32; 3]> = (0..1000)
+        .map(|i| [i as f32 * 0.01 - 5.0, (i % 7) as f32 - 3.0, (i % 11) as f32 - 5.0])
+        .collect();
     let origin = [0.25, 0.5, -0.75];
     for export in [Export::Field, Export::Bound, Export::Distance] {
         let got = evaluate(&gpu, &compiled, &live, origin, export, &points).unwrap();

@@ -63,8 +63,7 @@ impl ScenePipeline {
         let frame = compiled.frame(live);
         let origin = origin(compiled, view);
         let View { camera, size, corner } = *view;
-        let uniforms =
-            SceneUniforms::new(&frame, &camera, origin, size, corner, self.srgb_target);
+        let uniforms = SceneUniforms::new(&frame, &camera, origin, size, corner, self.srgb_target);
         let module = self.module.write(queue, &compiled.uniform_bytes(live, origin));
         let scene = self.scene.write(queue, bytemuck::bytes_of(&uniforms));
         module || scene

@@ -30,7 +30,13 @@ pub fn sphere(radius: f64) -> Compiled {
 pub fn sphere_in(wgsl: &str, radius: f64, (min, max): (f64, f64)) -> Compiled {
     let span = Span::new(FileId(0), 0, 0);
     let mut graph = Graph::new();
-    graph.parameters.push(ParameterComponent { parameter: 0, component: 0, default: radius, min, max });
+    graph.parameters.push(ParameterComponent {
+        parameter: 0,
+        component: 0,
+        default: radius,
+        min,
+        max,
+    });
     let point = graph.point();
     let mut sum = graph.constant(0.0);
     for c in point {
