@@ -8,6 +8,7 @@ pub mod functions;
 pub mod graph;
 pub mod pipeline;
 pub mod program;
+pub mod reference;
 pub mod source;
 pub mod syntax;
 
