@@ -9,6 +9,7 @@ pub mod graph;
 pub mod pipeline;
 pub mod program;
 pub mod reference;
+pub mod reference_text;
 pub mod source;
 pub mod syntax;
 

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+use surefoot_compiler::reference_text::{CHAPTERS, Entry, entries, language_reference};
 use surefoot_compiler::source::Sources;
 use surefoot_compiler::syntax::parse;
 
@@ -46,4 +47,29 @@ fn the_examples_read_without_a_diagnostic() {
             }
         }
     }
+}
+
+fn all_entries() -> Vec<Entry> {
+    CHAPTERS.iter().flat_map(|(name, _, text)| entries(name, text)).collect()
+}
+
+#[test]
+fn every_declaration_is_documented() {
+    for entry in all_entries() {
+        assert!(!entry.text.is_empty(), "{} has no words", entry.signature);
+        assert!(!entry.source.is_empty(), "{} names no source", entry.signature);
+        assert!(!entry.example.is_empty(), "{} has no example", entry.signature);
+    }
+}
+
+/// `SUREFOOT_WRITE=1 cargo test -p surefoot-compiler --test prelude` writes the page anew, as `surefoot reference` does.
+#[test]
+fn the_reference_is_up_to_date() {
+    let path = format!("{}/../docs/language.md", env!("CARGO_MANIFEST_DIR"));
+    let page = language_reference();
+    if std::env::var_os("SUREFOOT_WRITE").is_some() {
+        std::fs::write(&path, &page).unwrap();
+    }
+    let written = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(written == page, "docs/language.md is not what `surefoot reference` writes");
 }

@@ -1,0 +1,190 @@
+//! The reference of the language as a page of Markdown: the part that people wrote, then everything that comes with the language,
+//! taken from the kernel's table and the prelude's own text.
+
+use crate::graph::kernel::KERNEL;
+use crate::source::Sources;
+use crate::syntax::ast::{ClaimKind, Function, FunctionKind, Item, ItemKind};
+use crate::syntax::parse;
+use std::fmt::Write as _;
+
+/// The part that people wrote.
+const HEAD: &str = include_str!("../../docs/language.head.md");
+
+/// The files of the prelude, in the order in which the reference shows them: name, title, text.
+pub const CHAPTERS: &[(&str, &str, &str)] = &[
+    ("primitives", "Solids", include_str!("../prelude/primitives.sdf")),
+    ("drawings", "Drawings", include_str!("../prelude/drawings.sdf")),
+    ("blends", "Combinations", include_str!("../prelude/blends.sdf")),
+    ("placement", "Placement", include_str!("../prelude/placement.sdf")),
+    ("warps", "Deformations", include_str!("../prelude/warps.sdf")),
+    ("noise", "Noise", include_str!("../prelude/noise.sdf")),
+    ("numbers", "Numbers", include_str!("../prelude/numbers.sdf")),
+];
+
+/// A declaration of the prelude with what its comment says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// Its name. Several entries may share it.
+    pub name: String,
+    /// What declares it; none for a material.
+    pub kind: Option<FunctionKind>,
+    /// Its first line, up to the equals sign, without a claim.
+    pub signature: String,
+    /// What it is.
+    pub text: String,
+    /// Conditions on its arguments.
+    pub requires: Vec<String>,
+    /// Where its formula is from.
+    pub source: String,
+    /// The body of a scene that shows it.
+    pub example: String,
+    /// What its value is known to be: `exact`, or `lipschitz` and a formula.
+    pub claim: Option<String>,
+}
+
+impl Entry {
+    /// Whether the reference shows a picture of it.
+    pub fn pictured(&self) -> bool {
+        self.kind.is_some_and(|k| k != FunctionKind::Fn)
+    }
+}
+
+/// The entries of one file of the prelude, in the order of its text.
+pub fn entries(name: &str, text: &str) -> Vec<Entry> {
+    let mut sources = Sources::default();
+    let id = sources.add(name, text);
+    let (file, _) = parse(id, text);
+    file.items.iter().filter_map(|item| entry(&sources, item)).collect()
+}
+
+fn entry(sources: &Sources, item: &Item) -> Option<Entry> {
+    let whole = sources.text(item.span);
+    let (name, kind, signature, claim) = match &item.kind {
+        ItemKind::Function(f) => {
+            let (signature, claim) = signature(sources, item, f);
+            (f.name.text.clone(), Some(f.kind), signature, claim)
+        }
+        ItemKind::Material { name, .. } => {
+            let signature = whole.split('{').next().unwrap_or(whole).trim().to_owned();
+            (name.text.clone(), None, signature, None)
+        }
+        _ => return None,
+    };
+    let mut entry = Entry {
+        name,
+        kind,
+        signature,
+        text: String::new(),
+        requires: Vec::new(),
+        source: String::new(),
+        example: String::new(),
+        claim,
+    };
+    for line in item.doc.as_deref().unwrap_or("").lines().map(str::trim) {
+        if let Some(rest) = line.strip_prefix("Source:") {
+            entry.source = rest.trim().to_owned();
+        } else if let Some(rest) = line.strip_prefix("Example:") {
+            entry.example = rest.trim().to_owned();
+        } else if let Some(rest) = line.strip_prefix("Requires:") {
+            entry.requires.extend(rest.split(',').map(|r| r.trim().to_owned()));
+        } else {
+            if !entry.text.is_empty() {
+                entry.text.push(' ');
+            }
+            entry.text.push_str(line);
+        }
+    }
+    Some(entry)
+}
+
+/// The text of a function up to its equals sign, and its claim.
+fn signature(sources: &Sources, item: &Item, f: &Function) -> (String, Option<String>) {
+    let mut head = item.span;
+    head.end = f.body.span.start;
+    let mut claimed = None;
+    if let Some(claim) = &f.claim {
+        head.end = claim.span.start;
+        claimed = Some(match &claim.kind {
+            ClaimKind::Exact => "exact".to_owned(),
+            ClaimKind::Lipschitz(e) => format!("lipschitz {}", sources.text(e.span)),
+        });
+    }
+    let words: Vec<&str> = sources.text(head).split_whitespace().collect();
+    let text = words.join(" ");
+    (text.trim_end_matches('=').trim_end().to_owned(), claimed)
+}
+
+/// The whole page.
+pub fn language_reference() -> String {
+    let mut page = String::from(
+        "<!-- Written by `surefoot reference` from docs/language.head.md, the kernel and the prelude. Do not edit. -->\n\n",
+    );
+    page.push_str(HEAD);
+    page.push_str("\n## Functions of the language\n\n");
+    page.push_str(
+        "These operations are the compiler's own; everything further down is written in the language, and its formulas can be \
+         read in `compiler/prelude/`. On a vector they work component by component.\n\n| | |\n|---|---|\n",
+    );
+    for row in KERNEL.iter().filter(|row| row.callable) {
+        let arguments = ["", "a", "a, b", "a, b, c"].get(usize::from(row.arity)).unwrap_or(&"…");
+        let _ = writeln!(page, "| `{}({arguments})` | {} |", row.name, row.doc);
+    }
+    for (file, title, text) in CHAPTERS {
+        let _ = write!(page, "\n## {title}\n\n{}\n", head_comment(text));
+        let entries = entries(file, text);
+        let mut names: Vec<&str> = Vec::new();
+        for entry in &entries {
+            if !names.contains(&entry.name.as_str()) {
+                names.push(&entry.name);
+            }
+        }
+        let links: Vec<String> = names.iter().map(|n| format!("[{n}](#{n})")).collect();
+        let _ = write!(page, "\n{}\n", links.join(" · "));
+        for name in names {
+            let same: Vec<&Entry> = entries.iter().filter(|e| e.name == name).collect();
+            write_entries(&mut page, name, &same);
+        }
+    }
+    page
+}
+
+/// The `//!` lines of a file, as one paragraph.
+fn head_comment(text: &str) -> String {
+    let lines: Vec<&str> =
+        text.lines().map_while(|l| l.strip_prefix("//!")).map(str::trim).collect();
+    lines.join(" ")
+}
+
+fn write_entries(page: &mut String, name: &str, entries: &[&Entry]) {
+    let _ = write!(page, "\n### {name}\n\n");
+    if entries.iter().any(|e| e.pictured()) {
+        let _ = write!(
+            page,
+            "<img align=\"right\" width=\"160\" height=\"120\" alt=\"{name}\" src=\"pictures/{name}.png\">\n\n"
+        );
+    }
+    for entry in entries {
+        let _ = write!(page, "`{}`\n\n{}", entry.signature, entry.text);
+        if !entry.requires.is_empty() {
+            let conditions: Vec<String> = entry.requires.iter().map(|r| format!("`{r}`")).collect();
+            let _ = write!(page, " Needs {}.", conditions.join(", "));
+        }
+        match entry.claim.as_deref() {
+            Some("exact") => page.push_str(" The value is the exact distance."),
+            Some(claim) => {
+                let _ = write!(page, " Claim: `{claim}`.");
+            }
+            None => {}
+        }
+        if !entry.source.is_empty() {
+            let _ = write!(page, " *{}*", entry.source);
+        }
+        page.push_str("\n\n");
+        if !entry.example.is_empty() && (entry.pictured() || entries.len() == 1) {
+            let _ = write!(page, "```\nscene = {}\n```\n\n", entry.example);
+        }
+    }
+    while page.ends_with("\n\n") {
+        page.pop();
+    }
+}
