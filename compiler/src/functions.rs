@@ -51,6 +51,8 @@ pub enum Kind {
 
 /// Boxes that one constant may cost.
 const BUDGET: usize = 192;
+/// A formula that is steeper than this has no bound that is of any use.
+const STEEPEST: f64 = 1e4;
 /// A constant up to here counts as one.
 const UNIT: f64 = 1.0 + 1e-6;
 
@@ -70,7 +72,7 @@ pub struct Builder<'a> {
     root: ShapeId,
     extent: f64,
     domains: FxHashMap<ShapeId, Domain>,
-    treatments: FxHashMap<(ShapeId, NodeId), Option<Treatment>>,
+    treatments: FxHashMap<(ShapeId, NodeId, Vec<u64>, bool), Option<Treatment>>,
     built: Functions,
     /// What was found on the way.
     pub diagnostics: Vec<Diagnostic>,
@@ -169,21 +171,78 @@ impl Builder<'_> {
             for (mask, _) in paints.iter() {
                 self.widen(*mask, domain.clone());
             }
-            let tape = self.facts.tape(self.graph, value);
-            let ranges = self.facts.ranges_of(self.graph, &tape, &domain);
-            for step in &tape.steps {
-                if let crate::analysis::tape::Step::Call(inner, args) = step {
-                    let args: Vec<Interval> = args
-                        .iter()
-                        .map(|&a| ranges.get(a).copied().unwrap_or(Interval::ALL))
-                        .collect();
-                    let variables =
-                        self.graph.shape(*inner).map(|s| s.variables.clone()).unwrap_or_default();
-                    let own = crate::analysis::call_domain(&variables, &args);
-                    self.widen(*inner, own);
+            self.visit(value, &domain);
+        }
+    }
+
+    /// Widens the domains of the shapes that a formula calls, each by what it is asked for: behind a region, only near it.
+    fn visit(&mut self, node: NodeId, domain: &Domain) {
+        match self.graph.node(node).clone() {
+            Node::Op(op @ (Op::Min | Op::Max), args) => {
+                let near = if op == Op::Max { self.narrowed(node, domain) } else { None };
+                let inner = near.as_ref().map_or(domain, |(d, _, _)| d).clone();
+                for arg in args.iter() {
+                    self.visit(*arg, &inner);
                 }
             }
+            Node::Op(Op::Neg, args) | Node::Claim(args, Claim::Continuous) => {
+                if let Some(arg) = args.first() {
+                    self.visit(*arg, domain);
+                }
+            }
+            Node::Op(Op::Select, args) if args.first().is_some_and(|c| self.is_uniform(*c)) => {
+                for arg in args.iter().skip(1) {
+                    self.visit(*arg, domain);
+                }
+            }
+            Node::Call(_, Function::Field, _) => {
+                let near = self.narrowed(node, domain);
+                let inner = near.as_ref().map_or(domain, |(d, _, _)| d).clone();
+                self.visit_all(node, &inner);
+            }
+            _ => self.visit_all(node, domain),
         }
+    }
+
+    fn visit_all(&mut self, node: NodeId, domain: &Domain) {
+        let tape = self.facts.tape(self.graph, node);
+        let ranges = self.facts.ranges_of(self.graph, &tape, domain);
+        for step in &tape.steps {
+            if let crate::analysis::tape::Step::Call(inner, args) = step {
+                let args: Vec<Interval> = args
+                    .iter()
+                    .map(|&a| ranges.get(a).copied().unwrap_or(Interval::ALL))
+                    .collect();
+                let variables =
+                    self.graph.shape(*inner).map(|s| s.variables.clone()).unwrap_or_default();
+                let own = crate::analysis::call_domain(&variables, &args);
+                self.widen(*inner, own);
+            }
+        }
+    }
+
+    /// For an intersection or a moved shape that has no constant over all space: its region, how far beyond it is trusted, and the domain
+    /// that its parts then need. None where it needs no region.
+    fn narrowed(&mut self, node: NodeId, domain: &Domain) -> Option<(Domain, Box3, f64)> {
+        let everywhere = domain.at(Box3::ALL);
+        let unbounded = match self.graph.node(node).clone() {
+            Node::Call(_, _, args) => {
+                let point = args.get(..3).unwrap_or(&args);
+                self.facts.map_constant(self.graph, point, &everywhere, 1).lipschitz > STEEPEST
+            }
+            Node::Op(_, args) => args.iter().any(|&a| {
+                self.facts.constant(self.graph, a, &everywhere, 1).lipschitz > STEEPEST
+            }),
+            _ => false,
+        };
+        if !unbounded {
+            return None;
+        }
+        let (region, reach) = self.region_of(node, domain)?;
+        if region == domain.point {
+            return None;
+        }
+        Some((domain.at(region.grow(reach)), region, reach))
     }
 
     fn widen(&mut self, shape: ShapeId, domain: Domain) {
@@ -206,11 +265,13 @@ impl Builder<'_> {
         match function {
             Function::Field => vec![(function, self.bind_world(is_root, value))],
             Function::Bound => {
-                let bound = self.bound(shape, value, false);
+                let domain = self.domain(shape);
+                let bound = self.bound(shape, value, &domain, false);
                 vec![(function, self.bind_world(is_root, bound))]
             }
             Function::Distance => {
-                let distance = self.distance(shape, value);
+                let domain = self.domain(shape);
+                let distance = self.distance(shape, value, &domain);
                 vec![(function, self.bind_world(is_root, distance))]
             }
             Function::Gradient(_) => {
@@ -245,23 +306,30 @@ impl Builder<'_> {
     }
 
     /// How far a ray may step by a formula of a shape. `continuous`: jumps of the formula itself cancel.
-    fn bound(&mut self, shape: ShapeId, node: NodeId, continuous: bool) -> NodeId {
+    fn bound(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool) -> NodeId {
         match self.graph.node(node).clone() {
             Node::Constant(_) => node,
             Node::Op(op @ (Op::Min | Op::Max), args) => {
-                let args: Vec<NodeId> = args.iter().map(|a| self.bound(shape, *a, continuous)).collect();
-                self.graph.op(op, &args)
+                let near = if op == Op::Max { self.narrowed(node, domain) } else { None };
+                let inner = near.as_ref().map_or(domain, |(d, _, _)| d);
+                let args: Vec<NodeId> =
+                    args.iter().map(|a| self.bound(shape, *a, inner, continuous)).collect();
+                let value = self.graph.op(op, &args);
+                match near {
+                    Some((_, region, reach)) => self.behind(region, reach, value),
+                    None => value,
+                }
             }
             Node::Op(Op::Neg, args) => {
-                let inner = args.first().map_or(node, |a| self.bound(shape, *a, continuous));
+                let inner = args.first().map_or(node, |a| self.bound(shape, *a, domain, continuous));
                 self.graph.op(Op::Neg, &[inner])
             }
             Node::Op(Op::Select, args) if args.first().is_some_and(|c| self.is_uniform(*c)) => {
                 let (Some(&c), Some(&a), Some(&b)) = (args.first(), args.get(1), args.get(2)) else {
                     return node;
                 };
-                let a = self.bound(shape, a, continuous);
-                let b = self.bound(shape, b, continuous);
+                let a = self.bound(shape, a, domain, continuous);
+                let b = self.bound(shape, b, domain, continuous);
                 self.graph.op(Op::Select, &[c, a, b])
             }
             // A positive multiple has the same zero set.
@@ -272,25 +340,31 @@ impl Builder<'_> {
                 } else if op == Op::Mul && self.is_uniform(a) {
                     (b, a)
                 } else {
-                    return self.normalised(shape, node, continuous);
+                    return self.normalised(shape, node, domain, continuous);
                 };
                 let range = self.facts.live_range(self.graph, factor);
-                if range.lo > 0.0 {
-                    self.bound(shape, inner, continuous)
-                } else if range.hi < 0.0 {
-                    let inner = self.bound(shape, inner, continuous);
+                let has_parts = matches!(
+                    self.graph.node(inner),
+                    Node::Op(Op::Min | Op::Max | Op::Neg | Op::Select | Op::Mul | Op::Div, _)
+                        | Node::Call(..)
+                        | Node::Claim(_, Claim::Continuous)
+                );
+                if has_parts && range.lo > 0.0 {
+                    self.bound(shape, inner, domain, continuous)
+                } else if has_parts && range.hi < 0.0 {
+                    let inner = self.bound(shape, inner, domain, continuous);
                     self.graph.op(Op::Neg, &[inner])
                 } else {
-                    self.normalised(shape, node, continuous)
+                    self.normalised(shape, node, domain, continuous)
                 }
             }
             Node::Claim(args, Claim::Continuous) => {
-                args.first().map_or(node, |a| self.bound(shape, *a, true))
+                args.first().map_or(node, |a| self.bound(shape, *a, domain, true))
             }
             Node::Call(inner, Function::Field, args) => {
-                self.bound_of_call(shape, node, inner, &args, continuous)
+                self.bound_of_call(shape, node, inner, &args, domain, continuous)
             }
-            _ => self.normalised(shape, node, continuous),
+            _ => self.normalised(shape, node, domain, continuous),
         }
     }
 
@@ -301,9 +375,9 @@ impl Builder<'_> {
         node: NodeId,
         inner: ShapeId,
         args: &[NodeId],
+        domain: &Domain,
         continuous: bool,
     ) -> NodeId {
-        let domain = self.domain(shape);
         let point = args.get(..3).unwrap_or(args);
         let moved = args.get(3..).unwrap_or(&[]);
         let everywhere = domain.at(Box3::ALL);
@@ -311,25 +385,25 @@ impl Builder<'_> {
             let c = self.facts.constant(self.graph, v, &everywhere, 1);
             c.lipschitz > 0.0
         }) {
-            return self.normalised(shape, node, continuous);
+            return self.normalised(shape, node, domain, continuous);
         }
         let all = self.facts.map_constant(self.graph, point, &everywhere, 1);
         if all.jumps && !continuous {
-            return self.normalised(shape, node, continuous);
+            return self.normalised(shape, node, domain, continuous);
         }
         let call = self.graph.call(inner, Function::Bound, args);
         if all.lipschitz <= UNIT {
             return call;
         }
-        if all.lipschitz.is_finite() {
+        if all.lipschitz <= STEEPEST {
             self.kind = self.kind.max(Kind::Lipschitz);
             return self.scaled(call, all.lipschitz, node, shape);
         }
-        let Some((region, reach)) = self.region_of(shape, node) else { return self.graph.constant(FAR) };
-        let near = domain.at(region.grow(reach).intersect(&domain.point.grow(reach)));
+        let Some((region, reach)) = self.region_of(node, domain) else { return self.graph.constant(FAR) };
+        let near = domain.at(region.grow(reach));
         let constant = self.facts.map_constant(self.graph, point, &near, BUDGET);
-        if !constant.lipschitz.is_finite() {
-            return self.normalised(shape, node, continuous);
+        if constant.lipschitz > STEEPEST {
+            return self.normalised(shape, node, domain, continuous);
         }
         if region == domain.point {
             self.extent_used(shape, node);
@@ -339,8 +413,8 @@ impl Builder<'_> {
     }
 
     /// A formula over its constant, behind its region where it needs one.
-    fn normalised(&mut self, shape: ShapeId, node: NodeId, continuous: bool) -> NodeId {
-        let Some(treatment) = self.treatment(shape, node, continuous) else {
+    fn normalised(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool) -> NodeId {
+        let Some(treatment) = self.treatment(shape, node, domain, continuous) else {
             let span = self.place(shape, node);
             self.diagnostics.push(Diagnostic::new(
                 Code::NoBound,
@@ -357,7 +431,7 @@ impl Builder<'_> {
             self.scaled(node, treatment.constant, node, shape)
         };
         if treatment.jumps && !continuous {
-            value = self.stop_at_jumps(shape, node, value, &treatment);
+            value = self.stop_at_jumps(shape, node, value, domain, &treatment);
         }
         match treatment.region {
             Some((region, reach)) => self.behind(region, reach, value),
@@ -372,17 +446,29 @@ impl Builder<'_> {
     }
 
     /// What a formula needs in order to be a bound; none where nothing finite is known.
-    fn treatment(&mut self, shape: ShapeId, node: NodeId, continuous: bool) -> Option<Treatment> {
-        if let Some(known) = self.treatments.get(&(shape, node)) {
+    fn treatment(
+        &mut self,
+        shape: ShapeId,
+        node: NodeId,
+        domain: &Domain,
+        continuous: bool,
+    ) -> Option<Treatment> {
+        let key = (shape, node, domain.key(), continuous);
+        if let Some(known) = self.treatments.get(&key) {
             return *known;
         }
-        let found = self.find_treatment(shape, node, continuous);
-        self.treatments.insert((shape, node), found);
+        let found = self.find_treatment(shape, node, domain, continuous);
+        self.treatments.insert(key, found);
         found
     }
 
-    fn find_treatment(&mut self, shape: ShapeId, node: NodeId, continuous: bool) -> Option<Treatment> {
-        let domain = self.domain(shape);
+    fn find_treatment(
+        &mut self,
+        shape: ShapeId,
+        node: NodeId,
+        domain: &Domain,
+        continuous: bool,
+    ) -> Option<Treatment> {
         let everywhere = domain.at(Box3::ALL);
         let mut all = self.facts.constant(self.graph, node, &everywhere, 1);
         if self.is_exact(shape, node) {
@@ -397,17 +483,17 @@ impl Builder<'_> {
             return Some(Treatment { constant: all.lipschitz, jumps: false, region: None });
         }
         // A region of its own: tighter, or the only way.
-        let Some((region, reach)) = self.region_of(shape, node) else {
+        let Some((region, reach)) = self.region_of(node, domain) else {
             // Nothing solid in the extent.
             return Some(Treatment { constant: 1.0, jumps: false, region: Some((Box3::EMPTY, 0.0)) });
         };
         let bounded = region != domain.point;
         let near = domain.at(region.grow(reach));
         let constant = self.facts.constant(self.graph, node, &near, BUDGET);
-        if plain && (!bounded || constant.lipschitz > 0.7 * all.lipschitz) {
+        if plain && all.lipschitz <= STEEPEST && (!bounded || constant.lipschitz > 0.7 * all.lipschitz) {
             return Some(Treatment { constant: all.lipschitz, jumps: false, region: None });
         }
-        if !constant.lipschitz.is_finite() {
+        if constant.lipschitz > STEEPEST || constant.lipschitz.is_nan() {
             return None;
         }
         if !bounded && !all.lipschitz.is_finite() {
@@ -422,9 +508,8 @@ impl Builder<'_> {
     }
 
     /// Where a formula is solid within its domain, and how far beyond that it is trusted. None where it is nowhere solid.
-    fn region_of(&mut self, shape: ShapeId, node: NodeId) -> Option<(Box3, f64)> {
-        let domain = self.domain(shape);
-        let region = self.facts.region(self.graph, node, &domain, 0.0);
+    fn region_of(&mut self, node: NodeId, domain: &Domain) -> Option<(Box3, f64)> {
+        let region = self.facts.region(self.graph, node, domain, 0.0);
         if region.is_empty() {
             return None;
         }
@@ -526,12 +611,12 @@ impl Builder<'_> {
         shape: ShapeId,
         node: NodeId,
         value: NodeId,
+        domain: &Domain,
         treatment: &Treatment,
     ) -> NodeId {
-        let domain = self.domain(shape);
         let near = match treatment.region {
             Some((region, reach)) => domain.at(region.grow(reach)),
-            None => domain,
+            None => domain.clone(),
         };
         // The jumps of shapes inside stand in their own formulas: all is laid open.
         let Some(flat) = self.graph.flatten(&[node], 200_000) else { return value };
@@ -641,44 +726,48 @@ impl Builder<'_> {
 
     /// The estimate of the distance: composed under `min` and `max`, a field where it is no steeper than a distance, else the field over
     /// its gradient (Hart 1996), which may not exceed four times what is proven.
-    fn distance(&mut self, shape: ShapeId, node: NodeId) -> NodeId {
+    fn distance(&mut self, shape: ShapeId, node: NodeId, domain: &Domain) -> NodeId {
         match self.graph.node(node).clone() {
             Node::Constant(_) => node,
             Node::Op(op @ (Op::Min | Op::Max), args) => {
-                let args: Vec<NodeId> = args.iter().map(|a| self.distance(shape, *a)).collect();
+                let args: Vec<NodeId> = {
+                    let near = if op == Op::Max { self.narrowed(node, domain) } else { None };
+                    let inner = near.as_ref().map_or(domain, |(d, _, _)| d);
+                    args.iter().map(|a| self.distance(shape, *a, inner)).collect()
+                };
                 self.graph.op(op, &args)
             }
             Node::Op(Op::Neg, args) => {
-                let inner = args.first().map_or(node, |a| self.distance(shape, *a));
+                let inner = args.first().map_or(node, |a| self.distance(shape, *a, domain));
                 self.graph.op(Op::Neg, &[inner])
             }
             Node::Op(Op::Select, args) if args.first().is_some_and(|c| self.is_uniform(*c)) => {
                 let (Some(&c), Some(&a), Some(&b)) = (args.first(), args.get(1), args.get(2)) else {
                     return node;
                 };
-                let a = self.distance(shape, a);
-                let b = self.distance(shape, b);
+                let a = self.distance(shape, a, domain);
+                let b = self.distance(shape, b, domain);
                 self.graph.op(Op::Select, &[c, a, b])
             }
             Node::Claim(args, Claim::Continuous) => {
-                args.first().map_or(node, |a| self.distance(shape, *a))
+                args.first().map_or(node, |a| self.distance(shape, *a, domain))
             }
             Node::Call(inner, Function::Field, args) => {
-                let domain = self.domain(shape).at(Box3::ALL);
+                let everywhere = domain.at(Box3::ALL);
                 let point = args.get(..3).unwrap_or(&args);
-                let all = self.facts.map_constant(self.graph, point, &domain, 1);
+                let all = self.facts.map_constant(self.graph, point, &everywhere, 1);
                 if all.lipschitz <= UNIT {
                     return self.graph.call(inner, Function::Distance, &args);
                 }
-                let near = match self.region_of(shape, node) {
-                    Some((region, reach)) => self.domain(shape).at(region.grow(reach)),
+                let near = match self.region_of(node, domain) {
+                    Some((region, reach)) => domain.at(region.grow(reach)),
                     None => return node,
                 };
                 let constant = self.facts.constant(self.graph, node, &near, BUDGET);
                 self.over_gradient(node, constant.lipschitz)
             }
             _ => {
-                let Some(treatment) = self.treatment(shape, node, true) else { return node };
+                let Some(treatment) = self.treatment(shape, node, domain, true) else { return node };
                 self.over_gradient(node, treatment.constant)
             }
         }

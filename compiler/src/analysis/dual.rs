@@ -280,7 +280,25 @@ pub fn run(
             }
             Step::Op(op, args) => algebra.op(*op, &gather(args)),
             Step::Claim(claim, args) => {
-                let of = gather(args);
+                let mut of = gather(args);
+                if let Claim::Lipschitz(_, groups) = claim {
+                    // For a shape its own constant counts, whatever moves the point at which it is asked for.
+                    let mut at = 1;
+                    for group in groups.iter() {
+                        match group {
+                            ClaimGroup::Vector(n) => at += usize::from(*n),
+                            ClaimGroup::Values(n) => {
+                                for k in at..at + *n as usize {
+                                    let own = own_constant(facts, graph, tape, &values, args.get(k));
+                                    if let (Some(slot), Some(norm)) = (of.get_mut(k), own) {
+                                        slot.norm = norm;
+                                    }
+                                }
+                                at += *n as usize;
+                            }
+                        }
+                    }
+                }
                 match of.split_first() {
                     Some((value, of)) => algebra.claim(graph, *value, claim, of),
                     None => algebra.constant(0.0),
@@ -295,6 +313,20 @@ pub fn run(
         values.push(value);
     }
     values
+}
+
+/// The constant of the shape that a step calls, in the shape's own space.
+fn own_constant(
+    facts: &mut Facts,
+    graph: &Graph,
+    tape: &Tape,
+    values: &[Dual],
+    step: Option<&usize>,
+) -> Option<f64> {
+    let Some(Step::Call(shape, args)) = tape.steps.get(*step?) else { return None };
+    let ranges: Vec<Interval> =
+        args.iter().map(|&a| values.get(a).map_or(Interval::ALL, |d| d.value)).collect();
+    Some(facts.shape_dual(graph, *shape, &ranges).norm)
 }
 
 /// The field of a shape at a point whose coordinates are duals; `norm` bounds the norm of the point's Jacobian.
@@ -373,9 +405,34 @@ pub fn matrix_norm(rows: &[([Interval; 3], f64)]) -> f64 {
         [one] => return one.1,
         _ => rows.iter().map(|(_, n)| n * n).sum::<f64>().sqrt().next_up(),
     };
-    let used = rows.iter().filter(|(_, n)| *n > 0.0).count();
-    if used <= 1 {
-        return rows.iter().map(|(_, n)| *n).fold(0.0, f64::max);
+    let used: Vec<([Interval; 3], f64)> = rows.iter().filter(|(_, n)| *n > 0.0).copied().collect();
+    if used.len() <= 1 {
+        return used.first().map_or(0.0, |(_, n)| *n);
+    }
+    // Rows that share no column act on different axes: the norm is the largest of their blocks'.
+    let touches = |g: &[Interval; 3]| g.map(|i| i != Interval::ZERO);
+    if let Some((first, rest)) = used.split_first() {
+        let mut columns = touches(&first.0);
+        let mut block = vec![*first];
+        let mut others: Vec<([Interval; 3], f64)> = rest.to_vec();
+        loop {
+            let (joined, apart): (Vec<_>, Vec<_>) = others
+                .into_iter()
+                .partition(|(g, _)| touches(g).iter().zip(&columns).any(|(a, b)| *a && *b));
+            others = apart;
+            if joined.is_empty() {
+                break;
+            }
+            for (g, _) in &joined {
+                for (column, touched) in columns.iter_mut().zip(touches(g)) {
+                    *column |= touched;
+                }
+            }
+            block.extend(joined);
+        }
+        if !others.is_empty() {
+            return matrix_norm(&block).max(matrix_norm(&others));
+        }
     }
     let magnitude = |r: usize, c: usize| {
         rows.get(r).and_then(|(g, _)| g.get(c)).map_or(0.0, |i| i.magnitude())

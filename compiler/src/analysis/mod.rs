@@ -131,7 +131,8 @@ impl Domain {
         Self { point: self.point.hull(&other.point), variables }
     }
 
-    fn key(&self) -> Vec<u64> {
+    /// Its bits, to look things up by.
+    pub fn key(&self) -> Vec<u64> {
         let bits = |i: &Interval| [i.lo.to_bits(), i.hi.to_bits()];
         self.point.0.iter().chain(self.variables.iter().map(|(_, r)| r)).flat_map(bits).collect()
     }

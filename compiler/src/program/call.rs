@@ -221,6 +221,13 @@ impl Elaborator<'_> {
         span: Span,
         env: &Env,
     ) -> Elaborated<Value> {
+        // In a claim: the value of an argument, where its name alone is its constant.
+        if name == "value"
+            && let [Argument { value: Expr { kind: ExprKind::Name(of), .. }, .. }] = args
+            && let Some(value) = env.local(&format!("value:{of}"))
+        {
+            return Ok(value.clone());
+        }
         let mut values = known;
         let mut failed = false;
         for arg in args {
@@ -382,7 +389,7 @@ impl Elaborator<'_> {
                 known.push((self.expression(&arg.value, env)?, arg.value.span));
                 args = rest;
             }
-            chosen = self.overload(items, &known, args, span)?;
+            chosen = self.overload(items, &known, args, span, env)?;
         }
         let Some(item) = chosen else { return Err(Stop) };
         let modules = self.modules;
@@ -414,6 +421,7 @@ impl Elaborator<'_> {
         known: &[(Value, Span)],
         args: &[Argument],
         span: Span,
+        env: &Env,
     ) -> Elaborated<Option<ItemRef>> {
         let modules = self.modules;
         let functions: Vec<(ItemRef, &ast::Function)> = items
@@ -424,6 +432,23 @@ impl Elaborator<'_> {
             })
             .collect();
         let positional = known.len() + args.iter().filter(|a| a.name.is_none()).count();
+        // Where the first argument is the same for several, the second may tell them apart.
+        let second_types: Vec<_> = functions.iter().filter_map(|(_, f)| second_type(f)).collect();
+        let differ = second_types.windows(2).any(|w| w.first() != w.last());
+        let second = match args.first() {
+            Some(arg) if known.len() == 1 && arg.name.is_none() && differ => {
+                match &arg.value.kind {
+                    ExprKind::Call(..) | ExprKind::Vector(_) | ExprKind::Name(_) => {
+                        let errors = self.diagnostics.len();
+                        let value = self.expression(&arg.value, env).ok();
+                        self.diagnostics.truncate(errors);
+                        value
+                    }
+                    _ => None,
+                }
+            }
+            _ => None,
+        };
         let mut best: Option<((u32, usize), ItemRef)> = None;
         for (order, (item, f)) in functions.iter().enumerate() {
             let first_fits = match known.first() {
@@ -446,7 +471,12 @@ impl Elaborator<'_> {
                 && vector_parameter(f).is_some_and(|(_, n)| {
                     positional + 1 >= n && (needs..=takes).contains(&(positional + 1 - n))
                 });
-            let score = 4 * u32::from(exact || grouped)
+            let second_fits = match (&second, second_type(f)) {
+                (Some(value), Some(ty)) => self.fits(value, ty),
+                _ => true,
+            };
+            let score = 16 * u32::from(exact || grouped)
+                + 8 * u32::from(second_fits)
                 + 2 * u32::from(names_known)
                 + first_fits.min(1)
                 + if exact { first_fits } else { 0 };
@@ -1308,6 +1338,12 @@ fn vector_index(parameters: &[Parameter]) -> Option<(usize, usize)> {
 
 fn vector_parameter(f: &ast::Function) -> Option<(usize, usize)> {
     vector_index(&f.parameters)
+}
+
+/// The declared type of what stands second in a call.
+fn second_type(f: &ast::Function) -> Option<&Type> {
+    let implied = usize::from(!matches!(f.kind, FunctionKind::Warp | FunctionKind::Warp2));
+    f.parameters.get(implied).and_then(|p| p.ty.as_ref()).map(|(t, _)| t)
 }
 
 /// `box(size)`, as advice.

@@ -413,6 +413,9 @@ impl Elaborator<'_> {
         let sine = self.graph.op(Op::Sin, &[gap]);
         let radius = self.graph.op(Op::Length2, &[pu, pv]);
         let cap = self.graph.op(Op::Mul, &[radius, sine]);
+        // It is the distance to that half plane.
+        let one = self.graph.constant(1.0);
+        let cap = self.graph.intern(Node::Claim([cap].into(), Claim::Lipschitz(one, [].into())));
         // Nor does any copy come nearer to the axis than the body does.
         let inner = self.graph.constant(inner);
         let inner = self.graph.op(Op::Sub, &[inner, radius]);
