@@ -3,7 +3,7 @@
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::functions::{Functions, Kind};
 use crate::graph::algebra::Reals;
-use crate::graph::{Graph, Leaf, NodeId, ShapeId};
+use crate::graph::{Factor, Graph, Leaf, NodeId, ShapeId};
 use crate::source::{Sources, Span};
 use crate::syntax::ast::Type;
 
@@ -154,6 +154,15 @@ pub struct Live {
     pub time: f64,
     /// A value for each of [`Graph::parameters`].
     pub components: Vec<f64>,
+}
+
+impl Live {
+    /// A component of a parameter, clamped to its range; its default where there is none.
+    pub fn component(&self, graph: &Graph, index: u32) -> f64 {
+        let Some(known) = graph.parameters.get(index as usize) else { return 0.0 };
+        let value = self.components.get(index as usize).copied().unwrap_or(known.default);
+        if value.is_finite() { value.clamp(known.min, known.max) } else { known.default }
+    }
 }
 
 /// Where a field of the uniform block takes its value from.
@@ -371,18 +380,11 @@ impl Compiled {
             nodes,
             |_, leaf| match leaf {
                 Leaf::Time => live.time,
-                Leaf::Parameter(i) => self.component(live, i),
+                Leaf::Parameter(i) => live.component(&self.graph, i),
                 _ => 0.0,
             },
             |_, _, _, _| 0.0,
         )
-    }
-
-    /// A live component, clamped to its range; the default where `live` has none.
-    fn component(&self, live: &Live, index: u32) -> f64 {
-        let Some(known) = self.graph.parameters.get(index as usize) else { return 0.0 };
-        let value = live.components.get(index as usize).copied().unwrap_or(known.default);
-        if value.is_finite() { value.clamp(known.min, known.max) } else { known.default }
     }
 
     /// The uniform block's bytes. `origin` is the scene's point at which the module's `p` is zero.
@@ -394,7 +396,7 @@ impl Compiled {
                 let value = match uniform.source {
                     UniformSource::Origin => origin.get(i as usize).copied().unwrap_or(0.0) as f32,
                     UniformSource::Time => live.time as f32,
-                    UniformSource::Parameter(first) => self.component(live, first + i) as f32,
+                    UniformSource::Parameter(first) => live.component(&self.graph, first + i) as f32,
                     UniformSource::OcclusionReach => occlusion.0 as f32,
                     UniformSource::OcclusionStrength => occlusion.1 as f32,
                     UniformSource::Factor(f) => self.multiple(f),
@@ -410,9 +412,7 @@ impl Compiled {
 
     /// One over a factor's Lipschitz constant, rounded down.
     pub fn multiple(&self, factor: u32) -> f32 {
-        let lipschitz = self.graph.factors.get(factor as usize).map_or(1.0, |f| f.lipschitz);
-        let nearest = (1.0 / lipschitz) as f32;
-        if f64::from(nearest) * lipschitz > 1.0 { nearest.next_down() } else { nearest }
+        self.graph.factors.get(factor as usize).map_or(1.0, Factor::multiple)
     }
 
     /// The scene around the field at one moment.

@@ -4,6 +4,7 @@ pub mod analysis;
 pub mod compiled;
 pub mod diagnostic;
 pub mod emit;
+pub mod evaluate;
 pub mod functions;
 pub mod graph;
 pub mod pipeline;

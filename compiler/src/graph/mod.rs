@@ -130,6 +130,14 @@ pub struct Factor {
     pub span: Span,
 }
 
+impl Factor {
+    /// One over the Lipschitz factor as 32 bits hold it, rounded down.
+    pub fn multiple(&self) -> f32 {
+        let nearest = (1.0 / self.lipschitz) as f32;
+        if f64::from(nearest) * self.lipschitz > 1.0 { nearest.next_down() } else { nearest }
+    }
+}
+
 /// What is known of the value of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Exactness {
