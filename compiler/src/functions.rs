@@ -145,7 +145,7 @@ impl Builder<'_> {
     /// Where each shape's formula is asked for, from the extent of the scene inward.
     fn find_domains(&mut self) {
         let world = [0, 1, 2].map(|i| (WORLD + i, Interval::new(-self.extent, self.extent)));
-        let root = Domain { point: Box3::cube(self.extent), variables: world.to_vec() };
+        let root = Domain { point: Box3::cube(self.extent), variables: world.to_vec(), narrowed: false };
         self.domains.insert(self.root, root);
         let mut order: Vec<ShapeId> = vec![self.root];
         let mut seen: FxHashSet<ShapeId> = order.iter().copied().collect();
@@ -215,7 +215,8 @@ impl Builder<'_> {
                     .collect();
                 let variables =
                     self.graph.shape(*inner).map(|s| s.variables.clone()).unwrap_or_default();
-                let own = crate::analysis::call_domain(&variables, &args);
+                let mut own = crate::analysis::call_domain(&variables, &args);
+                own.narrowed = domain.narrowed;
                 self.widen(*inner, own);
             }
         }
@@ -242,7 +243,8 @@ impl Builder<'_> {
         if region == domain.point {
             return None;
         }
-        Some((domain.at(region.grow(reach)), region, reach))
+        let inner = Domain { narrowed: true, ..domain.at(region.grow(reach)) };
+        Some((inner, region, reach))
     }
 
     fn widen(&mut self, shape: ShapeId, domain: Domain) {
@@ -343,6 +345,12 @@ impl Builder<'_> {
                     return self.normalised(shape, node, domain, continuous);
                 };
                 let range = self.facts.live_range(self.graph, factor);
+                if op == Op::Mul
+                    && range.lo > 0.0
+                    && let Some(scaled) = self.scaled_call(factor, inner, domain, Function::Bound)
+                {
+                    return scaled;
+                }
                 let has_parts = matches!(
                     self.graph.node(inner),
                     Node::Op(Op::Min | Op::Max | Op::Neg | Op::Select | Op::Mul | Op::Div, _)
@@ -366,6 +374,40 @@ impl Builder<'_> {
             }
             _ => self.normalised(shape, node, domain, continuous),
         }
+    }
+
+    /// A function of a shape that is scaled as a whole, `k s(p / k)`: it is scaled in the same way. None where the map does more than that.
+    fn scaled_call(
+        &mut self,
+        factor: NodeId,
+        call: NodeId,
+        domain: &Domain,
+        function: Function,
+    ) -> Option<NodeId> {
+        let Node::Call(shape, Function::Field, args) = self.graph.node(call).clone() else { return None };
+        let everywhere = domain.at(Box3::ALL);
+        let moving = args.iter().skip(3).any(|v| {
+            self.facts.constant(self.graph, *v, &everywhere, 1).lipschitz > 0.0
+        });
+        let point = args.get(..3)?;
+        let numerators: Option<Vec<NodeId>> = point
+            .iter()
+            .map(|&q| match self.graph.node(q) {
+                Node::Op(Op::Div, parts) if parts.get(1) == Some(&factor) => parts.first().copied(),
+                _ if self.graph.as_constant(q) == Some(0.0) => Some(q),
+                _ => None,
+            })
+            .collect();
+        let constant = match (numerators, self.graph.as_constant(factor)) {
+            (Some(numerators), _) => self.facts.map_constant(self.graph, &numerators, &everywhere, 1).lipschitz,
+            (None, Some(k)) => k * self.facts.map_constant(self.graph, point, &everywhere, 1).lipschitz,
+            _ => return None,
+        };
+        if moving || constant > UNIT {
+            return None;
+        }
+        let inner = self.graph.call(shape, function, &args);
+        Some(self.graph.op(Op::Mul, &[factor, inner]))
     }
 
     /// The bound of another shape at a moved point.
@@ -404,6 +446,9 @@ impl Builder<'_> {
         let constant = self.facts.map_constant(self.graph, point, &near, BUDGET);
         if constant.lipschitz > STEEPEST {
             return self.normalised(shape, node, domain, continuous);
+        }
+        if region == domain.point && domain.narrowed {
+            return self.scaled(call, constant.lipschitz, node, shape);
         }
         if region == domain.point {
             self.extent_used(shape, node);
@@ -496,14 +541,15 @@ impl Builder<'_> {
         if constant.lipschitz > STEEPEST || constant.lipschitz.is_nan() {
             return None;
         }
-        if !bounded && !all.lipschitz.is_finite() {
+        if !bounded && !domain.narrowed && !all.lipschitz.is_finite() {
             self.extent_used(shape, node);
         }
+        let needed = bounded || !domain.narrowed && !all.lipschitz.is_finite();
         let lipschitz = constant.lipschitz.max(1e-6);
         Some(Treatment {
             constant: lipschitz,
             jumps: constant.jumps && !continuous,
-            region: (bounded || !all.lipschitz.is_finite()).then_some((region, reach)),
+            region: needed.then_some((region, reach)),
         })
     }
 
@@ -752,6 +798,12 @@ impl Builder<'_> {
             Node::Claim(args, Claim::Continuous) => {
                 args.first().map_or(node, |a| self.distance(shape, *a, domain))
             }
+            Node::Op(Op::Mul, args)
+                if args.len() == 2
+                    && let Some(scaled) = self.scaled_distance(&args, domain) =>
+            {
+                scaled
+            }
             Node::Call(inner, Function::Field, args) => {
                 let everywhere = domain.at(Box3::ALL);
                 let point = args.get(..3).unwrap_or(&args);
@@ -771,6 +823,21 @@ impl Builder<'_> {
                 self.over_gradient(node, treatment.constant)
             }
         }
+    }
+
+    fn scaled_distance(&mut self, args: &[NodeId], domain: &Domain) -> Option<NodeId> {
+        let (&a, &b) = (args.first()?, args.get(1)?);
+        let (factor, inner) = if self.is_uniform(a) {
+            (a, b)
+        } else if self.is_uniform(b) {
+            (b, a)
+        } else {
+            return None;
+        };
+        if self.facts.live_range(self.graph, factor).lo <= 0.0 {
+            return None;
+        }
+        self.scaled_call(factor, inner, domain, Function::Distance)
     }
 
     fn over_gradient(&mut self, node: NodeId, constant: f64) -> NodeId {

@@ -292,6 +292,7 @@ pub fn run(
                                     let own = own_constant(facts, graph, tape, &values, args.get(k));
                                     if let (Some(slot), Some(norm)) = (of.get_mut(k), own) {
                                         slot.norm = norm;
+                                        slot.jumps &= !JUMPS_HERE;
                                     }
                                 }
                                 at += *n as usize;

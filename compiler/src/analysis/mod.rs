@@ -94,12 +94,14 @@ pub struct Domain {
     pub point: Box3,
     /// Variables in ascending order.
     pub variables: Vec<(u32, Interval)>,
+    /// Whether what lies beyond the box is of no interest, because something around the formula has a region.
+    pub narrowed: bool,
 }
 
 impl Domain {
     /// A box, with nothing known of variables.
     pub fn of(point: Box3) -> Self {
-        Self { point, variables: Vec::new() }
+        Self { point, variables: Vec::new(), narrowed: false }
     }
 
     /// What is known of a variable.
@@ -112,7 +114,7 @@ impl Domain {
 
     /// The same with another box.
     pub fn at(&self, point: Box3) -> Self {
-        Self { point, variables: self.variables.clone() }
+        Self { point, variables: self.variables.clone(), narrowed: self.narrowed }
     }
 
     /// Smallest domain that holds both.
@@ -128,7 +130,7 @@ impl Domain {
                 Err(i) => variables.insert(i, (*v, *r)),
             }
         }
-        Self { point: self.point.hull(&other.point), variables }
+        Self { point: self.point.hull(&other.point), variables, narrowed: self.narrowed && other.narrowed }
     }
 
     /// Its bits, to look things up by.
@@ -346,7 +348,7 @@ impl Facts {
             .iter()
             .map(|&v| (v, cells(v).map_or(Interval::ALL, |(lo, hi)| Interval::new(lo, hi))))
             .collect();
-        let domain = Domain { point: Box3::cube(extent), variables };
+        let domain = Domain { point: Box3::cube(extent), variables, narrowed: false };
         self.region(graph, value, &domain, 0.0)
     }
 }
@@ -357,6 +359,7 @@ pub fn call_domain(variables: &[u32], args: &[Interval]) -> Domain {
     Domain {
         point: Box3([arg(0), arg(1), arg(2)]),
         variables: variables.iter().enumerate().map(|(i, &v)| (v, arg(3 + i))).collect(),
+        narrowed: false,
     }
 }
 

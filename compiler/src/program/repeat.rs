@@ -88,17 +88,19 @@ impl Elaborator<'_> {
             let count = match &counts {
                 Some((counts, at)) => {
                     let count = counts.get(i).copied().ok_or(Stop)?;
-                    let count_value = Value::number(count);
-                    let constant = self.to_constant(&count_value, *at)?;
-                    if constant < 1.0 || constant.fract() != 0.0 {
+                    let range = self.facts.live_range(&self.graph, count);
+                    let constant = self.graph.as_constant(count);
+                    if range.lo < 1.0 || constant.is_some_and(|c| c.fract() != 0.0) {
                         return Err(self.error(
                             Code::BadValue,
                             *at,
-                            format!("there can't be {constant} cells"),
+                            format!("there can't be {} cells", constant.unwrap_or(range.lo)),
                             "write a whole number of at least one",
                         ));
                     }
-                    Some(constant)
+                    // A live count is a whole number.
+                    let whole = self.graph.op(Op::Round, &[count]);
+                    Some((whole, range.hi))
                 }
                 None => None,
             };
@@ -108,7 +110,7 @@ impl Elaborator<'_> {
             let i = variables.iter().position(|&v| v == variable)?;
             match axes.iter().find(|a| a.index == i) {
                 None => Some((0.0, 0.0)),
-                Some(Axis { count: Some(n), .. }) => Some((0.0, n - 1.0)),
+                Some(Axis { count: Some((_, most)), .. }) => Some((0.0, most - 1.0)),
                 Some(_) => Some((-1e6, 1e6)),
             }
         };
@@ -166,8 +168,13 @@ impl Elaborator<'_> {
         for axis in axes {
             let Some(&coordinate) = point.get(axis.index) else { continue };
             // With a count the cells stand centred as a whole.
-            let shift = axis.count.map_or(0.0, |n| (n - 1.0) / 2.0);
-            let shift = self.graph.constant(shift);
+            let shift = match axis.count {
+                Some((n, _)) => {
+                    let last = self.graph.op(Op::Sub, &[n, one]);
+                    self.graph.op(Op::Mul, &[last, half])
+                }
+                None => zero,
+            };
             let scaled = self.graph.op(Op::Div, &[coordinate, axis.size]);
             let scaled = self.graph.op(Op::Add, &[scaled, shift]);
             let near = self.graph.op(Op::Round, &[scaled]);
@@ -246,10 +253,11 @@ impl Elaborator<'_> {
         self.make_shape(dimensions as u8, value, span)
     }
 
-    fn clamp_cell(&mut self, cell: NodeId, count: Option<f64>) -> NodeId {
-        let Some(count) = count else { return cell };
+    fn clamp_cell(&mut self, cell: NodeId, count: Option<(NodeId, f64)>) -> NodeId {
+        let Some((count, _)) = count else { return cell };
         let zero = self.graph.constant(0.0);
-        let last = self.graph.constant(count - 1.0);
+        let one = self.graph.constant(1.0);
+        let last = self.graph.op(Op::Sub, &[count, one]);
         let cell = self.graph.op(Op::Max, &[cell, zero]);
         self.graph.op(Op::Min, &[cell, last])
     }
@@ -496,7 +504,8 @@ struct Axis {
     size: NodeId,
     /// The least size over the range of parameters.
     least: f64,
-    count: Option<f64>,
+    /// The number of cells where it ends, and the most that it can be.
+    count: Option<(NodeId, f64)>,
     /// How far the body reaches from its cell's middle.
     reach: f64,
     /// Cells looked at on either side, besides the nearest and one more.
