@@ -2,7 +2,7 @@
 
 use super::EmitError;
 use super::plan::{Action, Plan, Plans, TargetId};
-use crate::graph::kernel::{self, Kind, Op};
+use crate::graph::kernel::{self, Kind, Op, Terms};
 use crate::graph::{Graph, Leaf, NodeId};
 use rustc_hash::{FxHashMap, FxHasher};
 use std::hash::{Hash, Hasher};
@@ -156,81 +156,23 @@ impl Body {
         (hash, None)
     }
 
-    /// A number.
-    pub fn constant(&mut self, value: f64) -> ExprId {
-        let bits = if value == 0.0 { 0 } else { value.to_bits() };
-        self.add(Code::Constant(bits), &[])
-    }
-
-    /// The number that an expression is, if it is one.
-    pub fn as_constant(&self, id: ExprId) -> Option<f64> {
-        match self.code(id) {
-            Code::Constant(bits) => Some(f64::from_bits(bits)),
-            _ => None,
-        }
-    }
-
     /// Whether an expression is a condition.
     pub fn is_condition(&self, id: ExprId) -> bool {
         matches!(self.code(id), Code::Op(op) if op.row().result == Kind::Condition)
     }
 
-    /// An operation of the kernel, folded where its arguments are constant.
-    pub fn op(&mut self, op: Op, args: &[ExprId]) -> ExprId {
-        let mut constants = [0.0; 4];
-        let mut all = true;
-        for (slot, &arg) in constants.iter_mut().zip(args) {
-            match self.as_constant(arg) {
-                Some(c) => *slot = c,
-                None => all = false,
-            }
-        }
-        if all {
-            let limit = f64::from(f32::MAX);
-            let count = args.len().min(4);
-            let value = kernel::value(op, constants.get(..count).unwrap_or(&[]));
-            return self.constant(value.clamp(-limit, limit));
-        }
-        match op {
-            Op::TurnU | Op::TurnV => self.turn(op, args),
-            Op::Length2 | Op::Length3 | Op::Length4 => {
-                let vector = self.vector(args);
-                self.add(Code::Op(op), &[vector])
-            }
-            _ => self.add(Code::Op(op), args),
-        }
-    }
-
     /// `u cos t - v sin t`, or `u sin t + v cos t`. The two of one angle share its cosine and sine.
     fn turn(&mut self, op: Op, args: &[ExprId]) -> ExprId {
         let [u, v, t] = *args else { return self.constant(0.0) };
-        // The cosine of a constant quarter turn is zero, not what is left of pi.
-        let exact = |x: f64| if (x - x.round()).abs() < 4.0 * f64::EPSILON { x.round() } else { x };
-        let (cos, sin) = match self.as_constant(t) {
-            Some(t) => (self.constant(exact(t.cos())), self.constant(exact(t.sin()))),
-            None => (self.add(Code::Op(Op::Cos), &[t]), self.add(Code::Op(Op::Sin), &[t])),
-        };
+        let cos = self.op(Op::Cos, &[t]);
+        let sin = self.op(Op::Sin, &[t]);
         let (a, b, second) = match op {
             Op::TurnU => (cos, sin, Op::Sub),
             _ => (sin, cos, Op::Add),
         };
-        match (self.times(u, a), self.times(v, b)) {
-            (Some(x), Some(y)) => self.op(second, &[x, y]),
-            (Some(x), None) => x,
-            (None, Some(y)) if second == Op::Sub => self.op(Op::Neg, &[y]),
-            (None, Some(y)) => y,
-            (None, None) => self.constant(0.0),
-        }
-    }
-
-    /// A product, none where it is zero.
-    fn times(&mut self, a: ExprId, b: ExprId) -> Option<ExprId> {
-        match (self.as_constant(a), self.as_constant(b)) {
-            (Some(0.0), _) | (_, Some(0.0)) => None,
-            (_, Some(1.0)) => Some(a),
-            (_, Some(-1.0)) => Some(self.op(Op::Neg, &[a])),
-            _ => Some(self.op(Op::Mul, &[a, b])),
-        }
+        let x = self.op(Op::Mul, &[u, a]);
+        let y = self.op(Op::Mul, &[v, b]);
+        self.op(second, &[x, y])
     }
 
     /// A component of a vector.
@@ -523,6 +465,40 @@ impl Body {
             }
         }
         shared
+    }
+}
+
+impl Terms for Body {
+    type Id = ExprId;
+    fn as_constant(&self, id: ExprId) -> Option<f64> {
+        match self.code(id) {
+            Code::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+    fn operation(&self, id: ExprId) -> Option<(Op, &[ExprId])> {
+        match self.code(id) {
+            Code::Op(op) => Some((op, self.arguments(id))),
+            _ => None,
+        }
+    }
+    fn constant(&mut self, value: f64) -> ExprId {
+        let limit = f64::from(f32::MAX);
+        let value = if value.is_nan() { 0.0 } else { value.clamp(-limit, limit) };
+        self.add(Code::Constant(if value == 0.0 { 0 } else { value.to_bits() }), &[])
+    }
+    fn op(&mut self, op: Op, args: &[ExprId]) -> ExprId {
+        if let Some(simple) = kernel::simplify(self, op, args) {
+            return simple;
+        }
+        match op {
+            Op::TurnU | Op::TurnV => self.turn(op, args),
+            Op::Length2 | Op::Length3 | Op::Length4 => {
+                let vector = self.vector(args);
+                self.add(Code::Op(op), &[vector])
+            }
+            _ => self.add(Code::Op(op), args),
+        }
     }
 }
 

@@ -20,6 +20,7 @@ pub use translate::{Target, translate, validate};
 
 use crate::compiled::{Export, Module, Options, Parameter, SceneBlocks, UniformSource};
 use crate::functions::Functions;
+use crate::graph::kernel::Terms;
 use crate::graph::{Function, Graph, ShapeId, WORLD};
 use body::{Body, Code, Space, world_count};
 use library::Helpers;

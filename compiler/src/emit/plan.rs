@@ -162,6 +162,9 @@ pub struct Target {
 /// A body above this many steps, if opened twice, is a function instead.
 const LARGE: u64 = 14;
 
+/// A body of one call and at most so many other steps is opened wherever it is called.
+const SMALL: u64 = 8;
+
 /// More shapes of one name than this are opened where they are used once: so many functions bury the reader.
 const MANY: u32 = 24;
 
@@ -336,7 +339,9 @@ impl<'a> Plans<'a> {
         }
         for &id in callees_first.iter().rev() {
             let Some(target) = self.targets.get_mut(id as usize) else { continue };
-            target.stands_alone |= target.uses > 1 && target.size > LARGE;
+            // What only calls another shape at a moved point is opened: that one stands alone then, if it is large.
+            let wraps = target.plan.work() <= SMALL && target.plan.calls_after(0).count() == 1;
+            target.stands_alone |= target.uses > 1 && target.size > LARGE && !wraps;
             let times = if target.stands_alone { 1 } else { target.uses };
             let plan = std::mem::take(&mut target.plan);
             for (_, callee) in plan.calls_after(0) {

@@ -72,7 +72,8 @@ impl Candidates {
         let mut factors = 0;
         for (i, factor) in graph.factors.iter().enumerate() {
             let source = UniformSource::Factor(i as u32);
-            let candidate = add(&factor.name, source, 1, vec![positive], None);
+            let name = factor.name.strip_prefix("step_").unwrap_or(&factor.name);
+            let candidate = add(&format!("step_{name}"), source, 1, vec![positive], None);
             if i == 0 {
                 factors = candidate;
             }

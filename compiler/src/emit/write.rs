@@ -7,7 +7,7 @@ use super::plan::{Plans, TargetId};
 use super::uniforms::Candidates;
 use crate::graph::Graph;
 use crate::graph::interval::Interval;
-use crate::graph::kernel::{self, Op};
+use crate::graph::kernel::{self, Op, Terms};
 use rustc_hash::FxHashMap;
 use std::fmt::Write;
 

@@ -406,11 +406,57 @@ pub fn partials<A: Algebra>(
     }
 }
 
-/// A simpler node of the same value (the rounding of a constant apart), or none.
-pub fn simplify(graph: &mut Graph, op: Op, args: &[NodeId]) -> Option<NodeId> {
-    let constants: Option<Vec<f64>> = args.iter().map(|&a| graph.as_constant(a)).collect();
-    if let Some(constants) = constants {
-        let folded = value(op, &constants);
+/// Where operations are made and looked into: a graph, or what is made of one.
+pub trait Terms {
+    /// What stands for a term.
+    type Id: Copy + PartialEq;
+    /// The constant that a term is, if it is one.
+    fn as_constant(&self, id: Self::Id) -> Option<f64>;
+    /// The operation that a term is, if it is one.
+    fn operation(&self, id: Self::Id) -> Option<(Op, &[Self::Id])>;
+    /// A constant.
+    fn constant(&mut self, value: f64) -> Self::Id;
+    /// An operation, simplified.
+    fn op(&mut self, op: Op, args: &[Self::Id]) -> Self::Id;
+}
+
+impl Terms for Graph {
+    type Id = NodeId;
+    fn as_constant(&self, id: NodeId) -> Option<f64> {
+        Graph::as_constant(self, id)
+    }
+    fn operation(&self, id: NodeId) -> Option<(Op, &[NodeId])> {
+        match self.node(id) {
+            Node::Op(op, args) => Some((*op, args)),
+            _ => None,
+        }
+    }
+    fn constant(&mut self, value: f64) -> NodeId {
+        Graph::constant(self, value)
+    }
+    fn op(&mut self, op: Op, args: &[NodeId]) -> NodeId {
+        Graph::op(self, op, args)
+    }
+}
+
+/// A sine or cosine of a constant. Those of quarter turns are whole: what is left of pi is not meant.
+fn quarter(value: f64) -> f64 {
+    if (value - value.round()).abs() < 4.0 * f64::EPSILON { value.round() } else { value }
+}
+
+/// A simpler term of the same value (the rounding of a constant apart), or none.
+pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id> {
+    let mut constants = [0.0; 4];
+    let mut all = true;
+    for (slot, &arg) in constants.iter_mut().zip(args) {
+        match graph.as_constant(arg) {
+            Some(c) => *slot = c,
+            None => all = false,
+        }
+    }
+    if all {
+        let folded = (op.row().value)(constants);
+        let folded = if matches!(op, Op::Sin | Op::Cos) { quarter(folded) } else { folded };
         return Some(graph.constant(folded));
     }
     let a = *args.first()?;
@@ -439,12 +485,9 @@ pub fn simplify(graph: &mut Graph, op: Op, args: &[NodeId]) -> Option<NodeId> {
             let inverse = graph.constant(1.0 / c);
             Some(graph.op(Op::Mul, &[a, inverse]))
         }
-        Op::Neg => match graph.node(a).clone() {
-            Node::Op(Op::Neg, inner) => inner.first().copied(),
-            Node::Op(Op::Sub, inner) => {
-                let (x, y) = (*inner.first()?, *inner.get(1)?);
-                Some(graph.op(Op::Sub, &[y, x]))
-            }
+        Op::Neg => match graph.operation(a)? {
+            (Op::Neg, &[x]) => Some(x),
+            (Op::Sub, &[x, y]) => Some(graph.op(Op::Sub, &[y, x])),
             _ => None,
         },
         Op::Min if a == b => Some(a),
@@ -455,12 +498,9 @@ pub fn simplify(graph: &mut Graph, op: Op, args: &[NodeId]) -> Option<NodeId> {
         Op::Max if is(cb, -FAR) => Some(a),
         Op::Max if is(ca, FAR) || is(cb, FAR) => Some(graph.constant(FAR)),
         Op::Min if is(ca, -FAR) || is(cb, -FAR) => Some(graph.constant(-FAR)),
-        Op::Abs => match graph.node(a).clone() {
-            Node::Op(Op::Neg, inner) => {
-                let x = *inner.first()?;
-                Some(graph.op(Op::Abs, &[x]))
-            }
-            Node::Op(Op::Abs | Op::Sqrt | Op::Square | Op::Length2 | Op::Length3 | Op::Length4, _) => Some(a),
+        Op::Abs => match graph.operation(a)? {
+            (Op::Neg, &[x]) => Some(graph.op(Op::Abs, &[x])),
+            (Op::Abs | Op::Sqrt | Op::Square | Op::Length2 | Op::Length3 | Op::Length4, _) => Some(a),
             _ => None,
         },
         Op::Pow if is(cb, 0.0) => Some(graph.constant(1.0)),
@@ -484,21 +524,18 @@ pub fn simplify(graph: &mut Graph, op: Op, args: &[NodeId]) -> Option<NodeId> {
             }
             Some(result)
         }
-        Op::Sqrt => match graph.node(a).clone() {
+        Op::Sqrt => match graph.operation(a)? {
             // sqrt(x²) is |x|, whatever the sign.
-            Node::Op(Op::Square, inner) => {
-                let x = *inner.first()?;
-                Some(graph.op(Op::Abs, &[x]))
-            }
+            (Op::Square, &[x]) => Some(graph.op(Op::Abs, &[x])),
             _ => None,
         },
         Op::Length2 | Op::Length3 | Op::Length4 => {
             // A component that is always zero does not count.
-            let rest: Vec<NodeId> =
-                args.iter().copied().filter(|&x| graph.as_constant(x) != Some(0.0)).collect();
-            if rest.len() == args.len() {
+            if !args.iter().any(|&x| graph.as_constant(x) == Some(0.0)) {
                 return None;
             }
+            let rest: Vec<T::Id> =
+                args.iter().copied().filter(|&x| graph.as_constant(x) != Some(0.0)).collect();
             Some(match *rest {
                 [] => graph.constant(0.0),
                 [x] => graph.op(Op::Abs, &[x]),
@@ -506,8 +543,19 @@ pub fn simplify(graph: &mut Graph, op: Op, args: &[NodeId]) -> Option<NodeId> {
                 _ => graph.op(Op::Length3, &rest),
             })
         }
-        Op::TurnU if is(graph.as_constant(*args.get(2)?), 0.0) => Some(a),
-        Op::TurnV if is(graph.as_constant(*args.get(2)?), 0.0) => Some(b),
+        Op::TurnU | Op::TurnV => {
+            // By whole quarter turns.
+            let angle = graph.as_constant(*args.get(2)?)?;
+            let (cos, sin) = (quarter(angle.cos()), quarter(angle.sin()));
+            if cos != 0.0 && sin != 0.0 {
+                return None;
+            }
+            let u = op == Op::TurnU;
+            let of_first = if u { cos } else { sin };
+            let of_second = if u { -sin } else { cos };
+            let (term, times) = if of_first != 0.0 { (a, of_first) } else { (b, of_second) };
+            Some(if times > 0.0 { term } else { graph.op(Op::Neg, &[term]) })
+        }
         Op::Select => {
             let c = *args.get(2)?;
             if b == c {
@@ -521,17 +569,17 @@ pub fn simplify(graph: &mut Graph, op: Op, args: &[NodeId]) -> Option<NodeId> {
         Op::Or if is(ca, 0.0) => Some(b),
         Op::Or if is(cb, 0.0) => Some(a),
         Op::Or if is(ca, 1.0) || is(cb, 1.0) => Some(graph.constant(1.0)),
-        Op::Not => match graph.node(a).clone() {
-            Node::Op(Op::Not, inner) => inner.first().copied(),
+        Op::Not => match graph.operation(a)? {
+            (Op::Not, &[x]) => Some(x),
             _ => None,
         },
         _ => None,
     }
 }
 
-fn negated(graph: &Graph, id: NodeId) -> Option<NodeId> {
-    match graph.node(id) {
-        Node::Op(Op::Neg, inner) => inner.first().copied(),
+fn negated<T: Terms>(graph: &T, id: T::Id) -> Option<T::Id> {
+    match graph.operation(id)? {
+        (Op::Neg, &[x]) => Some(x),
         _ => None,
     }
 }
