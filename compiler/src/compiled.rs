@@ -1,7 +1,7 @@
 //! What the compiler hands over: a module of WGSL, what a host must write into its uniform block, and the scene around it.
 
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::functions::{Functions, Kind};
+use crate::functions::{Functions, Summary};
 use crate::graph::algebra::Reals;
 use crate::graph::{Factor, Graph, Leaf, NodeId, ShapeId};
 use crate::source::{Sources, Span};
@@ -337,8 +337,8 @@ pub struct Compiled {
     pub root: ShapeId,
     /// Field, bound, distance, gradient and surface as nodes of the graph.
     pub functions: Functions,
-    /// What is known of the field as a whole.
-    pub kind: Kind,
+    /// What is known of the scene, in numbers.
+    pub summary: Summary,
     /// Parameters in the order of the text, those of imports after those of the file.
     pub parameters: Vec<Parameter>,
     /// What stands around the field.

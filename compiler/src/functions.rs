@@ -38,6 +38,21 @@ pub struct Surface {
     pub reflectivity: NodeId,
 }
 
+/// What is known of a scene, in numbers that a person may ask for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    /// Nodes of the graph of its field, calls not opened.
+    pub nodes: usize,
+    /// Shapes that are made of numbers alone.
+    pub primitives: usize,
+    /// The largest Lipschitz factor; 1 where none was needed.
+    pub factor: f64,
+    /// What is known of the field as a whole.
+    pub kind: Kind,
+    /// Least and greatest corner of a box that holds the solid, where there is one within the extent.
+    pub bounds: Option<[[f64; 3]; 2]>,
+}
+
 /// What is known of a scene's value as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
@@ -51,6 +66,8 @@ pub enum Kind {
 
 /// Boxes that one constant may cost.
 const BUDGET: usize = 192;
+/// How far a ray steps across a jump, for each unit of the size of what jumps: more than 32 bits can lose.
+const HAIR: f64 = 4e-6;
 /// A formula that is steeper than this has no bound that is of any use.
 const STEEPEST: f64 = 1e4;
 /// A constant up to here counts as one.
@@ -90,7 +107,7 @@ pub fn build(
     facts: &mut Facts,
     root: ShapeId,
     blocks: &SceneBlocks,
-) -> (Functions, Kind, Vec<Diagnostic>) {
+) -> (Functions, Summary, Vec<Diagnostic>) {
     let mut builder = Builder {
         graph,
         facts,
@@ -127,7 +144,19 @@ pub fn build(
             functions.extend(builder.calls(&[formula]));
         }
     }
-    (builder.built, builder.kind, builder.diagnostics)
+    let summary = builder.summary();
+    (builder.built, summary, builder.diagnostics)
+}
+
+impl Kind {
+    /// Its name in tables and in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Exact => "exact",
+            Kind::Lipschitz => "lipschitz",
+            Kind::Bound => "bound",
+        }
+    }
 }
 
 impl Builder<'_> {
@@ -140,6 +169,33 @@ impl Builder<'_> {
                 _ => None,
             })
             .collect()
+    }
+
+    fn summary(&mut self) -> Summary {
+        let mut shapes = vec![self.root];
+        let mut seen: FxHashSet<ShapeId> = FxHashSet::default();
+        let mut nodes: FxHashSet<NodeId> = FxHashSet::default();
+        let mut primitives = 0;
+        while let Some(shape) = shapes.pop() {
+            let Some(s) = self.graph.shape(shape) else { continue };
+            if !seen.insert(shape) {
+                continue;
+            }
+            nodes.extend(self.graph.reachable(&[s.value]));
+            let inner = self.calls(&[s.value]);
+            primitives += usize::from(inner.is_empty() && self.graph.as_constant(s.value).is_none());
+            shapes.extend(inner.into_iter().map(|(s, _)| s));
+        }
+        let factor = self.graph.factors.iter().map(|f| f.lipschitz).fold(1.0, f64::max);
+        let domain = self.domain(self.root);
+        let bounds = self
+            .graph
+            .shape(self.root)
+            .map(|s| s.value)
+            .map(|value| self.facts.region(self.graph, value, &domain, 0.0))
+            .filter(|r| !r.is_empty() && r.0.iter().all(|i| i.lo > -self.extent && i.hi < self.extent))
+            .map(|r| [r.0.map(|i| i.lo), r.0.map(|i| i.hi)]);
+        Summary { nodes: nodes.len(), primitives, factor, kind: self.kind, bounds }
     }
 
     /// Where each shape's formula is asked for, from the extent of the scene inward.
@@ -699,7 +755,7 @@ impl Builder<'_> {
             });
         }
         let Some(nearest) = nearest else { return value };
-        let hair = self.graph.constant(1e-4 * near.point.size().clamp(1e-3, 10.0));
+        let hair = self.graph.constant(HAIR * near.point.size().clamp(0.25, 25.0));
         let nearest = self.graph.op(Op::Max, &[nearest, hair]);
         let zero = self.graph.constant(0.0);
         let size = self.graph.op(Op::Abs, &[value]);

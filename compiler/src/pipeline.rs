@@ -41,6 +41,19 @@ pub fn compile_observed(
     options: &Options,
     finished: &mut dyn FnMut(Stage),
 ) -> Outcome {
+    // A program may nest deeper than the caller's thread has room for.
+    stacker::maybe_grow(STACK / 2, STACK, || run(loader, path, options, finished))
+}
+
+/// Room for the deepest nesting that is read, in a build without optimisation.
+const STACK: usize = 256 << 20;
+
+fn run(
+    loader: &dyn Loader,
+    path: &str,
+    options: &Options,
+    finished: &mut dyn FnMut(Stage),
+) -> Outcome {
     let loaded = program::load::load(loader, path);
     finished(Stage::Read);
     let mut outcome = Outcome {
@@ -54,7 +67,7 @@ pub fn compile_observed(
     finished(Stage::Elaborate);
     if let (Some(root), false) = (elaboration.root, outcome.has_errors()) {
         let (mut graph, mut facts) = (elaboration.graph, elaboration.facts);
-        let (functions, kind, found) =
+        let (functions, summary, found) =
             functions::build(&mut graph, &mut facts, root, &elaboration.blocks);
         outcome.diagnostics.extend(found);
         finished(Stage::Analyse);
@@ -65,7 +78,7 @@ pub fn compile_observed(
                         graph,
                         root,
                         functions,
-                        kind,
+                        summary,
                         parameters: elaboration.parameters,
                         blocks: elaboration.blocks,
                         module,

@@ -30,6 +30,21 @@ impl Elaborator<'_> {
     /// The value of an expression.
     pub fn expression(&mut self, expr: &Expr, env: &Env) -> Elaborated<Value> {
         self.step(expr.span)?;
+        if self.nesting >= super::NESTING_LIMIT {
+            return Err(self.error(
+                Code::TooDeep,
+                expr.span,
+                "this unfolds deeper than the compiler follows",
+                "split it with `let` or with shapes of their own",
+            ));
+        }
+        self.nesting += 1;
+        let value = self.expression_inside(expr, env);
+        self.nesting -= 1;
+        value
+    }
+
+    fn expression_inside(&mut self, expr: &Expr, env: &Env) -> Elaborated<Value> {
         match &expr.kind {
             // The parser has said what is wrong.
             ExprKind::Hole => Err(Stop),

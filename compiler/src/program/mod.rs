@@ -82,6 +82,8 @@ impl Env {
 pub const NODE_LIMIT: usize = 1_000_000;
 /// How many expressions may be evaluated.
 const STEP_LIMIT: u64 = 3_000_000;
+/// How deep expressions may nest, calls counted in.
+const NESTING_LIMIT: usize = 4000;
 /// How deep calls may nest.
 const CALL_LIMIT: usize = 200;
 
@@ -105,6 +107,7 @@ pub struct Elaborator<'a> {
     memo: FxHashMap<(ItemRef, Option<Value>, Vec<Value>), Value>,
     requirements: FxHashMap<ItemRef, Rc<[call::Requirement]>>,
     depth: usize,
+    nesting: usize,
     steps: u64,
     /// While a declaration that nothing calls is tried with stand-in arguments: only errors that hold for all arguments are kept.
     trial: bool,
@@ -143,6 +146,7 @@ pub fn elaborate(modules: &Modules, options: &Options) -> Elaboration {
         memo: FxHashMap::default(),
         requirements: FxHashMap::default(),
         depth: 0,
+        nesting: 0,
         steps: 0,
         trial: false,
         extent: 100.0,
