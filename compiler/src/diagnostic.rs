@@ -90,42 +90,114 @@ macro_rules! codes {
 }
 
 codes! {
-    Character, "character", Error, "A character that the language does not use.", "scene = sphere(1) $ box(1)";
-    NumberForm, "number-form", Error, "A number that can't be read, or is too large.", "let a = 1e999\nscene = sphere(1)";
-    StringForm, "string-form", Error, "A string that does not end on its line, or an escape that is not known.", "import \"a.sdf\nscene = sphere(1)";
-    ColorForm, "color-form", Error, "A colour is # and three or six hexadecimal digits.", "let c = #12\nscene = sphere(1)";
-    CommentForm, "comment-form", Error, "A /* without its */.", "scene = sphere(1) /* a ball";
-    Unexpected, "unexpected", Error, "Something else was expected here.", "scene = sphere(1) + ) box(1)";
-    Unclosed, "unclosed", Error, "A bracket without its partner.", "scene = sphere(1";
-    TooDeep, "too-deep", Error, "Nested deeper than the compiler follows.", "scene = ((…))";
-    Encoding, "encoding", Error, "The text is not UTF-8.", "";
-    Unreadable, "unreadable", Error, "A file that can't be read.", "import \"nowhere.sdf\"\nscene = sphere(1)";
-    ImportCircle, "import-circle", Error, "Files that import each other in a circle.", "import \"main.sdf\"\nscene = sphere(1)";
-    TwiceDeclared, "twice-declared", Error, "One name is declared twice in a file.", "let a = 1\nlet a = 2\nscene = sphere(a)";
-    Ambiguous, "ambiguous", Error, "A name comes from two imports.", "";
-    UnknownName, "unknown-name", Error, "A name that nothing declares.", "scene = spere(1)";
-    UnknownMember, "unknown-member", Error, "A dot before a name that the value does not have.", "scene = sphere(1).twst(y, 1)";
-    UnknownKey, "unknown-key", Error, "A block has no such key.", "camera { eyes: (0, 0, 3) }\nscene = sphere(1)";
-    UnknownType, "unknown-type", Error, "A type that the language does not have.", "field f(a: number) = length(p) - a\nscene = f(1)";
-    MissingArgument, "missing-argument", Error, "A call lacks an argument that has no default.", "scene = sphere()";
-    ExtraArgument, "extra-argument", Error, "A call has more arguments than the declaration takes.", "scene = sphere(1, 2)";
-    UnknownArgument, "unknown-argument", Error, "A named argument that the declaration does not have, or one given twice.", "scene = sphere(r: 1)";
-    TypeMismatch, "type-mismatch", Error, "A value of another type is needed here.", "scene = sphere(true)";
-    NoPoint, "no-point", Error, "`p`, `normal` or `world` where there is none.", "fn f(t) = t * p.x\nscene = sphere(f(1))";
-    NotConstant, "not-constant", Error, "This must be known while compiling.", "param n = 3 in 1..5\nscene = metaballs([for i in 0..n { (i, 0, 0, 1) }])";
-    BadValue, "bad-value", Error, "A value outside of what makes sense: a negative radius, a zero scale, an empty range.", "scene = sphere(-1)";
-    BadRange, "bad-range", Error, "A range or list of choices that does not fit its parameter.", "param a = 3 in 0..2\nscene = sphere(a)";
-    OutOfBounds, "out-of-bounds", Error, "An index beyond the end of its list.", "let l = [1, 2]\nscene = sphere(l[2])";
-    EndlessCall, "endless-call", Error, "A declaration calls itself and nothing ends it.", "shape a = a\nscene = a";
-    TooLarge, "too-large", Error, "The scene unfolds to more operations than the compiler takes.", "";
-    NoScene, "no-scene", Error, "The file has no `scene`, so there is nothing to draw.", "shape a = sphere(1)";
-    NoBound, "no-bound", Error, "No finite bound is known for this formula, so no ray could step safely.", "field f = 1 / p.x\nscene = f";
-    NoReach, "no-reach", Error, "The body of a repetition reaches too far, or without end.", "scene = for c in grid((1, 1, 1)) { plane(y) }";
-    PreludeOnly, "prelude-only", Error, "A claim can be made only in the prelude; the compiler derives it for you.", "field f exact = length(p) - 1\nscene = f";
-    NotDrawn, "not-drawn", Warning, "Understood and checked, but not drawn yet.", "mesh m \"a.obj\" { }\nscene = sphere(1)";
-    ExtentUsed, "extent-used", Warning, "A formula without a bound over all space: it is proven and drawn within the scene's extent.", "";
-    Jump, "jump", Warning, "A formula jumps here; rays stop before it and look again.", "";
-    Unused, "unused", Warning, "A parameter that nothing reads.", "param a = 1 in 0..2\nscene = sphere(1)";
+    Character, "character", Error,
+        "A character that the language does not use. Names are made of letters, digits and `_`; text stands between straight double quotes; a power is `pow(a, b)`.",
+        "scene = sphere(1) $ box(1)";
+    NumberForm, "number-form", Error,
+        "A number that can't be read, or is too large for the GPU. Numbers are decimal, with a digit on each side of the point; the units of angles are `deg`, `turn` and `rad`, right after the number.",
+        "let a = 1e999\nscene = sphere(1)";
+    StringForm, "string-form", Error,
+        "A text that does not end on its line, or an escape that is not known. Texts stand between double quotes; `\\\"`, `\\\\`, `\\n` and `\\t` are the escapes, and paths are written with `/`.",
+        "import \"a.sdf\nscene = sphere(1)";
+    ColorForm, "color-form", Error,
+        "A colour is `#` and three or six hexadecimal digits: `#d4af37`. There is no transparency.",
+        "let c = #12\nscene = sphere(1)";
+    CommentForm, "comment-form", Error,
+        "A `/*` without its `*/`. Comments nest, so each `/*` needs its own.",
+        "scene = sphere(1) /* a ball";
+    Unexpected, "unexpected", Error,
+        "Something else was expected here. The message says what was found and what was expected; the rest of the file is read as if that one place were right.",
+        "scene = sphere(1) + ) box(1)";
+    Unclosed, "unclosed", Error,
+        "A bracket without its partner. It is sought up to the next declaration, so what follows is still checked.",
+        "scene = sphere(1";
+    TooDeep, "too-deep", Error,
+        "Nested deeper than the compiler follows: 200 brackets, blocks or calls within each other. Name a part of it with `let` or `shape`, and use the name.",
+        "scene = ((…))";
+    Encoding, "encoding", Error,
+        "The text is not UTF-8. Save the file as UTF-8; the message says where the first wrong byte stands.",
+        "";
+    Unreadable, "unreadable", Error,
+        "A file that can't be read. Paths are relative to the file that names them, and are written with `/`.",
+        "import \"nowhere.sdf\"\nscene = sphere(1)";
+    ImportCircle, "import-circle", Error,
+        "Files that import each other in a circle. Move what both need into a third file, and import that.",
+        "import \"main.sdf\"\nscene = sphere(1)";
+    TwiceDeclared, "twice-declared", Error,
+        "One name is declared twice. A file has one namespace for everything; give one of the two another name.",
+        "let a = 1\nlet a = 2\nscene = sphere(a)";
+    Ambiguous, "ambiguous", Error,
+        "A name comes from two imports. Put one of them behind a name, `import \"parts/sky.sdf\" as sky`, and write `sky.dusk`.",
+        "";
+    UnknownName, "unknown-name", Error,
+        "A name that nothing declares: neither this place, this file, its imports, nor the prelude. Names of blocks and loops end with them.",
+        "scene = spere(1)";
+    UnknownMember, "unknown-member", Error,
+        "A dot before a name that the value does not have: a component that the vector lacks, or a call that does not exist.",
+        "scene = sphere(1).twst(y, 1)";
+    UnknownKey, "unknown-key", Error,
+        "A block has no such key. The message lists the keys that it has.",
+        "camera { eyes: (0, 0, 3) }\nscene = sphere(1)";
+    UnknownType, "unknown-type", Error,
+        "A type that the language does not have. Numbers are `float` or `int`, points `vec2` and `vec3`, lists `[T]`.",
+        "field f(a: number) = length(p) - a\nscene = f(1)";
+    MissingArgument, "missing-argument", Error,
+        "A call lacks an argument that has no default.",
+        "scene = sphere()";
+    ExtraArgument, "extra-argument", Error,
+        "A call has more arguments than the declaration takes.",
+        "scene = sphere(1, 2)";
+    UnknownArgument, "unknown-argument", Error,
+        "A named argument that the declaration does not have, or one given twice.",
+        "scene = sphere(r: 1)";
+    TypeMismatch, "type-mismatch", Error,
+        "A value of another type is needed here. A number stands for a vector of equal components; otherwise types are not converted.",
+        "scene = sphere(true)";
+    NoPoint, "no-point", Error,
+        "`p`, `normal` or `world` where there is none. `p` exists in `field`, `warp`, `blend` and `material`, and in arguments declared `field`; a `fn` and a `let` of the file see none: pass it.",
+        "fn f(t) = t * p.x\nscene = sphere(f(1))";
+    NotConstant, "not-constant", Error,
+        "This must be known while compiling: how many items a list has, how often something is done, how far the scene reaches. It can't depend on a `param`, on `time` or on `p`.",
+        "param n = 3 in 1..5\nscene = metaballs([for i in 0..n { (i, 0, 0, 1) }])";
+    BadValue, "bad-value", Error,
+        "A value outside of what makes sense: a negative radius, a zero scale, an empty range, a division by zero. A live value is kept within its range instead.",
+        "scene = sphere(-1)";
+    BadRange, "bad-range", Error,
+        "A range or list of choices that does not fit its parameter: its value lies outside, its ends are swapped, or it has none where one is needed.",
+        "param a = 3 in 0..2\nscene = sphere(a)";
+    OutOfBounds, "out-of-bounds", Error,
+        "An index beyond the end of its list. The first item is `list[0]`, the last `list[list.count - 1]`.",
+        "let l = [1, 2]\nscene = sphere(l[2])";
+    EndlessCall, "endless-call", Error,
+        "A declaration calls itself and nothing ends it. The `if` that ends it has to be decided while compiling.",
+        "shape a = a\nscene = a";
+    TooLarge, "too-large", Error,
+        "The scene unfolds to more operations than the compiler takes. Repeat with `grid` or `polar`, which cost one copy, in place of a `for` over many.",
+        "scene = for i in 0..100000000 { sphere(i) }";
+    NoScene, "no-scene", Error,
+        "The file has no `scene`, so there is nothing to draw. Write `scene = …`; files that are only imported need none.",
+        "shape a = sphere(1)";
+    NoBound, "no-bound", Error,
+        "No finite bound is known for this formula, so no ray could step safely. Keep divisors away from zero, or cut the formula with `.within(region)`.",
+        "field f = 1 / p.x\nscene = f";
+    NoReach, "no-reach", Error,
+        "The body of a repetition reaches too far, or without end: so many neighbours would have to be looked at. Make the cells larger or cut the body with `.within(region)`.",
+        "scene = for c in grid((1, 1, 1)) { plane(y) }";
+    PreludeOnly, "prelude-only", Error,
+        "A claim can be made only in the prelude; the compiler derives it for you.",
+        "field f exact = length(p) - 1\nscene = f";
+    NotDrawn, "not-drawn", Warning,
+        "Understood and checked, but not drawn yet.",
+        "mesh m \"a.obj\" { }\nscene = sphere(1)";
+    ExtentUsed, "extent-used", Warning,
+        "A formula without a bound over all space: it is proven and drawn within the scene's extent, which `render { extent: … }` sets.",
+        "";
+    Jump, "jump", Warning,
+        "A formula jumps here; rays stop before it and look again, which takes time. Where both sides of the jump agree, nothing is said.",
+        "field f = length(p) - 1 + floor(4 * p.x) / 9\nscene = f";
+    Unused, "unused", Warning,
+        "A parameter that nothing reads. Its slider would do nothing.",
+        "param a = 1 in 0..2\nscene = sphere(1)";
 }
 
 /// Renders diagnostics with the lines that they speak of. `color` adds ANSI colours.

@@ -255,7 +255,7 @@ pub fn lex(file: FileId, text: &str) -> (Vec<Token>, Vec<Diagnostic>) {
 fn ends_in_bare_point(rest: &str) -> bool {
     let mut chars = rest.chars();
     chars.next() == Some('.')
-        && !chars.next().is_some_and(|c| c == '.' || c == '_' || c.is_ascii_alphabetic())
+        && !chars.next().is_some_and(|c| c == '.' || c == '_' || c.is_ascii_alphanumeric())
 }
 
 struct Reader<'t> {

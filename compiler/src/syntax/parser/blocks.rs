@@ -156,11 +156,18 @@ impl Parser<'_> {
             && let Some(at) = second
         {
             let span = self.span(self.token_at(at));
+            let write = if in_block {
+                "write `;` and another `let`"
+            } else {
+                "write another `let` in place of the comma"
+            };
             self.report(
                 Code::Unexpected,
                 span,
                 "several names after one `let` need a loop",
-                "write `;` and another `let`, or the loop: `let a = 1, b = 2 for i in 0..n { a = b, b = a + b }`",
+                format!(
+                    "{write}, or the loop: `let a = 1, b = 2 for i in 0..n {{ a = b, b = a + b }}`"
+                ),
             );
             return bindings
                 .into_iter()

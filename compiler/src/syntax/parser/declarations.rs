@@ -30,10 +30,15 @@ impl Parser<'_> {
             } else {
                 self.not_a_declaration(&mut loose)
             };
-            self.stray_lets.clear();
-            if let Some(kind) = kind {
-                items.push(Item { kind, span: self.span_from(start), doc });
-            }
+            let span = self.span_from(start);
+            let is_let = matches!(kind, Some(ItemKind::Let(_)));
+            items.extend(kind.map(|kind| Item { kind, span, doc }));
+            let more = self.stray_lets.drain(..).filter(|_| is_let);
+            items.extend(more.map(|binding| Item {
+                span: binding.span,
+                kind: ItemKind::Let(binding),
+                doc: None,
+            }));
             if self.at == before {
                 self.bump();
             }
@@ -50,7 +55,12 @@ impl Parser<'_> {
         match word {
             "import" => self.import(),
             "param" => self.param(),
-            "let" => self.let_declaration(false).into_iter().next().map(ItemKind::Let),
+            "let" => {
+                let mut lets = self.let_declaration(false).into_iter();
+                let first = lets.next();
+                self.stray_lets.extend(lets);
+                first.map(ItemKind::Let)
+            }
             "field" => self.function(FunctionKind::Field),
             "field2" => self.function(FunctionKind::Field2),
             "warp" => self.function(FunctionKind::Warp),
@@ -173,7 +183,7 @@ impl Parser<'_> {
             && !self.is_on_new_line()
         {
             self.missing("`in`", "write `in` before the range: `param height = 2 in 1..5`");
-            domain = Some(self.value_or_range());
+            self.value_or_range();
         }
         let mut description = None;
         if self.is(TokenKind::Str) {
@@ -303,6 +313,9 @@ impl Parser<'_> {
             self.bump();
         }
         let (_, entries) = self.entries(&format!("`{}`", example_of_block(kind)), false);
+        if kind == BlockKind::Mesh && file.is_none() {
+            return None;
+        }
         Some(ItemKind::Block { kind, kind_span, name, file, entries })
     }
 }

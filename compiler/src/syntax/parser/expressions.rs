@@ -189,6 +189,10 @@ impl Parser<'_> {
                     self.bump();
                     self.after_dot(value)
                 }
+                // What stands behind a number is something else: the range that lacks its `in`, an operand that lacks its operator.
+                TokenKind::ParenOpen | TokenKind::BracketOpen if is_literal(&value) => {
+                    return value;
+                }
                 TokenKind::ParenOpen => {
                     let callable = matches!(value.kind, ExprKind::Name(_) | ExprKind::Hole);
                     if !callable {
@@ -224,12 +228,7 @@ impl Parser<'_> {
     fn after_dot(&mut self, receiver: Expr) -> ExprKind {
         if !self.is(TokenKind::Name) || self.is_on_new_line() && self.at_declaration() {
             self.missing("a name", "after a dot stands a component, as in `p.x`, or a call, as in `s.translate(1, 0, 0)`");
-            let place = self.span_from(self.end());
-            return ExprKind::Dot(
-                Box::new(receiver),
-                Name { text: String::new(), span: place },
-                None,
-            );
+            return ExprKind::Hole;
         }
         let token = self.bump();
         let name = self.name_of(token);
@@ -500,7 +499,7 @@ impl Parser<'_> {
     /// `if condition { a } else { b }`.
     fn choice(&mut self) -> Expr {
         let start = self.bump().start;
-        let condition = self.value();
+        let mut condition = self.value();
         if self.is(TokenKind::Equals) {
             self.unexpected(
                 "`=` declares, found where a condition goes on",
@@ -508,6 +507,7 @@ impl Parser<'_> {
             );
             self.bump();
             self.value();
+            condition.kind = ExprKind::Hole;
         }
         let then = self.body("the value of an `if`", "write `if condition { a } else { b }`");
         let mut otherwise = None;
@@ -524,6 +524,18 @@ impl Parser<'_> {
         let kind = if self.grow(span) { kind } else { ExprKind::Hole };
         Expr { kind, span }
     }
+}
+
+fn is_literal(value: &Expr) -> bool {
+    matches!(
+        value.kind,
+        ExprKind::Bool(_)
+            | ExprKind::Int(_)
+            | ExprKind::Float(_)
+            | ExprKind::Angle(..)
+            | ExprKind::Color(_)
+            | ExprKind::Str(_)
+    )
 }
 
 /// An operator between operands, and its level: the higher, the tighter.

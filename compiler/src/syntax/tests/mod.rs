@@ -5,6 +5,7 @@ mod random;
 
 use super::ast::*;
 use super::parse;
+use super::parser::MAX_NESTING;
 use crate::diagnostic::{Code, Diagnostic, render};
 use crate::source::{FileId, Sources};
 
@@ -218,6 +219,12 @@ fn depth_has_an_end() {
         assert_eq!(codes(&deep(60)), [Code::Unexpected], "60 {open}");
         assert_eq!(codes(&deep(50_000)), [Code::TooDeep, Code::Unexpected], "50000 {open}");
         codes(&format!("let v = {}", open.repeat(50_000)));
+        // The deepest that is still read is also written, on the stack of a test's thread.
+        let deepest = (1..=MAX_NESTING)
+            .rev()
+            .map(|n| deep(n).replace("\nlet w = )", ""))
+            .find(|t| codes(t).is_empty());
+        formatting::holds(&deepest.expect("some depth is read")).unwrap();
     }
     let tall = |part: &str| format!("let v = a{}", part.repeat(50_000));
     assert_eq!(codes(&tall(".b")), [Code::TooDeep]);
