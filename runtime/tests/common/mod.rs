@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 use surefoot_compiler::compiled::*;
-use surefoot_compiler::functions::Functions;
+use surefoot_compiler::functions::{Functions, Kind};
 use surefoot_compiler::graph::kernel::Op;
 use surefoot_compiler::graph::{Exactness, Graph, Leaf, ParameterComponent, Shape};
 use surefoot_compiler::source::{FileId, Span};
@@ -75,6 +75,7 @@ pub fn sphere_in(wgsl: &str, radius: f64, (min, max): (f64, f64)) -> Compiled {
         graph,
         root,
         functions: Functions::default(),
+        kind: Kind::Exact,
         parameters: vec![Parameter {
             name: "radius".to_owned(),
             ty: Type::Float,

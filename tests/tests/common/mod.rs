@@ -1,0 +1,59 @@
+//! What the end-to-end tests share.
+#![allow(dead_code)]
+
+use std::path::{Path, PathBuf};
+use surefoot_compiler::compiled::{Compiled, Loader, Options};
+use surefoot_compiler::{compile, diagnostic};
+use surefoot_runtime::Gpu;
+
+/// Files on the disk.
+pub struct Disk;
+
+impl Loader for Disk {
+    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
+        std::fs::read(path).map_err(|e| e.to_string())
+    }
+}
+
+/// The device, or the test fails: there is always a software adapter where these tests run.
+pub fn gpu() -> Gpu {
+    match Gpu::headless() {
+        Ok(gpu) => gpu,
+        Err(error) => panic!("{error}. The tests need one: apt-get install mesa-vulkan-drivers"),
+    }
+}
+
+/// The repository's folder.
+pub fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// The examples by name, with their paths.
+pub fn examples() -> Vec<(String, String)> {
+    let mut found: Vec<(String, String)> = std::fs::read_dir(root().join("examples"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "sdf"))
+        .map(|path| {
+            let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+            (name, path.to_str().unwrap().to_owned())
+        })
+        .collect();
+    found.sort();
+    assert!(!found.is_empty());
+    found
+}
+
+/// The scene of a file, or what the compiler says of it.
+pub fn compile_file(path: &str) -> Result<Compiled, String> {
+    let outcome = compile(&Disk, path, &Options::default());
+    let words = diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
+    outcome.compiled.ok_or(words)
+}
+
+/// A folder for what a person may want to look at.
+pub fn pictures() -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pictures");
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
