@@ -49,19 +49,23 @@ fn sf_atan2(a: f32, b: f32) -> f32 {
   return atan2(a, b);
 }
 " },
+    // Its two turns are written out: as a loop in hundreds of inlined copies, Mesa took minutes to unroll it.
     Piece { name: "hash", text: "\
 // A number in 0..1 made of four whole numbers, the same on every machine.
 fn sf_hash(a: f32, b: f32, c: f32, d: f32) -> f32 {
   let limit = vec4f(2147483520.0);
   var v = bitcast<vec4u>(vec4i(clamp(round(vec4f(a, b, c, d)), -limit, limit)));
   v = v * 1664525u + 1013904223u;
-  for (var i = 0; i < 2; i++) {
-    v.x += v.y * v.w;
-    v.y += v.z * v.x;
-    v.z += v.x * v.y;
-    v.w += v.y * v.z;
-    v = v ^ (v >> vec4u(16u));
-  }
+  v.x += v.y * v.w;
+  v.y += v.z * v.x;
+  v.z += v.x * v.y;
+  v.w += v.y * v.z;
+  v = v ^ (v >> vec4u(16u));
+  v.x += v.y * v.w;
+  v.y += v.z * v.x;
+  v.z += v.x * v.y;
+  v.w += v.y * v.z;
+  v = v ^ (v >> vec4u(16u));
   return f32((v.x ^ v.w) >> 8u) / 16777216.0;
 }
 " },
