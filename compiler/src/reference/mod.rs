@@ -1,8 +1,20 @@
 //! The picture in 64 bits: the twin of what the emitted module and the pass over the screen do on a GPU.
+//!
+//! Tracing, shadow and occlusion are step for step those of `compiler/src/emit/library.rs`, the light is that of
+//! `runtime/src/passes/scene/*.wgsl`. A picture is made tile by tile; tiles may be made on as many threads as there are.
 
 pub mod camera;
+pub mod march;
 pub mod shade;
 pub mod vector;
+
+use crate::compiled::{Camera, Compiled, Frame, Live};
+use crate::evaluate::{Tape, TooLarge};
+use crate::graph::{Function, NodeId};
+use camera::Basis;
+use march::{Ray, at_points, march};
+use shade::{Seen, Shading, SurfaceValues};
+use vector::{Vec3, add, along, length, scale, unit};
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -16,4 +28,366 @@ pub enum View {
     Steps,
     /// How far the surface is.
     Depth,
+}
+
+/// A rectangle of a picture's pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Area {
+    /// First column.
+    pub left: u32,
+    /// First row, from the top.
+    pub top: u32,
+    /// Number of columns.
+    pub width: u32,
+    /// Number of rows.
+    pub height: u32,
+}
+
+/// What a ray met.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Hit {
+    /// How far along the ray; where it ended if it met nothing.
+    pub t: f64,
+    /// Whether it met the surface.
+    pub hit: bool,
+    /// How often it looked.
+    pub steps: u32,
+}
+
+/// The most operations of a function at one point.
+const LIMIT: usize = 2_000_000;
+/// Rays are led together in squares of so many pixels a side.
+const BLOCK: u32 = 32;
+/// Looks of a ray, and of a shadow's.
+const MOST_STEPS: u32 = 1024;
+const MOST_SHADOW_STEPS: u32 = 256;
+
+/// A scene's functions at one moment, ready for any number of points.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    field: Tape,
+    bound: Tape,
+    distance: Tape,
+    gradient: Option<Tape>,
+    surface: Tape,
+}
+
+impl Reference {
+    /// The functions of a scene with parameters and time as they are at one moment.
+    pub fn new(compiled: &Compiled, live: &Live) -> Result<Self, TooLarge> {
+        let functions = &compiled.functions;
+        let own = |f: Function| functions.formulas.get(&(compiled.root, f)).copied();
+        let value = compiled.graph.shape(compiled.root).map_or(NodeId(0), |s| s.value);
+        let field = own(Function::Field).unwrap_or(value);
+        let tape = |roots: &[NodeId]| Tape::new(&compiled.graph, functions, roots, live, LIMIT);
+        let slopes: Option<Vec<NodeId>> = (0..3).map(|i| own(Function::Gradient(i))).collect();
+        let s = &functions.surface;
+        let [r, g, b] = s.color;
+        let [er, eg, eb] = s.emission;
+        Ok(Self {
+            field: tape(&[field])?,
+            bound: tape(&[own(Function::Bound).unwrap_or(field)])?,
+            distance: tape(&[own(Function::Distance).unwrap_or(field)])?,
+            gradient: slopes.map(|slopes| tape(&slopes)).transpose()?,
+            surface: tape(&[r, g, b, er, eg, eb, s.roughness, s.metallic, s.reflectivity])?,
+        })
+    }
+
+    /// What the formulas say: negative inside.
+    pub fn field(&self) -> &Tape {
+        &self.field
+    }
+
+    /// How far a ray may step.
+    pub fn bound(&self) -> &Tape {
+        &self.bound
+    }
+
+    /// The estimate of the distance that light and contact use.
+    pub fn distance(&self) -> &Tape {
+        &self.distance
+    }
+
+    /// The field's gradients at points that lie close together.
+    pub fn gradients(&self, points: &[Vec3]) -> Vec<Vec3> {
+        let mut all = vec![[0.0; 3]; points.len()];
+        if let Some(tape) = &self.gradient {
+            at_points(tape, points, &[], |i, values| {
+                if let (Some(slot), &[x, y, z]) = (all.get_mut(i), values) {
+                    *slot = [x, y, z];
+                }
+            });
+            return all;
+        }
+        // Where there is no formula: by differences.
+        for axis in 0..3 {
+            for side in [-1.0, 1.0] {
+                let step = |p: &Vec3| 1e-6 * (1.0 + length(*p));
+                let moved: Vec<Vec3> = points
+                    .iter()
+                    .map(|p| {
+                        let mut q = *p;
+                        q.iter_mut().skip(axis).take(1).for_each(|c| *c += side * step(p));
+                        q
+                    })
+                    .collect();
+                at_points(&self.field, &moved, &[], |i, values| {
+                    let by = points.get(i).map_or(1.0, |p| 2.0 * step(p));
+                    let slot = all.get_mut(i).and_then(|g| g.get_mut(axis));
+                    if let (Some(slot), Some(value)) = (slot, values.first()) {
+                        *slot += side * value / by;
+                    }
+                });
+            }
+        }
+        all
+    }
+
+    /// First hits along rays. `footprint` is the width of a pixel at distance one; beyond `extent` from the scene's origin there is
+    /// nothing.
+    pub fn trace(&self, rays: &[Ray], footprint: f64, extent: f64) -> Vec<Hit> {
+        let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
+        let mut hits: Vec<Hit> = rays.iter().map(|r| Hit { t: r.t_max, ..Hit::default() }).collect();
+        let tolerance = |p: Vec3, t: f64| (0.5 * footprint * t).max(4e-7 * (length(p) + 1.0));
+        march(
+            &self.bound,
+            &self.distance,
+            &clipped,
+            |look| look.free <= tolerance(look.point, look.t),
+            |look, distance| {
+                let hit = hits.get_mut(look.ray)?;
+                let end = clipped.get(look.ray).copied().flatten()?.t_max;
+                let tolerance = tolerance(look.point, look.t);
+                hit.steps += 1;
+                hit.t = look.t;
+                hit.hit = distance.is_some_and(|d| d <= tolerance);
+                // The end itself is looked at before it counts as a miss.
+                if hit.hit || look.t >= end || hit.steps >= MOST_STEPS {
+                    return None;
+                }
+                Some((look.t + look.free.max(0.5 * tolerance)).min(end))
+            },
+        );
+        hits
+    }
+
+    /// How much light comes along rays: 1 lit, 0 dark. Of `softness` 0 is a sharp edge, more is sharper.
+    pub fn shadow(&self, rays: &[Ray], softness: f64, extent: f64) -> Vec<f64> {
+        let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
+        let mut lit: Vec<(f64, u32)> = vec![(1.0, 0); rays.len()];
+        let tolerance = |p: Vec3| 2e-6 * (length(p) + 1.0);
+        march(
+            &self.bound,
+            &self.distance,
+            &clipped,
+            |look| softness > 0.0 && look.free > tolerance(look.point),
+            |look, distance| {
+                let (lit, steps) = lit.get_mut(look.ray)?;
+                let end = clipped.get(look.ray).copied().flatten()?.t_max;
+                let tolerance = tolerance(look.point);
+                if look.free <= tolerance {
+                    *lit = 0.0;
+                    return None;
+                }
+                if let Some(distance) = distance {
+                    *lit = lit.min(softness * distance / look.t.max(tolerance));
+                    if *lit < 0.002 {
+                        *lit = 0.0;
+                        return None;
+                    }
+                }
+                *steps += 1;
+                let t = look.t + look.free;
+                (t <= end && *steps < MOST_SHADOW_STEPS).then_some(t)
+            },
+        );
+        lit.into_iter().map(|(lit, _)| lit * lit * (3.0 - 2.0 * lit)).collect()
+    }
+
+    /// How open the surroundings of a surface are: 1 open, 0 closed. `reach` is how far is looked.
+    pub fn occlusion(&self, places: &[Seen], reach: f64, strength: f64) -> Vec<f64> {
+        let mut sums = vec![0.0; places.len()];
+        if reach <= 0.0 || strength <= 0.0 {
+            return vec![1.0; places.len()];
+        }
+        let mut weight = 1.0;
+        for i in 1..=5 {
+            let height = reach * f64::from(i) / 5.0;
+            let points: Vec<Vec3> =
+                places.iter().map(|s| along(s.point, s.normal, height)).collect();
+            at_points(&self.distance, &points, &[], |i, values| {
+                let free = values.first().map_or(height, |d| d.min(height));
+                if let Some(sum) = sums.get_mut(i) {
+                    *sum += weight * (height - free) / height;
+                }
+            });
+            weight *= 0.5;
+        }
+        // The weights add up to 31 / 16.
+        sums.iter().map(|sum| (1.0 - strength * sum / 1.9375).clamp(0.0, 1.0)).collect()
+    }
+
+    /// How surfaces answer light.
+    pub fn surfaces(&self, places: &[Seen]) -> Vec<SurfaceValues> {
+        let points: Vec<Vec3> = places.iter().map(|s| s.point).collect();
+        let normals: Vec<Vec3> = places.iter().map(|s| s.normal).collect();
+        let mut all = vec![SurfaceValues::default(); places.len()];
+        at_points(&self.surface, &points, &normals, |i, values| {
+            if let (Some(slot), &[r, g, b, er, eg, eb, roughness, metallic, reflectivity]) =
+                (all.get_mut(i), values)
+            {
+                let (color, emission) = ([r, g, b], [er, eg, eb]);
+                *slot = SurfaceValues { color, emission, roughness, metallic, reflectivity };
+            }
+        });
+        all
+    }
+
+    /// A part of a picture of `size` pixels: for each pixel, row by row from the top, the colour as a screen wants it (red, green, blue,
+    /// sRGB-encoded, 0 to 1), and how far the surface is, below 0 where there is none.
+    pub fn tile(
+        &self,
+        frame: &Frame,
+        camera: &Camera,
+        size: (u32, u32),
+        view: View,
+        area: Area,
+    ) -> Vec<[f32; 4]> {
+        let shading = Shading::of(frame);
+        let basis = Basis::of(camera);
+        let mut pixels = vec![[0.0; 4]; area.width as usize * area.height as usize];
+        for top in (0..area.height).step_by(BLOCK as usize) {
+            for left in (0..area.width).step_by(BLOCK as usize) {
+                let width = BLOCK.min(area.width - left);
+                let height = BLOCK.min(area.height - top);
+                let places: Vec<(u32, u32)> =
+                    (0..height).flat_map(|y| (0..width).map(move |x| (left + x, top + y))).collect();
+                let rays: Vec<Ray> = places
+                    .iter()
+                    .map(|&(x, y)| {
+                        let at = (f64::from(area.left + x) + 0.5, f64::from(area.top + y) + 0.5);
+                        let direction = basis.direction(at, size);
+                        Ray { origin: camera.eye, direction, t_min: 0.0, t_max: frame.max_distance }
+                    })
+                    .collect();
+                let colors = self.block(frame, &shading, view, &rays, basis.footprint(size.1));
+                for (&(x, y), color) in places.iter().zip(colors) {
+                    let at = y as usize * area.width as usize + x as usize;
+                    if let Some(pixel) = pixels.get_mut(at) {
+                        *pixel = color;
+                    }
+                }
+            }
+        }
+        pixels
+    }
+
+    /// The pixels of some rays that lie close together.
+    fn block(
+        &self,
+        frame: &Frame,
+        shading: &Shading,
+        view: View,
+        rays: &[Ray],
+        footprint: f64,
+    ) -> Vec<[f32; 4]> {
+        let hits = self.trace(rays, footprint, frame.extent);
+        let met: Vec<(usize, &Ray, &Hit)> = rays
+            .iter()
+            .zip(&hits)
+            .enumerate()
+            .filter_map(|(i, (ray, hit))| hit.hit.then_some((i, ray, hit)))
+            .collect();
+        let mut colors: Vec<Vec3> = match view {
+            View::Shaded => {
+                rays.iter().map(|r| shading.develop(shading.sky(r.direction))).collect()
+            }
+            View::Normals => vec![[0.12; 3]; rays.len()],
+            View::Steps => hits.iter().map(|hit| shade::steps_color(hit.steps)).collect(),
+            View::Depth => vec![[0.0; 3]; rays.len()],
+        };
+        let places = match view {
+            View::Shaded | View::Normals => self.places(&met),
+            View::Steps | View::Depth => Vec::new(),
+        };
+        let found: Vec<Vec3> = match view {
+            View::Shaded => self.light(frame, shading, &places, footprint),
+            View::Normals => places.iter().map(|s| shade::normal_color(s.normal)).collect(),
+            View::Steps => Vec::new(),
+            View::Depth => {
+                met.iter().map(|(_, _, h)| shade::depth_color(h.t, frame.max_distance)).collect()
+            }
+        };
+        for (&(i, ..), color) in met.iter().zip(found) {
+            if let Some(slot) = colors.get_mut(i) {
+                *slot = color;
+            }
+        }
+        let depth = |hit: &Hit| if hit.hit { hit.t as f32 } else { -1.0 };
+        let pixel = |(c, hit): (&Vec3, &Hit)| {
+            let [r, g, b] = c.map(|c| c as f32);
+            [r, g, b, depth(hit)]
+        };
+        colors.iter().zip(&hits).map(pixel).collect()
+    }
+
+    /// Where rays met the surface.
+    fn places(&self, met: &[(usize, &Ray, &Hit)]) -> Vec<Seen> {
+        let points: Vec<Vec3> = met.iter().map(|(_, ray, hit)| ray.at(hit.t)).collect();
+        let gradients = self.gradients(&points);
+        let seen = |(((_, ray, hit), point), gradient): ((&(usize, &Ray, &Hit), &Vec3), &Vec3)| {
+            let usable = Some(*gradient).filter(|g| length(*g) > 1e-12);
+            let normal = usable.and_then(unit).unwrap_or(scale(ray.direction, -1.0));
+            Seen { point: *point, normal, direction: ray.direction, t: hit.t }
+        };
+        met.iter().zip(&points).zip(&gradients).map(seen).collect()
+    }
+
+    /// The light of places, developed.
+    fn light(
+        &self,
+        frame: &Frame,
+        shading: &Shading,
+        places: &[Seen],
+        footprint: f64,
+    ) -> Vec<Vec3> {
+        let surfaces = self.surfaces(places);
+        let (reach, strength) = frame.ambient_occlusion;
+        let occlusion = self.occlusion(places, reach, strength);
+        let mut lit = vec![vec![1.0; shading.lamps.len()]; places.len()];
+        for (which, lamp) in shading.lamps.iter().enumerate().filter(|(_, l)| l.softness >= 0.0) {
+            let mut rays = Vec::new();
+            let mut of = Vec::new();
+            for (i, seen) in places.iter().enumerate() {
+                let Some(arriving) = shading.arriving(lamp, seen.point, seen.normal) else { continue };
+                let off = shade::shadow_offset(seen.point, seen.t, footprint);
+                rays.push(Ray {
+                    origin: add(seen.point, scale(seen.normal, off)),
+                    direction: arriving.direction,
+                    t_min: off,
+                    t_max: arriving.far,
+                });
+                of.push(i);
+            }
+            for (i, share) in of.into_iter().zip(self.shadow(&rays, lamp.softness, frame.extent)) {
+                if let Some(slot) = lit.get_mut(i).and_then(|l| l.get_mut(which)) {
+                    *slot = share;
+                }
+            }
+        }
+        places
+            .iter()
+            .zip(&surfaces)
+            .zip(occlusion.iter().zip(&lit))
+            .map(|((seen, surface), (&occlusion, lit))| {
+                let light = shading.shade(seen, surface, occlusion, lit);
+                shading.develop(shading.haze(light, seen))
+            })
+            .collect()
+    }
+}
+
+/// Colours as bytes: red, green, blue of each pixel.
+pub fn rgb8(pixels: &[[f32; 4]]) -> Vec<u8> {
+    pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b].map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)).collect()
 }

@@ -285,10 +285,10 @@ pub fn encode(linear: f64) -> f64 {
     if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// How far off the surface, along its normal, a shadow's ray starts. `from_eye` is the place seen from the eye, `t` how far it is,
+/// How far off the surface, along its normal, a shadow's ray starts. `point` is seen from the scene's origin, `t` is how far it is from the eye,
 /// `footprint` the width of a pixel at distance one.
-pub fn shadow_offset(from_eye: Vec3, t: f64, footprint: f64) -> f64 {
-    3.0 * (0.5 * footprint * t).max(4e-6 * (length(from_eye) + 1.0))
+pub fn shadow_offset(point: Vec3, t: f64, footprint: f64) -> f64 {
+    3.0 * (0.5 * footprint * t).max(4e-6 * (length(point) + 1.0))
 }
 
 /// The colour of a number of steps, 64 and more the brightest: the colours "inferno" of matplotlib (van der Walt and Smith), as the

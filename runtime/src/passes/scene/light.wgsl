@@ -84,7 +84,7 @@ fn scene_shade(p: vec3f, n: vec3f, direction: vec3f, t: f32, surface: sf_Surface
     let v = -direction;
     let nv = clamp(dot(n, v), 1e-3, 1.0);
     // Shadows start off the surface by a few tolerances of the hit.
-    let off = 3.0 * max(0.5 * scene.footprint * t, 4e-6 * (length(p) + 1.0));
+    let off = 3.0 * max(0.5 * scene.footprint * t, 4e-6 * (length(p - scene.center) + 1.0));
     let occlusion = scene_occlusion(p, n);
     let share = scene_mirror_share(answer.mirrored, answer.roughness, nv);
     let mirror = reflect(direction, n);
