@@ -2,6 +2,7 @@
 
 use super::EmitError;
 use super::plan::{Action, Plan, Plans, TargetId};
+use super::vector::{Joined, Part};
 use crate::graph::kernel::{self, Kind, Op, Terms};
 use crate::graph::{Graph, Leaf, NodeId};
 use rustc_hash::{FxHashMap, FxHasher};
@@ -37,8 +38,10 @@ pub enum Code {
     Swizzle(u8, u16),
     /// A vector of numbers.
     Vector(u8),
-    /// Sum, difference or product of a vector and a vector or number.
+    /// An operation on each component of a vector; arguments that are numbers count for each.
     VectorOp(Op, u8),
+    /// A vector of one number.
+    Splat(u8),
     /// The surface's struct from its fields.
     Surface,
 }
@@ -63,6 +66,10 @@ pub struct Body {
     index: FxHashMap<u64, u32>,
     /// Fields of shapes at arguments where a gradient, if it is called there, gives them too.
     fields: Vec<(ExprId, TargetId, Vec<ExprId>)>,
+    /// Vectors that were made of numbers.
+    pub(super) joined: FxHashMap<[ExprId; 4], Joined>,
+    /// Numbers that are components of a vector made of them.
+    pub(super) parts: FxHashMap<ExprId, Part>,
 }
 
 /// What is bound while a formula is opened.
@@ -183,106 +190,15 @@ impl Body {
         }
     }
 
-    /// The vector of some numbers, as a person would write it: `p`, `p.xz`, `p - vec3f(…)`, `p * s`, or all written out.
-    pub fn vector(&mut self, parts: &[ExprId]) -> ExprId {
-        if let Some(whole) = self.swizzle(parts) {
-            return whole;
-        }
-        if let Some(combined) = self.combined(parts) {
-            return combined;
-        }
-        self.add(Code::Vector(parts.len() as u8), parts)
-    }
-
     /// Number of components of an expression.
     pub fn components(&self, id: ExprId) -> u8 {
         match self.code(id) {
-            Code::Point(n) | Code::Vector(n) | Code::Swizzle(n, _) | Code::VectorOp(_, n) | Code::Uniform(_, n) => n,
+            Code::Point(n) | Code::Vector(n) | Code::Swizzle(n, _) | Code::Uniform(_, n) => n,
+            Code::VectorOp(_, n) | Code::Splat(n) => n,
             Code::World | Code::Scene | Code::Normal => 3,
             Code::Call(_) => 4,
             _ => 1,
         }
-    }
-
-    fn swizzle(&mut self, parts: &[ExprId]) -> Option<ExprId> {
-        let (mut base, mut order, mut identity) = (None, 0u16, true);
-        for (i, &part) in parts.iter().enumerate() {
-            let Code::Component(c) = self.code(part) else { return None };
-            let of = *self.arguments(part).first()?;
-            if *base.get_or_insert(of) != of {
-                return None;
-            }
-            order |= u16::from(c) << (4 * i);
-            identity &= usize::from(c) == i;
-        }
-        let (base, count) = (base?, parts.len() as u8);
-        if identity && self.components(base) == count {
-            return Some(base);
-        }
-        Some(self.add(Code::Swizzle(count, order), &[base]))
-    }
-
-    /// A vector plus or minus numbers, or times one.
-    fn combined(&mut self, parts: &[ExprId]) -> Option<ExprId> {
-        let count = parts.len();
-        let (mut inner, mut amounts) = ([0; 4], [0; 4]);
-        let (mut sums, mut differences, mut products) = (0, 0, 0);
-        let mut factor = None;
-        for (i, &part) in parts.iter().enumerate() {
-            let args = self.arguments(part);
-            let (x, y) = match (self.code(part), args) {
-                (Code::Op(Op::Add), &[x, y]) => {
-                    sums += 1;
-                    (x, Some(y))
-                }
-                (Code::Op(Op::Sub), &[x, y]) => {
-                    differences += 1;
-                    (x, Some(y))
-                }
-                (Code::Op(Op::Mul), &[x, y]) => {
-                    products += 1;
-                    // The common factor may stand on either side.
-                    let (x, y) = if matches!(self.code(x), Code::Component(_)) { (x, y) } else { (y, x) };
-                    if *factor.get_or_insert(y) != y {
-                        return None;
-                    }
-                    (x, Some(y))
-                }
-                (Code::Component(_), _) => (part, None),
-                _ => return None,
-            };
-            *inner.get_mut(i)? = x;
-            *amounts.get_mut(i)? = y.unwrap_or(NONE);
-        }
-        let inner = inner.get(..count)?;
-        if products == count {
-            let vector = self.swizzle(inner)?;
-            return Some(self.add(Code::VectorOp(Op::Mul, count as u8), &[vector, factor?]));
-        }
-        if products > 0 || sums + differences == 0 {
-            return None;
-        }
-        // One sign for all: a constant can change its own.
-        let op = if differences > 0 { Op::Sub } else { Op::Add };
-        let vector = self.swizzle(inner)?;
-        for (i, amount) in amounts.iter_mut().take(count).enumerate() {
-            if *amount == NONE {
-                *amount = self.constant(0.0);
-                continue;
-            }
-            let part = *parts.get(i)?;
-            if self.code(part) != Code::Op(op) {
-                let turned = -self.as_constant(*amount)?;
-                *amount = self.constant(turned);
-            }
-        }
-        let amount = amounts.get(..count)?;
-        let all_equal = amount.iter().all(|a| Some(a) == amount.first());
-        let other = match amount.first() {
-            Some(&a) if all_equal => a,
-            _ => self.vector(amount),
-        };
-        Some(self.add(Code::VectorOp(op, count as u8), &[vector, other]))
     }
 
     /// Opens formulas in a space. What they call is opened too, or called, as was decided.
@@ -316,7 +232,10 @@ impl Body {
                 }
                 let result = match *buffer {
                     [one] => one,
-                    _ => self.add(Code::Vector(buffer.len() as u8), &buffer),
+                    _ => {
+                        self.prefer(buffer.get(..3));
+                        self.add(Code::Vector(buffer.len() as u8), &buffer)
+                    }
                 };
                 let (start, count) = frame.arguments;
                 if let Some(target) = frame.target.and_then(|t| plans.get(t)) {
@@ -364,6 +283,8 @@ impl Body {
                     if target.stands_alone {
                         self.call(graph, plans, id, &buffer)
                     } else {
+                        // The reader sees where each shape has its own space.
+                        self.prefer(buffer.get(..3));
                         let start = arguments.len();
                         arguments.extend_from_slice(&buffer);
                         frames.push(Frame {
@@ -402,7 +323,7 @@ impl Body {
         let results = self.open(plans, graph, &target.plan, space, outside)?;
         Ok(match *results {
             [one] => one,
-            _ => self.vector(&results),
+            _ => self.gradient(&results),
         })
     }
 
@@ -435,37 +356,61 @@ impl Body {
         call
     }
 
-    /// Whether [`Body::shared_fields`] can find anything.
-    pub fn may_share(&self) -> bool {
-        !self.fields.is_empty()
-    }
-
-    /// Whether a component of a vector is asked for.
-    pub fn is_taken_apart(&self, vector: ExprId) -> bool {
-        (0..4).any(|i| self.look_up(Code::Component(i), &[vector]).1.is_some())
-    }
-
-    /// Fields that a gradient's call, which is computed anyway, gives as its fourth component: what stands for what.
-    pub fn shared_fields(
-        &mut self,
-        graph: &Graph,
-        plans: &Plans,
-        live: &[bool],
-    ) -> FxHashMap<ExprId, ExprId> {
+    /// What need not be computed, since something that is computed anyway holds it: what stands for what.
+    pub fn shared(&mut self, graph: &Graph, plans: &Plans, root: ExprId) -> FxHashMap<ExprId, ExprId> {
         let mut shared = FxHashMap::default();
+        if self.fields.is_empty() && self.parts.is_empty() {
+            return shared;
+        }
+        let mut live = vec![false; self.exprs.len()];
+        self.mark(root, &mut live);
+        // A field is the fourth component of a gradient's call at the same place.
         for (field, gradient, args) in std::mem::take(&mut self.fields) {
             // Only what was computed from the arguments may be read from their call: else it would wait for itself.
-            if args.iter().any(|&a| a >= field) {
+            if args.iter().any(|&a| a >= field) || !is_live(&live, field) {
                 continue;
             }
             let call = self.call(graph, plans, gradient, &args);
-            if live.get(call as usize) == Some(&true) {
+            if is_live(&live, call) {
                 let component = self.component(call, 3);
                 shared.insert(field, component);
             }
         }
+        // A number is a component of the vector that was made of it: where that is there anyway, or serves for two numbers.
+        // A vector's parts are newer than those of the vectors inside it.
+        let mut wanted: FxHashMap<ExprId, u32> = FxHashMap::default();
+        for id in (0..live.len() as ExprId).rev().filter(|id| !shared.contains_key(id)) {
+            if let Some(part) = self.parts.get(&id).filter(|p| p.plain && is_live(&live, id)) {
+                *wanted.entry(part.vector).or_insert(0) += 1;
+            }
+        }
+        for id in (0..live.len() as ExprId).rev() {
+            if !is_live(&live, id) || shared.contains_key(&id) {
+                continue;
+            }
+            let Some(&part) = self.parts.get(&id) else { continue };
+            if is_live(&live, part.vector) || wanted.get(&part.vector).is_some_and(|n| *n > 1) {
+                self.mark(part.vector, &mut live);
+                let component = self.component(part.vector, part.index);
+                shared.insert(id, component);
+            }
+        }
         shared
     }
+
+    fn mark(&self, root: ExprId, live: &mut [bool]) {
+        let mut stack = vec![root];
+        while let Some(id) = stack.pop() {
+            if let Some(live) = live.get_mut(id as usize).filter(|l| !**l) {
+                *live = true;
+                stack.extend_from_slice(self.arguments(id));
+            }
+        }
+    }
+}
+
+fn is_live(live: &[bool], id: ExprId) -> bool {
+    live.get(id as usize) == Some(&true)
 }
 
 impl Terms for Body {

@@ -15,7 +15,7 @@ pub struct Piece {
 }
 
 /// Helpers, in the order in which they are emitted. The place is the helper's bit in [`Helpers`].
-pub const HELPERS: [Piece; 6] = [
+pub const HELPERS: [Piece; 7] = [
     Piece { name: "square", text: "\
 fn sf_square(a: f32) -> f32 {
   return a * a;
@@ -27,6 +27,15 @@ fn sf_square(a: f32) -> f32 {
 fn sf_div(a: f32, b: f32) -> f32 {
   if abs(b) < 1e-28 {
     return 0.0;
+  }
+  return a / b;
+}
+" },
+    Piece { name: "div3", text: "\
+// a / b, and 0 where b is 0.
+fn sf_div3(a: vec3f, b: f32) -> vec3f {
+  if abs(b) < 1e-28 {
+    return vec3f(0.0);
   }
   return a / b;
 }

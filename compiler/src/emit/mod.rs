@@ -11,6 +11,7 @@ mod names;
 mod plan;
 mod translate;
 mod uniforms;
+mod vector;
 mod write;
 
 #[cfg(test)]
@@ -138,7 +139,7 @@ pub fn emit(
         let (space, arguments) = own_space(&mut body, dimensions, variables);
         let results = body.open(&plans, graph, &target.plan, &space, &uniforms)?;
         let gradient = target.group == Group::Gradient;
-        let result = if gradient { body.vector(&results) } else { results.first().copied().unwrap_or(0) };
+        let result = if gradient { body.gradient(&results) } else { results.first().copied().unwrap_or(0) };
         let text = &mut shapes_text;
         let function_name = names.get(&id).map_or("", |n| n.as_str());
         let _ = write!(text, "\nfn {function_name}({})", arguments.join(", "));

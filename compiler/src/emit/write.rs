@@ -8,7 +8,7 @@ use super::uniforms::Candidates;
 use crate::graph::Graph;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op, Terms};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::fmt::Write;
 
 /// What writing a function needs to know of the module.
@@ -59,6 +59,8 @@ struct Writer<'c, 'a> {
     /// All values, where a division needs to know; else empty.
     ranges: Vec<Interval>,
     locals: Scope,
+    /// Vectors of which components are read.
+    taken_apart: FxHashSet<ExprId>,
     operations: usize,
 }
 
@@ -71,7 +73,7 @@ pub fn write(
     arguments: &[&str],
     out: &mut String,
 ) -> usize {
-    let shared = shared_fields(context, body, root);
+    let shared = body.shared(context.graph, context.plans, root);
     let mut locals = Scope::default();
     for name in arguments {
         locals.reserve(name);
@@ -91,10 +93,17 @@ pub fn write(
         not_negative: vec![false; count],
         ranges: if divides { vec![Interval::ALL; count] } else { Vec::new() },
         locals,
+        taken_apart: FxHashSet::default(),
         operations: 0,
     };
     let root = writer.resolve(root);
     let (order, uses) = writer.order(root);
+    for &id in &order {
+        if let Code::Component(_) | Code::Swizzle(..) = writer.body.code(id) {
+            let vector = writer.argument(id, 0);
+            writer.taken_apart.insert(vector);
+        }
+    }
     for &id in &order {
         writer.expression(id, uses.get(id as usize).copied().unwrap_or(0), id == root);
     }
@@ -103,22 +112,6 @@ pub fn write(
     let result = writer.scratch.get(range).unwrap_or("0.0");
     let _ = writeln!(writer.out, "  return {result};");
     writer.operations
-}
-
-/// Fields that a gradient gives that is called at the same place anyway.
-fn shared_fields(context: &Context, body: &mut Body, root: ExprId) -> FxHashMap<ExprId, ExprId> {
-    if !body.may_share() {
-        return FxHashMap::default();
-    }
-    let mut live = vec![false; body.len()];
-    let mut stack = vec![root];
-    while let Some(id) = stack.pop() {
-        if let Some(live) = live.get_mut(id as usize).filter(|l| !**l) {
-            *live = true;
-            stack.extend_from_slice(body.arguments(id));
-        }
-    }
-    body.shared_fields(context.graph, context.plans, &live)
 }
 
 impl Writer<'_, '_> {
@@ -189,11 +182,12 @@ impl Writer<'_, '_> {
         if text.atom || is_root {
             return;
         }
-        let negated = self.body.code(id) == Code::Op(Op::Neg);
-        let short = negated && self.text(self.argument(id, 0)).atom;
+        let light = matches!(self.body.code(id), Code::Op(Op::Neg) | Code::Splat(_));
+        let short = light && self.text(self.argument(id, 0)).atom;
         let named = self.body.named(id).is_some();
         // Components are taken of names only.
-        let whole = matches!(self.body.code(id), Code::Call(_)) && self.body.is_taken_apart(id);
+        let code = self.body.code(id);
+        let whole = matches!(code, Code::Call(_) | Code::VectorOp(..)) && self.taken_apart.contains(&id);
         if uses > 1 && !short || named || whole {
             self.bind(id);
         }
@@ -257,7 +251,7 @@ impl Writer<'_, '_> {
                 Some(t) if t.group == super::plan::Group::Gradient => "g",
                 _ => "d",
             },
-            Code::Vector(_) | Code::VectorOp(..) => "q",
+            Code::Vector(_) | Code::VectorOp(..) | Code::Splat(_) => "v",
             _ => "a",
         }
     }
@@ -451,7 +445,11 @@ impl Writer<'_, '_> {
             }
             Code::VectorOp(op, count) => {
                 self.operations += usize::from(count);
-                self.infix(id, op)
+                self.operation(id, op)
+            }
+            Code::Splat(count) => {
+                self.put(vector_type(count));
+                self.list(id)
             }
             Code::Surface => {
                 self.scratch.push_str(self.context.prefix);
@@ -516,6 +514,12 @@ impl Writer<'_, '_> {
         match op {
             Op::Add | Op::Sub | Op::Mul => return self.infix(id, op),
             Op::Div if self.is_safe_below(self.argument(id, 1)) => return self.infix(id, op),
+            Op::Div if self.body.components(id) == 3 => {
+                self.context.helpers.need("div3");
+                self.scratch.push_str(self.context.prefix);
+                self.put("div3");
+                return self.list(id);
+            }
             Op::Square if self.text(a).atom => {
                 self.put_number(a, 8);
                 self.put(" * ");

@@ -477,6 +477,16 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
         Op::Mul if is(cb, 1.0) => Some(a),
         Op::Mul if is(ca, -1.0) => Some(graph.op(Op::Neg, &[b])),
         Op::Mul if is(cb, -1.0) => Some(graph.op(Op::Neg, &[a])),
+        Op::Mul => {
+            // c * (x * d) is (c * d) * x.
+            let (c, other) = ca.map(|c| (c, b)).or(cb.map(|c| (c, a)))?;
+            let (inner, &[x, y]) = graph.operation(other)? else { return None };
+            let (cx, cy) = (graph.as_constant(x), graph.as_constant(y));
+            let (d, x) = cx.map(|d| (d, y)).or(cy.map(|d| (d, x))).filter(|_| inner == Op::Mul)?;
+            let factor = if (c * d - 1.0).abs() < 1e-15 { 1.0 } else { c * d };
+            let factor = graph.constant(factor);
+            Some(graph.op(Op::Mul, &[factor, x]))
+        }
         Op::Div if is(cb, 1.0) => Some(a),
         Op::Div if is(ca, 0.0) => Some(graph.constant(0.0)),
         Op::Div => {

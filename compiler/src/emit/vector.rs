@@ -1,0 +1,281 @@
+//! Numbers that belong together as one vector: `p`, `p.xz`, `abs(p) - vec3f(…)`, as a person would write them.
+//!
+//! Three numbers that are made alike (the same operation, of numbers that are made alike) become one operation on vectors.
+//! Where such a number is used by itself too, it is read from the vector.
+
+use super::body::{Body, Code, ExprId};
+use crate::graph::kernel::{Op, Terms};
+
+/// A vector made of numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct Joined {
+    /// The vector.
+    id: ExprId,
+    /// How many vectors inside are put together from numbers that have nothing in common.
+    gathers: u32,
+    /// The newest number inside; numbers that are newer may be read from the vector.
+    newest: ExprId,
+}
+
+/// Where else a number stands.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// The vector that was made of it and others.
+    pub vector: ExprId,
+    /// Which component it is.
+    pub index: u8,
+    /// Whether the vector is worth having for two of its components.
+    pub plain: bool,
+}
+
+/// No more operations than this lie within each other in one search: it is made by recursion.
+const DEPTH: u32 = 64;
+
+const NONE: ExprId = ExprId::MAX;
+
+impl Body {
+    /// The vector of some numbers, 2 to 4.
+    pub fn vector(&mut self, parts: &[ExprId]) -> ExprId {
+        self.join(parts, 0).id
+    }
+
+    /// Numbers that belong together, as the point or the gradient of a shape that is opened. They are read from a vector
+    /// where two of them are used.
+    pub fn prefer(&mut self, parts: Option<&[ExprId]>) {
+        let Some(parts) = parts else { return };
+        let vector = self.vector(parts);
+        for id in parts {
+            if let Some(part) = self.parts.get_mut(id).filter(|p| p.vector == vector) {
+                part.plain = true;
+            }
+        }
+    }
+
+    /// A gradient and the field, as one vector.
+    pub fn gradient(&mut self, results: &[ExprId]) -> ExprId {
+        let (Some(slope), Some(&field)) = (results.get(..3), results.get(3)) else {
+            return self.constant(0.0);
+        };
+        match self.swizzle(results) {
+            Some((whole, _)) => whole,
+            None => {
+                let slope = self.vector(slope);
+                self.add(Code::Vector(4), &[slope, field])
+            }
+        }
+    }
+
+    fn join(&mut self, parts: &[ExprId], depth: u32) -> Joined {
+        let mut key = [NONE; 4];
+        for (slot, &part) in key.iter_mut().zip(parts) {
+            *slot = part;
+        }
+        if let Some(known) = self.joined.get(&key) {
+            return *known;
+        }
+        let joined = self.find(parts, depth).unwrap_or_else(|| {
+            let constant = parts.iter().all(|&p| self.as_constant(p).is_some());
+            let newest = parts.iter().copied().max().unwrap_or(0);
+            let id = self.add(Code::Vector(parts.len() as u8), parts);
+            Joined { id, gathers: u32::from(!constant), newest: if constant { 0 } else { newest } }
+        });
+        self.joined.insert(key, joined);
+        if matches!(self.code(joined.id), Code::VectorOp(..)) {
+            for (i, &part) in parts.iter().enumerate() {
+                if part > joined.newest {
+                    let (vector, index, plain) = (joined.id, i as u8, joined.gathers == 0);
+                    self.parts.entry(part).or_insert(Part { vector, index, plain });
+                }
+            }
+        }
+        joined
+    }
+
+    /// Something better than all components written out.
+    fn find(&mut self, parts: &[ExprId], depth: u32) -> Option<Joined> {
+        if let Some((id, base)) = self.swizzle(parts) {
+            return Some(Joined { id, gathers: 0, newest: base });
+        }
+        if depth >= DEPTH {
+            return None;
+        }
+        let first = *parts.first()?;
+        let mut ops = parts.iter().map(|&p| self.operation(p).map(|o| o.0));
+        let op = ops.next()?;
+        let same = ops.all(|o| o == op);
+        match op {
+            Some(op) if same => match op {
+                Op::Neg | Op::Abs | Op::Sign | Op::Floor | Op::Ceil | Op::Trunc | Op::Round => {
+                    let inner = self.join(&self.column(parts, 0), depth + 1);
+                    self.combine(op, parts.len(), &[inner])
+                }
+                Op::Min | Op::Max => {
+                    let a = self.operand(&self.column(parts, 0), depth, true);
+                    let b = self.operand(&self.column(parts, 1), depth, true);
+                    self.combine(op, parts.len(), &[a, b])
+                }
+                Op::Select => {
+                    let conditions = self.column(parts, 0);
+                    let condition = *conditions.first()?;
+                    if conditions.iter().any(|&c| c != condition) {
+                        return None;
+                    }
+                    let a = self.operand(&self.column(parts, 1), depth, true);
+                    let b = self.operand(&self.column(parts, 2), depth, true);
+                    let condition = Joined { id: condition, gathers: 0, newest: condition };
+                    self.combine(op, parts.len(), &[condition, a, b])
+                }
+                Op::Div => {
+                    let below = self.column(parts, 1);
+                    let divisor = *below.first()?;
+                    // The helper takes three and a number.
+                    let plain = parts.len() == 3 || self.as_constant(divisor).is_some();
+                    if !plain || below.iter().any(|&b| b != divisor) {
+                        return None;
+                    }
+                    let a = self.join(&self.column(parts, 0), depth + 1);
+                    let b = Joined { id: divisor, gathers: 0, newest: divisor };
+                    self.combine(op, parts.len(), &[a, b])
+                }
+                Op::Mul => {
+                    // A common factor may stand on either side.
+                    let (x, y) = (self.argument(first, 0), self.argument(first, 1));
+                    let has = |f| parts.iter().all(|&p| self.argument(p, 0) == f || self.argument(p, 1) == f);
+                    let common = if has(y) { Some(y) } else { Some(x).filter(|&x| has(x)) };
+                    let (a, b) = match common {
+                        Some(f) => {
+                            let rest: Vec<ExprId> = parts
+                                .iter()
+                                .map(|&p| {
+                                    let (x, y) = (self.argument(p, 0), self.argument(p, 1));
+                                    if y == f { x } else { y }
+                                })
+                                .collect();
+                            let a = self.join(&rest, depth + 1);
+                            (a, Joined { id: f, gathers: 0, newest: self.age(f) })
+                        }
+                        None => {
+                            let a = self.join(&self.column(parts, 0), depth + 1);
+                            (a, self.join(&self.column(parts, 1), depth + 1))
+                        }
+                    };
+                    self.combine(op, parts.len(), &[a, b])
+                }
+                Op::Add | Op::Sub => self.sum(parts, depth),
+                _ => None,
+            },
+            _ => self.sum(parts, depth),
+        }
+    }
+
+    /// A vector plus or minus a vector or a number. Components without either count as plus zero, constants change their sign
+    /// as is needed.
+    fn sum(&mut self, parts: &[ExprId], depth: u32) -> Option<Joined> {
+        let (mut inner, mut amounts) = (Vec::with_capacity(4), Vec::with_capacity(4));
+        // Operations, and those among them that can't change their sign.
+        let (mut sums, mut differences) = ((0, 0), (0, 0));
+        for &part in parts {
+            let (x, y) = match self.operation(part) {
+                Some((op @ (Op::Add | Op::Sub), &[x, y])) => {
+                    let fixed = u32::from(self.as_constant(y).is_none());
+                    let count = if op == Op::Add { &mut sums } else { &mut differences };
+                    *count = (count.0 + 1, count.1 + fixed);
+                    (x, y)
+                }
+                _ => (part, NONE),
+            };
+            inner.push(x);
+            amounts.push(y);
+        }
+        let all = parts.len() as u32;
+        let alike = sums.0 == all || differences.0 == all;
+        if sums.0 + differences.0 == 0 || sums.1 > 0 && differences.1 > 0 {
+            return None;
+        }
+        let mut op = if sums.1 > 0 || differences.0 == 0 { Op::Add } else { Op::Sub };
+        let mut least_sign = sums.1 + differences.1 == 0;
+        for (&part, amount) in parts.iter().zip(&mut amounts) {
+            if *amount == NONE {
+                *amount = self.constant(0.0);
+            } else if let Some(c) = self.as_constant(*amount) {
+                let turn = self.operation(part).map(|o| o.0) != Some(op);
+                let c = if turn { -c } else { c };
+                least_sign &= c <= 0.0;
+                *amount = self.constant(c);
+            }
+        }
+        if least_sign {
+            op = if op == Op::Add { Op::Sub } else { Op::Add };
+            for amount in &mut amounts {
+                let c = self.as_constant(*amount).unwrap_or(0.0);
+                *amount = self.constant(-c);
+            }
+        }
+        let a = self.join(&inner, depth + 1);
+        // Numbers without an addition among them should at least have something in common.
+        if !alike && a.gathers > 0 {
+            return None;
+        }
+        let b = self.operand(&amounts, depth, false);
+        self.combine(op, parts.len(), &[a, b])
+    }
+
+    /// A vector, or one number for all components; as a vector of its own where the operation wants that.
+    fn operand(&mut self, parts: &[ExprId], depth: u32, vector: bool) -> Joined {
+        match parts.first() {
+            Some(&first) if parts.iter().all(|&p| p == first) => {
+                let newest = self.age(first);
+                let id = if vector { self.add(Code::Splat(parts.len() as u8), &[first]) } else { first };
+                Joined { id, gathers: 0, newest }
+            }
+            _ => self.join(parts, depth + 1),
+        }
+    }
+
+    fn combine(&mut self, op: Op, count: usize, args: &[Joined]) -> Option<Joined> {
+        let gathers: u32 = args.iter().map(|a| a.gathers).sum();
+        // Two vectors written out have nothing in common either.
+        let written_out = |a: &&Joined| a.gathers > 0 && matches!(self.code(a.id), Code::Vector(_));
+        if op != Op::Select && args.iter().filter(written_out).count() > 1 {
+            return None;
+        }
+        let ids: Vec<ExprId> = args.iter().map(|a| a.id).collect();
+        let newest = args.iter().map(|a| a.newest).max().unwrap_or(0);
+        let id = self.add(Code::VectorOp(op, count as u8), &ids);
+        Some(Joined { id, gathers, newest })
+    }
+
+    /// The number of an expression, a constant's being the oldest: it waits for nothing.
+    fn age(&self, id: ExprId) -> ExprId {
+        if self.as_constant(id).is_some() { 0 } else { id }
+    }
+
+    fn argument(&self, id: ExprId, i: usize) -> ExprId {
+        self.arguments(id).get(i).copied().unwrap_or(NONE)
+    }
+
+    fn column(&self, parts: &[ExprId], i: usize) -> Vec<ExprId> {
+        parts.iter().map(|&p| self.argument(p, i)).collect()
+    }
+
+    /// The numbers as components of one vector, if they are that; and what they were taken from.
+    fn swizzle(&mut self, parts: &[ExprId]) -> Option<(ExprId, ExprId)> {
+        let (mut base, mut order, mut identity) = (None, 0u16, true);
+        for (i, &part) in parts.iter().enumerate() {
+            let (of, c) = match self.code(part) {
+                Code::Component(c) => (*self.arguments(part).first()?, c),
+                _ => self.parts.get(&part).map(|p| (p.vector, p.index))?,
+            };
+            if *base.get_or_insert(of) != of {
+                return None;
+            }
+            order |= u16::from(c) << (4 * i);
+            identity &= usize::from(c) == i;
+        }
+        let (base, count) = (base?, parts.len() as u8);
+        if identity && self.components(base) == count {
+            return Some((base, base));
+        }
+        Some((self.add(Code::Swizzle(count, order), &[base]), base))
+    }
+}
