@@ -90,6 +90,7 @@ pub struct Builder<'a> {
     extent: f64,
     domains: FxHashMap<ShapeId, Domain>,
     treatments: FxHashMap<(ShapeId, NodeId, Vec<u64>, bool), Option<Treatment>>,
+    regions: FxHashMap<(NodeId, Vec<u64>, bool), Option<(Domain, Box3, f64)>>,
     built: Functions,
     /// What was found on the way.
     pub diagnostics: Vec<Diagnostic>,
@@ -115,6 +116,7 @@ pub fn build(
         extent: blocks.extent,
         domains: FxHashMap::default(),
         treatments: FxHashMap::default(),
+        regions: FxHashMap::default(),
         built: Functions::default(),
         diagnostics: Vec::new(),
         kind: Kind::Exact,
@@ -192,7 +194,7 @@ impl Builder<'_> {
             .graph
             .shape(self.root)
             .map(|s| s.value)
-            .map(|value| self.facts.region(self.graph, value, &domain, 0.0))
+            .map(|value| self.facts.rough_region(self.graph, value, &domain))
             .filter(|r| !r.is_empty() && r.0.iter().all(|i| i.lo > -self.extent && i.hi < self.extent))
             .map(|r| [r.0.map(|i| i.lo), r.0.map(|i| i.hi)]);
         Summary { nodes: nodes.len(), primitives, factor, kind: self.kind, bounds }
@@ -281,6 +283,16 @@ impl Builder<'_> {
     /// For an intersection or a moved shape that has no constant over all space: its region, how far beyond it is trusted, and the domain
     /// that its parts then need. None where it needs no region.
     fn narrowed(&mut self, node: NodeId, domain: &Domain) -> Option<(Domain, Box3, f64)> {
+        let key = (node, domain.key(), domain.narrowed);
+        if let Some(known) = self.regions.get(&key) {
+            return known.clone();
+        }
+        let found = self.find_narrowed(node, domain);
+        self.regions.insert(key, found.clone());
+        found
+    }
+
+    fn find_narrowed(&mut self, node: NodeId, domain: &Domain) -> Option<(Domain, Box3, f64)> {
         let everywhere = domain.at(Box3::ALL);
         let unbounded = match self.graph.node(node).clone() {
             Node::Call(_, _, args) => {

@@ -157,6 +157,9 @@ pub struct Facts {
     ranges: FxHashMap<(ShapeId, Vec<u64>), Interval>,
     regions: FxHashMap<(NodeId, Vec<u64>, u64), Box3>,
     constants: FxHashMap<(NodeId, Vec<u64>), Constant>,
+    maps: FxHashMap<(Vec<NodeId>, Vec<u64>), Constant>,
+    /// How many more shapes the contraction at hand may enter.
+    entries: u32,
     /// Boxes evaluated so far.
     pub boxes: u64,
 }
@@ -273,13 +276,19 @@ impl Facts {
         domain: &Domain,
         budget: usize,
     ) -> Constant {
+        let key = (point.to_vec(), domain.key());
+        if let Some(known) = self.maps.get(&key) {
+            return *known;
+        }
         let tape = Tape::new(graph, point);
-        self.supremum(domain, budget, |facts, d| {
+        let rows: Vec<usize> = tape.roots().collect();
+        let constant = self.supremum(domain, budget, |facts, d| {
             let duals = facts.all_duals(graph, &tape, d);
-            let rows: Vec<usize> = tape.roots().collect();
             let jumps = rows.iter().any(|&r| duals.get(r).is_some_and(|d| d.jumps != 0));
             (dual::map_norm(&tape, &duals, &rows), jumps)
-        })
+        });
+        self.maps.insert(key, constant);
+        constant
     }
 
     /// The largest of `norm` over a domain, the worst box split again and again.

@@ -7,6 +7,10 @@ use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Graph, Leaf, NodeId, ShapeId};
 
+/// How many boxes the cutting of one region may cost, those of the shapes inside counted in.
+const SLABS: u64 = 160;
+/// How many shapes one contraction may enter, shared ones counted each time.
+const ENTRIES: u32 = 400;
 /// How many steps one contraction may visit, shared steps counted each time.
 const VISITS: usize = 4000;
 
@@ -19,6 +23,7 @@ impl Facts {
         }
         let mut region = domain.point;
         let tape = self.tape(graph, node);
+        self.entries = ENTRIES;
         for _ in 0..3 {
             let before = region.size();
             region = self.contract(graph, &tape, &domain.at(region), Interval::new(f64::NEG_INFINITY, level));
@@ -33,6 +38,13 @@ impl Facts {
         region
     }
 
+    /// The same, found at once and not as tight.
+    pub fn rough_region(&mut self, graph: &Graph, node: NodeId, domain: &Domain) -> Box3 {
+        let tape = self.tape(graph, node);
+        self.entries = ENTRIES;
+        self.contract(graph, &tape, domain, Interval::new(f64::NEG_INFINITY, 0.0))
+    }
+
     /// Cuts off slabs at the faces in which the formula is above the level everywhere.
     fn shave(
         &mut self,
@@ -42,12 +54,13 @@ impl Facts {
         mut region: Box3,
         level: f64,
     ) -> Box3 {
+        let first = self.boxes;
         for _ in 0..2 {
             let before = region;
             for axis in 0..3 {
                 for upper in [false, true] {
                     let mut part = 0.5;
-                    while part > 0.02 {
+                    while part > 0.02 && self.boxes - first < SLABS {
                         let side = region.axis(axis);
                         let cut = side.width() * part;
                         if cut <= 0.0 {
@@ -99,6 +112,10 @@ impl Facts {
     ) -> Box3 {
         let Some(s) = graph.shape(shape) else { return Box3::ALL };
         let domain = call_domain(&s.variables, args);
+        if self.entries == 0 {
+            return domain.point;
+        }
+        self.entries -= 1;
         if target.lo == f64::NEG_INFINITY {
             let key = (s.value, domain.key(), target.hi.to_bits());
             if let Some(known) = self.regions.get(&key) {
