@@ -923,9 +923,12 @@ impl Builder<'_> {
     pub fn gradient(&mut self, root: NodeId) -> [NodeId; 3] {
         let zero = self.graph.constant(0.0);
         let one = self.graph.constant(1.0);
-        let mut gradients: FxHashMap<NodeId, [NodeId; 3]> = FxHashMap::default();
-        for id in self.graph.reachable(&[root]) {
-            let of = |a: &NodeId, g: &FxHashMap<NodeId, [NodeId; 3]>| g.get(a).copied().unwrap_or([zero; 3]);
+        let order = self.graph.reachable(&[root]);
+        let mut gradients: Vec<[NodeId; 3]> = Vec::with_capacity(order.len());
+        for &id in &order {
+            let of = |a: &NodeId, g: &[[NodeId; 3]]| {
+                order.binary_search(a).ok().and_then(|i| g.get(i).copied()).unwrap_or([zero; 3])
+            };
             let gradient = match self.graph.node(id).clone() {
                 Node::Leaf(Leaf::P(i)) => {
                     let mut unit = [zero; 3];
@@ -935,13 +938,17 @@ impl Builder<'_> {
                     unit
                 }
                 Node::Op(op @ (Op::Min | Op::Max), args) => {
-                    let (Some(&a), Some(&b)) = (args.first(), args.get(1)) else { continue };
+                    let (Some(&a), Some(&b)) = (args.first(), args.get(1)) else {
+                        gradients.push([zero; 3]);
+                        continue;
+                    };
                     let (ga, gb) = (of(&a, &gradients), of(&b, &gradients));
                     let first = self.graph.op(Op::Le, &if op == Op::Min { [a, b] } else { [b, a] });
                     self.pick(first, ga, gb)
                 }
                 Node::Op(Op::Select, args) => {
                     let (Some(&c), Some(a), Some(b)) = (args.first(), args.get(1), args.get(2)) else {
+                        gradients.push([zero; 3]);
                         continue;
                     };
                     self.pick(c, of(a, &gradients), of(b, &gradients))
@@ -959,7 +966,10 @@ impl Builder<'_> {
                     let inner: Vec<[NodeId; 3]> = args.iter().map(|a| of(a, &gradients)).collect();
                     if inner.iter().skip(3).any(|g| *g != [zero; 3]) {
                         // A variable moves too: the formula is opened here.
-                        let Some(value) = self.graph.shape(shape).map(|s| s.value) else { continue };
+                        let Some(value) = self.graph.shape(shape).map(|s| s.value) else {
+                        gradients.push([zero; 3]);
+                        continue;
+                    };
                         let opened = self.graph.open(shape, value, &args);
                         self.gradient(opened)
                     } else {
@@ -972,9 +982,9 @@ impl Builder<'_> {
                 Node::Claim(args, _) => args.first().map_or([zero; 3], |a| of(a, &gradients)),
                 _ => [zero; 3],
             };
-            gradients.insert(id, gradient);
+            gradients.push(gradient);
         }
-        gradients.get(&root).copied().unwrap_or([zero; 3])
+        gradients.last().copied().unwrap_or([zero; 3])
     }
 
     fn pick(&mut self, condition: NodeId, a: [NodeId; 3], b: [NodeId; 3]) -> [NodeId; 3] {
@@ -1149,9 +1159,12 @@ impl Builder<'_> {
     fn slope(&mut self, node: NodeId, by: NodeId) -> NodeId {
         let zero = self.graph.constant(0.0);
         let one = self.graph.constant(1.0);
-        let mut slopes: FxHashMap<NodeId, NodeId> = FxHashMap::default();
-        for id in self.graph.reachable(&[node]) {
-            let of = |a: &NodeId, s: &FxHashMap<NodeId, NodeId>| s.get(a).copied().unwrap_or(zero);
+        let order = self.graph.reachable(&[node]);
+        let mut slopes: Vec<NodeId> = Vec::with_capacity(order.len());
+        for &id in &order {
+            let of = |a: &NodeId, s: &[NodeId]| {
+                order.binary_search(a).ok().and_then(|i| s.get(i).copied()).unwrap_or(zero)
+            };
             let slope = if id == by {
                 one
             } else {
@@ -1181,9 +1194,9 @@ impl Builder<'_> {
                     _ => zero,
                 }
             };
-            slopes.insert(id, slope);
+            slopes.push(slope);
         }
-        slopes.get(&node).copied().unwrap_or(zero)
+        slopes.last().copied().unwrap_or(zero)
     }
 
     fn pick_look(&mut self, condition: NodeId, a: Look, b: Look) -> Look {

@@ -373,15 +373,32 @@ impl Graph {
 
     /// Every node that the roots need, arguments before the nodes that use them, each once. Calls are not entered.
     pub fn reachable(&self, roots: &[NodeId]) -> Vec<NodeId> {
-        let mut seen = rustc_hash::FxHashSet::default();
-        let mut stack: Vec<NodeId> = roots.to_vec();
-        while let Some(id) = stack.pop() {
-            if seen.insert(id) {
-                stack.extend_from_slice(self.arguments(id));
+        let Some(last) = roots.iter().map(|r| r.0 as usize).max() else { return Vec::new() };
+        // Arguments have smaller indices, so one pass from the last root down finds all, in order.
+        let mut marked = vec![0u64; last / 64 + 1];
+        let mark = |marked: &mut [u64], id: NodeId| {
+            if let Some(word) = marked.get_mut(id.0 as usize / 64) {
+                *word |= 1 << (id.0 % 64);
+            }
+        };
+        for &root in roots {
+            mark(&mut marked, root);
+        }
+        let mut order = Vec::new();
+        for index in (0..marked.len()).rev() {
+            // Marking can add lower bits to the word at hand.
+            let mut below = u64::MAX;
+            while let Some(word) = marked.get(index).map(|w| w & below).filter(|w| *w != 0) {
+                let bit = 63 - word.leading_zeros();
+                below = (1 << bit) - 1;
+                let id = NodeId((index * 64) as u32 + bit);
+                order.push(id);
+                for &argument in self.arguments(id) {
+                    mark(&mut marked, argument);
+                }
             }
         }
-        let mut order: Vec<NodeId> = seen.into_iter().collect();
-        order.sort_unstable();
+        order.reverse();
         order
     }
 
@@ -406,9 +423,13 @@ impl Graph {
         roots: &[NodeId],
         replace: impl Fn(Leaf) -> Option<NodeId>,
     ) -> Vec<NodeId> {
-        let mut done: FxHashMap<NodeId, NodeId> = FxHashMap::default();
-        for id in self.reachable(roots) {
-            let map = |a: &NodeId| done.get(a).copied().unwrap_or(*a);
+        let order = self.reachable(roots);
+        let mut done: Vec<NodeId> = Vec::with_capacity(order.len());
+        let find = |done: &[NodeId], a: &NodeId| {
+            order.binary_search(a).ok().and_then(|i| done.get(i).copied()).unwrap_or(*a)
+        };
+        for &id in &order {
+            let map = |a: &NodeId| find(&done, a);
             let new = match self.node(id).clone() {
                 Node::Leaf(leaf) => replace(leaf).unwrap_or(id),
                 Node::Op(op, args) => {
@@ -433,9 +454,9 @@ impl Graph {
                     self.locate(new, span);
                 }
             }
-            done.insert(id, new);
+            done.push(new);
         }
-        roots.iter().map(|r| done.get(r).copied().unwrap_or(*r)).collect()
+        roots.iter().map(|r| find(&done, r)).collect()
     }
 
     /// The formula of a shape with its point and variables replaced by the arguments of a call.
