@@ -5,7 +5,7 @@ use super::value::Value;
 use super::{Elaborated, Elaborator, Env};
 use crate::diagnostic::Code;
 use crate::graph::kernel::{Op, KERNEL};
-use crate::graph::NodeId;
+use crate::graph::{NodeId, ShapeId};
 use crate::source::Span;
 
 /// Names that can be called and are not declared in the prelude.
@@ -14,6 +14,7 @@ pub const FUNCTIONS: &[&str] = &[
     "acos", "atan", "atan2", "tanh", "length", "distance", "dot", "cross", "normalize", "vec2", "vec3", "vec4", "mat2",
     "mat3", "mat4", "transpose", "determinant", "inverse", "hash", "hash2", "hash3", "turn", "turn_about", "at",
     "material", "paint", "float", "int", "grid", "polar", "value",
+    "low_corner", "high_corner",
 ];
 
 /// Names that stand for a value and are not declared in the prelude.
@@ -35,7 +36,8 @@ impl Elaborator<'_> {
         env: &Env,
     ) -> Elaborated<Value> {
         // In a formula, a shape among numbers is its field.
-        let takes_shape = matches!(name, "at" | "material" | "paint" | "value");
+        let takes_shape =
+            matches!(name, "at" | "material" | "paint" | "value" | "low_corner" | "high_corner");
         let mut values: Vec<Value> = Vec::with_capacity(args.len());
         for (value, at) in args {
             values.push(match value {
@@ -175,6 +177,9 @@ impl Elaborator<'_> {
                 self.graph.locate(node, span);
                 Ok(Value::number(node))
             }
+            ("low_corner" | "high_corner", [Value::Shape(id)]) => {
+                Ok(self.corner(*id, name == "high_corner"))
+            }
             ("at", [Value::Nothing, _]) => Ok(Value::number(self.graph.constant(crate::graph::FAR))),
             ("material", [Value::Shape(id), m]) => {
                 let Value::Material(m) = m else { return Err(self.not_material(m, place(1))) };
@@ -239,6 +244,21 @@ impl Elaborator<'_> {
                 ))
             }
         }
+    }
+
+    /// A corner of a box that surely holds a shape, whatever the parameters are. Where it has no end, the box ends far away.
+    fn corner(&mut self, shape: ShapeId, high: bool) -> Value {
+        const ENDLESS: f64 = 1e6;
+        let region = self.facts.body_region(&mut self.graph, shape, &|_| None, ENDLESS);
+        let dimensions = usize::from(self.dimensions(shape));
+        let cells: Vec<NodeId> = (0..dimensions)
+            .map(|i| {
+                let side = region.axis(i);
+                let end = if high { side.hi } else { side.lo };
+                self.graph.constant(if side.is_empty() { 0.0 } else { end })
+            })
+            .collect();
+        Value::Vector(cells.into())
     }
 
     fn not_material(&mut self, value: &Value, span: Span) -> super::Stop {
@@ -500,6 +520,7 @@ fn usage(name: &str) -> (String, usize) {
         "turn_about" => ("turn_about(v, axis, angle)".into(), 3),
         "at" => ("s.at(q)".into(), 2),
         "material" => ("s.material(m)".into(), 2),
+        "low_corner" | "high_corner" => (format!("{name}(s)"), 1),
         "paint" => ("s.paint(mask, m)".into(), 3),
         "vec2" => ("vec2(x, y)".into(), 1),
         "vec3" => ("vec3(x, y, z)".into(), 1),
