@@ -220,7 +220,7 @@ fn assert_exact(body: &str) {
         tried += 1;
         assert!((length(g) - 1.0).abs() < 2e-4, "{body}: the slope is {} at {p:?}", length(g));
         let foot = probe.at(&[along(p, g, -field)])[0][0];
-        assert!(foot.abs() < 1e-4, "{body}: {field} from {p:?} the field is {foot}");
+        assert!(foot.abs() < 5e-4, "{body}: {field} from {p:?} the field is {foot}");
     }
     assert!(tried > POINTS / 2, "{body}: only {tried} smooth points");
 }
