@@ -6,7 +6,7 @@ use common::{EYE, gpu, sphere, sphere_in};
 use glam::DVec3;
 use surefoot_compiler::compiled::Export;
 use surefoot_runtime::headless::{self, FORMAT, Shot};
-use surefoot_runtime::{Picture, View, ViewMode, evaluate};
+use surefoot_runtime::{Gpu, Picture, View, ViewMode, evaluate};
 
 /// Where the ray of a pixel meets a sphere about the origin: the normal there, and how far beside the rim the ray passes.
 fn truth(x: u32, y: u32, (width, height): (u32, u32), radius: f64) -> (Option<DVec3>, f64) {
@@ -164,4 +164,101 @@ fn functions_at_points() {
     }
     assert!(evaluate(&gpu, &compiled, &live, [0.0; 3], Export::Field, &[]).unwrap().is_empty());
     assert!(evaluate(&gpu, &compiled, &live, [0.0; 3], Export::Trace, &points).is_err());
+}
+
+/// Draws into a rectangle of a larger target, as a window's panel does.
+fn draw_within(gpu: &Gpu, format: wgpu::TextureFormat, at: (u32, u32), size: (u32, u32)) -> Vec<u8> {
+    let compiled = sphere(1.0);
+    let live = compiled.live();
+    let mut picture = Picture::prepare(gpu, &compiled, format, ViewMode::Shaded).unwrap();
+    let view = View {
+        camera: compiled.frame(&live).cameras[0].1,
+        size: [size.0 as f32, size.1 as f32],
+        corner: [at.0 as f32, at.1 as f32],
+    };
+    picture.update(gpu.queue(), &compiled, &live, &view);
+    // A row of 128 pixels is a multiple of 256 bytes.
+    let (width, height) = (128, 96);
+    let device = gpu.device();
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(4 * width * height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let target = texture.create_view(&Default::default());
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations::default(),
+        })],
+        ..Default::default()
+    });
+    pass.set_viewport(at.0 as f32, at.1 as f32, size.0 as f32, size.1 as f32, 0.0, 1.0);
+    pass.set_scissor_rect(at.0, at.1, size.0, size.1);
+    picture.draw(&mut pass);
+    drop(pass);
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * width),
+                rows_per_image: None,
+            },
+        },
+        texture.size(),
+    );
+    gpu.queue().submit([encoder.finish()]);
+    buffer.map_async(wgpu::MapMode::Read, .., |result| result.unwrap());
+    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    let all = buffer.get_mapped_range(..).unwrap().to_vec();
+    let rows = all.chunks(4 * width as usize).skip(at.1 as usize).take(size.1 as usize);
+    rows.flat_map(|row| row[4 * at.0 as usize..][..4 * size.0 as usize].to_vec()).collect()
+}
+
+#[test]
+fn a_panel_shows_the_same_picture_whatever_encodes_its_colours() {
+    let gpu = gpu();
+    let (at, size) = ((40, 21), (64, 48));
+    let compiled = sphere(1.0);
+    let want = headless::render(&gpu, &compiled, &compiled.live(), &Shot::new(size.0, size.1)).unwrap();
+    let plain = draw_within(&gpu, wgpu::TextureFormat::Rgba8Unorm, at, size);
+    // The corner is added and taken away again in 32 bits: a digit of the colour may turn over.
+    let off = |got: &[u8]| want.rgba.iter().zip(got).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+    assert!(off(&plain) <= 1, "{}", off(&plain));
+    let encoded = draw_within(&gpu, wgpu::TextureFormat::Rgba8UnormSrgb, at, size);
+    assert!(off(&encoded) <= 1, "{}", off(&encoded));
+}
+
+#[test]
+fn a_foreign_device_will_do() {
+    let instance = wgpu::Instance::default();
+    let adapter = pollster::block_on(instance.request_adapter(&Default::default())).unwrap();
+    // As little as a program can ask for.
+    let descriptor = wgpu::DeviceDescriptor {
+        required_limits: wgpu::Limits::downlevel_defaults(),
+        ..Default::default()
+    };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
+    let gpu = Gpu::from_parts(device, queue);
+    assert!(!gpu.name().is_empty());
+    let compiled = sphere(1.0);
+    let pixels = headless::render(&gpu, &compiled, &compiled.live(), &Shot::new(40, 30)).unwrap();
+    assert_ne!(pixels.get(20, 15), pixels.get(0, 0));
+    assert_eq!(pixels.get(40, 0), [0; 4], "outside");
 }

@@ -1,0 +1,160 @@
+//! What the GPU computes at a point is what the CPU computes there in 64 bits.
+
+mod common;
+
+use common::{compile_file, examples, gpu};
+use surefoot_compiler::compiled::{Compiled, Export, Live};
+use surefoot_compiler::evaluate::Tape;
+use surefoot_compiler::graph::Function;
+use surefoot_runtime::{Gpu, evaluate};
+
+/// Points of each scene.
+const POINTS: usize = 10_000;
+/// The function at its points, 64 bits; near the surface as many as anywhere.
+const FUNCTIONS: [(Export, Function); 3] = [
+    (Export::Field, Function::Field),
+    (Export::Bound, Function::Bound),
+    (Export::Distance, Function::Distance),
+];
+
+/// Numbers in 0..1, the same on every run (SplitMix64, Steele 2014).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+fn narrow(p: [f64; 3]) -> [f32; 3] {
+    p.map(|c| c as f32)
+}
+
+fn wide(p: [f32; 3]) -> [f64; 3] {
+    p.map(f64::from)
+}
+
+fn length(p: [f64; 3]) -> f64 {
+    p.iter().map(|c| c * c).sum::<f64>().sqrt()
+}
+
+fn tape(compiled: &Compiled, live: &Live, functions: &[Function]) -> Option<Tape> {
+    let roots: Option<Vec<_>> = functions
+        .iter()
+        .map(|f| compiled.functions.formulas.get(&(compiled.root, *f)).copied())
+        .collect();
+    Tape::new(&compiled.graph, &compiled.functions, &roots?, live, 4_000_000).ok()
+}
+
+/// Points about what the camera looks at, exact in 32 bits; half of them walked toward the surface.
+fn points(compiled: &Compiled, live: &Live, random: &mut Random) -> (Vec<[f32; 3]>, f64) {
+    let camera = compiled.frame(live).cameras[0].1;
+    let size = length([0, 1, 2].map(|i| camera.eye[i] - camera.target[i]));
+    let mut points: Vec<[f64; 3]> = (0..POINTS)
+        .map(|_| camera.target.map(|c| c + size * (2.0 * random.next() - 1.0)))
+        .collect();
+    let bound = tape(compiled, live, &[Function::Bound]).unwrap();
+    let mut evaluator = bound.evaluator();
+    let near = &mut points[..POINTS / 2];
+    for _ in 0..24 {
+        let mut steps = vec![0.0; near.len()];
+        evaluator.at(near, &[], |i, values| steps[i] = values[0].abs().min(size));
+        for (p, step) in near.iter_mut().zip(steps) {
+            let down = [camera.target[0] - p[0], camera.target[1] - p[1], camera.target[2] - p[2]];
+            let far = length(down).max(1e-9);
+            *p = [0, 1, 2].map(|i| p[i] + 0.9 * step * down[i] / far);
+        }
+    }
+    points.retain(|p| length(*p) < compiled.blocks.extent);
+    (points.into_iter().map(narrow).collect(), size)
+}
+
+/// Shares of the errors that are at most 1, and the error that 99 of 100 do not exceed.
+fn share(mut errors: Vec<f64>) -> (f64, f64) {
+    errors.sort_by(f64::total_cmp);
+    let within = errors.iter().filter(|e| **e <= 1.0).count() as f64 / errors.len() as f64;
+    (within, errors[errors.len() * 99 / 100])
+}
+
+/// Angles between the gradients' directions, as multiples of a milliradian. On the surface itself the gradient of a square root has no
+/// digits left in 32 bits, and coincident surfaces have two: it is looked at a hair beside it, as a ray does that hits.
+fn normals(
+    gpu: &Gpu,
+    compiled: &Compiled,
+    live: &Live,
+    points: &[[f32; 3]],
+    exact: &[[f64; 3]],
+    allowed: &[f64],
+) -> Vec<f64> {
+    let [x, y, z] = [0, 1, 2].map(Function::Gradient);
+    let tape = tape(compiled, live, &[x, y, z, Function::Field]).unwrap();
+    let got = evaluate(gpu, compiled, live, [0.0; 3], Export::Gradient, points).unwrap();
+    let mut errors = Vec::new();
+    tape.evaluator().at(exact, &[], |i, values| {
+        let a = [0, 1, 2].map(|k| f64::from(got[4 * i + k]));
+        let b = [values[0], values[1], values[2]];
+        if values[3].abs() > allowed[i] {
+            let off = [0, 1, 2].map(|k| a[k] / length(a).max(1e-9) - b[k] / length(b).max(1e-9));
+            errors.push(length(off) / 1e-3);
+        }
+    });
+    errors
+}
+
+#[test]
+fn the_gpu_computes_what_the_cpu_computes() {
+    let gpu = gpu();
+    let mut wrong = Vec::new();
+    println!("on {}: share of {POINTS} points within 1e-5·(|p| + size), and p99 of the error as a multiple of that", gpu.name());
+    println!("{:14} {:>6} {:>18} {:>18} {:>18} {:>18}", "scene", "live", "field", "bound", "distance", "normal, mrad");
+    for (name, path) in examples() {
+        let compiled = match compile_file(&path) {
+            Ok(compiled) => compiled,
+            Err(words) => {
+                wrong.push(format!("{name} does not compile:\n{words}"));
+                continue;
+            }
+        };
+        let mut random = Random(7);
+        let mut live = compiled.live();
+        for round in ["start", "random"] {
+            if round == "random" {
+                live.time = f64::from((10.0 * random.next()) as f32);
+                for (value, p) in live.components.iter_mut().zip(&compiled.graph.parameters) {
+                    *value = p.min + (p.max - p.min) * random.next();
+                }
+            }
+            let (points, size) = points(&compiled, &live, &mut random);
+            let exact: Vec<[f64; 3]> = points.iter().map(|p| wide(*p)).collect();
+            let allowed: Vec<f64> = exact.iter().map(|p| 1e-5 * (length(*p) + size)).collect();
+            let mut row = format!("{name:14} {round:>6}");
+            let mut judge = |what: &str, errors: Vec<f64>, least: f64| {
+                if errors.iter().any(|e| !e.is_finite()) {
+                    wrong.push(format!("{name}, {round}: {what} is not finite somewhere"));
+                    return;
+                }
+                let (within, p99) = share(errors);
+                row += &format!(" {:7.2} % {p99:8.2}", 100.0 * within);
+                if within < least {
+                    wrong.push(format!("{name}, {round}: {what} within {:.2} %", 100.0 * within));
+                }
+            };
+            for (export, function) in FUNCTIONS {
+                let tape = tape(&compiled, &live, &[function]).unwrap();
+                let got = evaluate(&gpu, &compiled, &live, [0.0; 3], export, &points).unwrap();
+                let mut errors = vec![0.0; got.len()];
+                tape.evaluator().at(&exact, &[], |i, values| {
+                    errors[i] = (f64::from(got[i]) - values[0]).abs() / allowed[i];
+                });
+                judge(export.name(), errors, 0.99);
+            }
+            judge("normal", normals(&gpu, &compiled, &live, &points, &exact, &allowed), 0.99);
+            println!("{row}");
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
