@@ -167,7 +167,12 @@ fn functions_at_points() {
 }
 
 /// Draws into a rectangle of a larger target, as a window's panel does.
-fn draw_within(gpu: &Gpu, format: wgpu::TextureFormat, at: (u32, u32), size: (u32, u32)) -> Vec<u8> {
+fn draw_within(
+    gpu: &Gpu,
+    format: wgpu::TextureFormat,
+    at: (u32, u32),
+    size: (u32, u32),
+) -> Vec<u8> {
     let compiled = sphere(1.0);
     let live = compiled.live();
     let mut picture = Picture::prepare(gpu, &compiled, format, ViewMode::Shaded).unwrap();
@@ -236,7 +241,8 @@ fn a_panel_shows_the_same_picture_whatever_encodes_its_colours() {
     let gpu = gpu();
     let (at, size) = ((40, 21), (64, 48));
     let compiled = sphere(1.0);
-    let want = headless::render(&gpu, &compiled, &compiled.live(), &Shot::new(size.0, size.1)).unwrap();
+    let want =
+        headless::render(&gpu, &compiled, &compiled.live(), &Shot::new(size.0, size.1)).unwrap();
     let plain = draw_within(&gpu, wgpu::TextureFormat::Rgba8Unorm, at, size);
     // The corner is added and taken away again in 32 bits: a digit of the colour may turn over.
     let off = |got: &[u8]| want.rgba.iter().zip(got).map(|(a, b)| a.abs_diff(*b)).max().unwrap();

@@ -5,8 +5,8 @@ mod common;
 use common::{compile_file, examples, gpu, pictures};
 use std::fmt::Write;
 use std::time::Instant;
-use surefoot_runtime::headless::{self, Shot};
 use surefoot_runtime::ViewMode;
+use surefoot_runtime::headless::{self, Shot};
 
 const MODES: [(ViewMode, &str); 4] = [
     (ViewMode::Shaded, "shaded"),
@@ -20,7 +20,12 @@ fn every_example_is_drawn() {
     let gpu = gpu();
     let mut table = format!(
         "on {}\n{:14} {:>10} {:>8} {:>10} {:>10}\n",
-        gpu.name(), "scene", "compile ms", "WGSL KB", "shaded ms", "colours"
+        gpu.name(),
+        "scene",
+        "compile ms",
+        "WGSL KB",
+        "shaded ms",
+        "colours"
     );
     let mut wrong = Vec::new();
     for (name, path) in examples() {
@@ -52,9 +57,11 @@ fn every_example_is_drawn() {
                 wrong.push(format!("{name}, {view}: {} colours", colors.len()));
             }
             if mode == ViewMode::Shaded {
-                let (drawing, kilobytes) = (start.elapsed(), compiled.module.wgsl.len() as f64 / 1024.0);
+                let (drawing, kilobytes) =
+                    (start.elapsed(), compiled.module.wgsl.len() as f64 / 1024.0);
                 let (a, b) = (compiling.as_secs_f64() * 1e3, drawing.as_secs_f64() * 1e3);
-                write!(row, "{name:14} {a:10.1} {kilobytes:8.1} {b:10.1} {:10}", colors.len()).unwrap();
+                write!(row, "{name:14} {a:10.1} {kilobytes:8.1} {b:10.1} {:10}", colors.len())
+                    .unwrap();
             }
             let file = pictures().join(format!("{name}-{view}.png"));
             image::save_buffer(file, &pixels.rgba, 320, 180, image::ColorType::Rgba8).unwrap();

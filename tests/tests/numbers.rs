@@ -109,8 +109,14 @@ fn normals(
 fn the_gpu_computes_what_the_cpu_computes() {
     let gpu = gpu();
     let mut wrong = Vec::new();
-    println!("on {}: share of {POINTS} points within 1e-5·(|p| + size), and p99 of the error as a multiple of that", gpu.name());
-    println!("{:14} {:>6} {:>18} {:>18} {:>18} {:>18}", "scene", "live", "field", "bound", "distance", "normal, mrad");
+    println!(
+        "on {}: share of {POINTS} points within 1e-5·(|p| + size), and p99 of the error as a multiple of that",
+        gpu.name()
+    );
+    println!(
+        "{:14} {:>6} {:>18} {:>18} {:>18} {:>18}",
+        "scene", "live", "field", "bound", "distance", "normal, mrad"
+    );
     for (name, path) in examples() {
         let compiled = match compile_file(&path) {
             Ok(compiled) => compiled,
