@@ -129,6 +129,13 @@ impl Body {
         self.exprs.get(id as usize).and_then(|e| e.named)
     }
 
+    /// Names an expression after a node of the graph. The first name stays.
+    pub fn name(&mut self, id: ExprId, node: Option<NodeId>) {
+        if let (Some(node), Some(expr)) = (node, self.exprs.get_mut(id as usize)) {
+            expr.named.get_or_insert(node);
+        }
+    }
+
     /// Number of expressions.
     pub fn len(&self) -> usize {
         self.exprs.len()
@@ -225,6 +232,11 @@ impl Body {
                 values.get(first + local as usize).copied().unwrap_or(0)
             };
             let Some(step) = plan.steps.get(frame.at) else {
+                for vector in &plan.vectors {
+                    buffer.clear();
+                    buffer.extend(vector.iter().map(|&i| value(&values, i)));
+                    self.prefer(Some(&buffer));
+                }
                 buffer.clear();
                 buffer.extend(plan.results.iter().map(|&r| value(&values, r)));
                 if depth == 1 {
@@ -298,9 +310,7 @@ impl Body {
                     }
                 }
             };
-            if let (Some(node), Some(expr)) = (step.named, self.exprs.get_mut(result as usize)) {
-                expr.named.get_or_insert(node);
-            }
+            self.name(result, step.named);
             values.push(result);
         }
     }

@@ -107,6 +107,8 @@ pub struct Plan {
     pub results: Vec<u32>,
     /// Variables of the space, in ascending order.
     pub variables: Arc<[u32]>,
+    /// Steps that are the components of a vector with a name in the source: 2 to 4.
+    pub vectors: Vec<Vec<u32>>,
 }
 
 impl Plan {
@@ -454,6 +456,7 @@ impl<'a> Plans<'a> {
                 seen.1 = step;
             }
         }
+        plan.vectors = named_vectors(graph, &plan.steps);
         plan.results = roots
             .iter()
             .map(|r| seen.get(r.0 as usize).map_or(0, |s| s.1))
@@ -461,4 +464,31 @@ impl<'a> Plans<'a> {
         self.seen = seen;
         plan
     }
+}
+
+/// Steps whose names are `NAME_x`, `NAME_y` and so on, one after the other.
+fn named_vectors(graph: &Graph, steps: &[Step]) -> Vec<Vec<u32>> {
+    let mut open: FxHashMap<&str, usize> = FxHashMap::default();
+    let mut vectors: Vec<Vec<u32>> = Vec::new();
+    for (at, step) in steps.iter().enumerate() {
+        let Some(name) = step.named.and_then(|n| graph.node_name(n)) else { continue };
+        let Some((base, place)) = split_axis(name) else { continue };
+        if place == 0 {
+            open.insert(base, vectors.len());
+            vectors.push(vec![at as u32]);
+        } else if let Some(parts) = open.get(base).and_then(|&i| vectors.get_mut(i)) {
+            if parts.len() == place {
+                parts.push(at as u32);
+            }
+        }
+    }
+    vectors.retain(|parts| parts.len() > 1);
+    vectors
+}
+
+/// The name of a vector and the place of a component, of the name of a component.
+pub fn split_axis(name: &str) -> Option<(&str, usize)> {
+    let (base, axis) = name.rsplit_once('_')?;
+    let place = ["x", "y", "z", "w"].iter().position(|a| *a == axis)?;
+    Some((base, place))
 }

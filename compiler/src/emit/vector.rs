@@ -44,6 +44,8 @@ impl Body {
     pub fn prefer(&mut self, parts: Option<&[ExprId]>) {
         let Some(parts) = parts else { return };
         let vector = self.vector(parts);
+        let name = parts.first().and_then(|&p| self.named(p));
+        self.name(vector, name);
         for id in parts {
             if let Some(part) = self.parts.get_mut(id).filter(|p| p.vector == vector) {
                 part.plain = true;
@@ -105,7 +107,7 @@ impl Body {
         let same = ops.all(|o| o == op);
         match op {
             Some(op) if same => match op {
-                Op::Neg | Op::Abs | Op::Sign | Op::Floor | Op::Ceil | Op::Trunc | Op::Round => {
+                Op::Neg | Op::Abs | Op::Sign | Op::Square | Op::Floor | Op::Ceil | Op::Trunc | Op::Round => {
                     let inner = self.join(&self.column(parts, 0), depth + 1);
                     self.combine(op, parts.len(), &[inner])
                 }

@@ -3,7 +3,7 @@
 use super::body::{Body, Code, ExprId};
 use super::library::{Helpers, helper_of};
 use super::names::{Scope, identifier};
-use super::plan::{Plans, TargetId};
+use super::plan::{Plans, TargetId, split_axis};
 use super::uniforms::Candidates;
 use crate::graph::Graph;
 use crate::graph::interval::Interval;
@@ -195,6 +195,13 @@ impl Writer<'_, '_> {
 
     /// Moves the longest arguments into `let`s until the expression fits on a line.
     fn shorten(&mut self, id: ExprId) {
+        if let Code::VectorOp(Op::Square, _) = self.body.code(id) {
+            // A vector's square has no helper: it is written as a product of names.
+            let of = self.argument(id, 0);
+            if !self.text(of).atom {
+                self.bind(of);
+            }
+        }
         loop {
             let (mut total, mut longest, mut which) = (0, 12, None);
             for &arg in self.body.arguments(id) {
@@ -215,6 +222,12 @@ impl Writer<'_, '_> {
     fn bind(&mut self, id: ExprId) {
         let text = self.text(id);
         let source = self.body.named(id).and_then(|n| self.context.graph.node_name(n));
+        // A vector is named after its first component.
+        let is_vector = matches!(self.body.code(id), Code::VectorOp(..) | Code::Vector(_));
+        let source = match source.filter(|_| is_vector).and_then(split_axis) {
+            Some((vector, _)) => Some(vector),
+            None => source,
+        };
         let name = match source {
             Some(source) => self.locals.give(&identifier(source), Some(self.context.module)),
             None => self.locals.give(self.usual_name(id), Some(self.context.module)),
