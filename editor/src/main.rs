@@ -1,1 +1,11 @@
-fn main(){}
+//! The program `surefoot`: command line and live editor for signed distance fields.
+
+use std::process::ExitCode;
+
+mod command;
+mod files;
+mod picture;
+
+fn main() -> ExitCode {
+    command::run()
+}

@@ -1,0 +1,134 @@
+//! `surefoot bench`: how long the compiler takes.
+
+use super::{Exit, Failure, compile_file, print, show_diagnostics};
+use crate::files::FileLoader;
+use serde_json::json;
+use std::time::{Duration, Instant};
+use surefoot_compiler::{Loader, MemoryLoader, Options, Outcome, Stage, compile_observed, emit};
+
+/// What to measure.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Compile this scene again and again.
+    #[arg(long, value_name = "SCENE")]
+    compile: String,
+    /// How often.
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
+    runs: u32,
+    /// Write one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// The stages in their order, and what each run took in them.
+type Rows = Vec<(&'static str, Vec<Duration>)>;
+
+/// Measures and prints. Files are read once and then kept, so that the disk is not what is measured.
+pub fn run(args: &Args) -> Result<Exit, Failure> {
+    let first = compile_file(&args.compile, &Options::default())?;
+    show_diagnostics(&first);
+    if first.compiled.is_none() {
+        return Ok(Exit::Errors);
+    }
+    let loader = in_memory(&first);
+    // The first runs fill caches and are not counted.
+    for _ in 0..args.runs.div_ceil(20) {
+        measure(&loader, &args.compile, &mut Vec::new());
+    }
+    let mut rows = Rows::new();
+    for _ in 0..args.runs {
+        measure(&loader, &args.compile, &mut rows);
+    }
+    for (_, times) in &mut rows {
+        times.sort_unstable();
+    }
+    let text = if args.json { in_json(args, &rows) } else { table(args, &rows) };
+    print(text.as_bytes())?;
+    Ok(Exit::Fine)
+}
+
+fn in_memory(outcome: &Outcome) -> MemoryLoader {
+    let read = |loader: MemoryLoader, path: &String| match FileLoader.read(path) {
+        Ok(bytes) => loader.with(path, bytes),
+        Err(_) => loader,
+    };
+    outcome.files.iter().fold(MemoryLoader::new(), read)
+}
+
+/// One run: the time of each stage, of all together, and of naga's validation, which is not a part of compiling.
+fn measure(loader: &dyn Loader, path: &str, rows: &mut Rows) {
+    let start = Instant::now();
+    let mut last = start;
+    let mut stages: Vec<(Stage, Duration)> = Vec::new();
+    let outcome = compile_observed(loader, path, &Options::default(), &mut |stage| {
+        let now = Instant::now();
+        stages.push((stage, now - last));
+        last = now;
+    });
+    let whole = start.elapsed();
+    for (stage, took) in stages {
+        add(rows, stage.name(), took);
+    }
+    add(rows, "all of it", whole);
+    if let Some(compiled) = &outcome.compiled {
+        let start = Instant::now();
+        // Whether it is valid is not asked here.
+        let valid = emit::validate(&compiled.module.wgsl);
+        add(rows, "naga's check", start.elapsed());
+        drop(valid);
+    }
+}
+
+fn add(rows: &mut Rows, name: &'static str, took: Duration) {
+    match rows.iter_mut().find(|(known, _)| *known == name) {
+        Some((_, times)) => times.push(took),
+        None => rows.push((name, vec![took])),
+    }
+}
+
+/// The time that so many of a hundred runs did not exceed. `sorted` is in ascending order.
+fn percentile(sorted: &[Duration], percent: usize) -> Duration {
+    let rank = (sorted.len() * percent).div_ceil(100).max(1);
+    sorted.get(rank - 1).copied().unwrap_or_default()
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
+
+fn table(args: &Args, rows: &Rows) -> String {
+    let mut text = format!("{}, {} runs{:>13}{:>12}\n", args.compile, args.runs, "median", "p95");
+    for (name, times) in rows {
+        let (median, p95) =
+            (milliseconds(percentile(times, 50)), milliseconds(percentile(times, 95)));
+        text.push_str(&format!("  {name:<20}{median:>9.3} ms{p95:>9.3} ms\n"));
+    }
+    text
+}
+
+fn in_json(args: &Args, rows: &Rows) -> String {
+    let stages = rows.iter().map(|(name, times)| {
+        json!({
+            "name": name,
+            "median_ms": milliseconds(percentile(times, 50)),
+            "p95_ms": milliseconds(percentile(times, 95)),
+        })
+    });
+    format!(
+        "{}\n",
+        json!({ "scene": args.compile, "runs": args.runs, "stages": stages.collect::<Vec<_>>() })
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_are_values_that_were_measured() {
+        let times: Vec<_> = (1..=200).map(Duration::from_millis).collect();
+        assert_eq!(percentile(&times, 50), Duration::from_millis(100));
+        assert_eq!(percentile(&times, 95), Duration::from_millis(190));
+        assert_eq!(percentile(&times[..1], 95), Duration::from_millis(1));
+    }
+}

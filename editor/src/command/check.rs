@@ -1,0 +1,148 @@
+//! `surefoot check`: what is wrong with scenes, and what the compiler knows of them.
+
+use super::{Exit, Failure, colored, count, print};
+use crate::files::{self, FileLoader};
+use serde_json::{Value, json};
+use std::path::Path;
+use surefoot_compiler::compiled::{Compiled, Parameter};
+use surefoot_compiler::diagnostic::{self, Diagnostic, Severity};
+use surefoot_compiler::source::Sources;
+use surefoot_compiler::syntax::ast::Type;
+use surefoot_compiler::{Options, Outcome};
+
+/// What to check.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The scenes.
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// Write one JSON object for each scene, on a line of its own.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Checks every scene.
+pub fn run(args: &Args) -> Result<Exit, Failure> {
+    let mut exit = Exit::Fine;
+    for scene in &args.scenes {
+        let readable = files::read(Path::new(scene));
+        let outcome = surefoot_compiler::compile(&FileLoader, scene, &Options::default());
+        if args.json {
+            print(format!("{}\n", report(scene, &outcome)).as_bytes())?;
+        } else {
+            print(summary(scene, &outcome).as_bytes())?;
+        }
+        exit = exit.max(match (&readable, outcome.has_errors()) {
+            (Err(_), _) => Exit::Usage,
+            (Ok(_), true) => Exit::Errors,
+            (Ok(_), false) => Exit::Fine,
+        });
+    }
+    Ok(exit)
+}
+
+/// For a person: the diagnostics, then one line.
+fn summary(scene: &str, outcome: &Outcome) -> String {
+    let mut text =
+        diagnostic::render(&outcome.sources, &outcome.diagnostics, colored(&std::io::stdout()));
+    let counted = count(&outcome.diagnostics);
+    let counted = if counted.is_empty() { "fine".to_owned() } else { counted };
+    text.push_str(&format!("{scene}: {counted}\n"));
+    text
+}
+
+/// For a machine: everything.
+fn report(scene: &str, outcome: &Outcome) -> Value {
+    let sources = &outcome.sources;
+    let compiled = outcome.compiled.as_ref();
+    json!({
+        "ok": !outcome.has_errors(),
+        "file": scene,
+        "diagnostics": outcome.diagnostics.iter().map(|d| diagnostic_json(sources, d)).collect::<Vec<_>>(),
+        "scene": compiled.map(|c| scene_json(sources, c)),
+        "parameters": compiled.map_or_else(Vec::new, |c| c.parameters.iter().map(parameter_json).collect()),
+        "functions": compiled.map_or_else(Vec::new, |c| c.module.exports.iter().map(|e| e.name()).collect()),
+        "skipped": compiled.map_or_else(Vec::new, |c| c.module.skipped.clone()),
+        "files": outcome.files,
+    })
+}
+
+fn diagnostic_json(sources: &Sources, diagnostic: &Diagnostic) -> Value {
+    let (file, line, column) = sources.position(diagnostic.span.file, diagnostic.span.start);
+    let (_, end_line, end_column) = sources.position(diagnostic.span.file, diagnostic.span.end);
+    let labels = diagnostic.labels.iter().map(|(span, words)| {
+        let (file, line, column) = sources.position(span.file, span.start);
+        json!({ "message": words, "file": file, "line": line, "column": column })
+    });
+    json!({
+        "severity": match diagnostic.severity { Severity::Error => "error", Severity::Warning => "warning" },
+        "code": diagnostic.code.row().name,
+        "message": diagnostic.message,
+        "file": file,
+        "line": line,
+        "column": column,
+        "end_line": end_line,
+        "end_column": end_column,
+        "help": diagnostic.help,
+        "labels": labels.collect::<Vec<_>>(),
+    })
+}
+
+fn scene_json(sources: &Sources, compiled: &Compiled) -> Value {
+    let factors = compiled.graph.factors.iter().map(|factor| {
+        let (file, line, column) = sources.position(factor.span.file, factor.span.start);
+        json!({
+            "lipschitz": factor.lipschitz,
+            "reason": factor.reason,
+            "file": file,
+            "line": line,
+            "column": column,
+        })
+    });
+    let summary = &compiled.summary;
+    json!({
+        "nodes": summary.nodes,
+        "primitives": summary.primitives,
+        "operations": compiled.module.operations.0,
+        "bound_operations": compiled.module.operations.1,
+        "kind": summary.kind.name(),
+        "factor": summary.factor,
+        "factors": factors.collect::<Vec<_>>(),
+        "bounds": summary.bounds.map(|[min, max]| json!({ "min": min, "max": max })),
+    })
+}
+
+fn parameter_json(parameter: &Parameter) -> Value {
+    let one_or_many = |numbers: &[f64]| match numbers {
+        [one] => json!(one),
+        many => json!(many),
+    };
+    if !parameter.choices.is_empty() {
+        let at = parameter.default.first().map_or(0, |d| *d as usize);
+        return json!({
+            "name": parameter.name,
+            "type": "choice",
+            "default": parameter.choices.get(at),
+            "choices": parameter.choices,
+            "description": parameter.description,
+        });
+    }
+    let ty = match &parameter.ty {
+        Type::Bool => "bool",
+        Type::Int => "int",
+        Type::Vec(2) => "vec2",
+        Type::Vec(3) => "vec3",
+        Type::Vec(_) => "vec4",
+        Type::Color => "color",
+        _ => "float",
+    };
+    json!({
+        "name": parameter.name,
+        "type": ty,
+        "degrees": parameter.degrees,
+        "default": one_or_many(&parameter.default),
+        "min": one_or_many(&parameter.min),
+        "max": one_or_many(&parameter.max),
+        "description": parameter.description,
+    })
+}

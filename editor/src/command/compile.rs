@@ -1,0 +1,118 @@
+//! `surefoot compile`: the functions of a scene as shader text.
+
+use super::{Exit, Failure, compile_file, print, show_diagnostics};
+use crate::files;
+use clap::builder::PossibleValuesParser;
+use std::io::IsTerminal;
+use std::path::Path;
+use surefoot_compiler::emit::{Target, translate, validate};
+use surefoot_compiler::{Export, Options};
+
+/// What to write, and how it is named.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The scene.
+    scene: String,
+    /// Where to write; stdout where this is `-` or left out.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<String>,
+    /// The functions wanted, with commas between; what they call is written too.
+    #[arg(long, value_delimiter = ',', value_parser = export, value_name = "NAMES",
+          default_value = "field,bound,distance,gradient,trace,shadow,collision,occlusion,surface")]
+    functions: Vec<Export>,
+    /// Before every name.
+    #[arg(long, default_value = "sf_", value_parser = prefix)]
+    prefix: String,
+    /// Bind group of the uniform block.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    group: u32,
+    /// Binding of the uniform block.
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    binding: u32,
+    /// The language to write.
+    #[arg(long, default_value = "wgsl", value_parser = PossibleValuesParser::new(Target::ALL.map(Target::name)))]
+    target: String,
+}
+
+fn export(name: &str) -> Result<Export, String> {
+    Export::ALL.into_iter().find(|export| export.name() == name.trim()).ok_or_else(|| {
+        let known: Vec<_> = Export::ALL.iter().map(|export| export.name()).collect();
+        format!("there is no such function; there are {}", known.join(", "))
+    })
+}
+
+/// A prefix must leave every name a name in every target: GLSL keeps `gl_` and two underscores for itself, WGSL two at the start.
+fn prefix(text: &str) -> Result<String, String> {
+    let mut characters = text.chars();
+    let starts = characters.next().is_none_or(|c| c.is_ascii_alphabetic());
+    if !starts || !characters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
+        return Err("a prefix has a letter, then letters, digits and underscores".to_owned());
+    }
+    if text.contains("__") || text.starts_with("gl_") {
+        return Err("shader languages keep two underscores and `gl_` for themselves".to_owned());
+    }
+    Ok(text.to_owned())
+}
+
+/// Compiles and writes. Nothing is written where anything is wrong.
+pub fn run(args: &Args) -> Result<Exit, Failure> {
+    let options = Options {
+        exports: args.functions.clone(),
+        prefix: args.prefix.clone(),
+        group: args.group,
+        binding: args.binding,
+        ..Options::default()
+    };
+    let outcome = compile_file(&args.scene, &options)?;
+    show_diagnostics(&outcome);
+    let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
+    for skipped in &compiled.module.skipped {
+        eprintln!("note: left out: {skipped}");
+    }
+    let target = Target::ALL.into_iter().find(|t| t.name() == args.target).unwrap_or(Target::Wgsl);
+    let bytes = validate(&compiled.module.wgsl)
+        .and_then(|_| translate(&compiled.module, &args.prefix, target))
+        .map_err(|why| Failure {
+            exit: Exit::Errors,
+            words: format!(
+                "{}: nothing is written, because the module is not valid:
+{why}",
+                args.scene
+            ),
+        })?;
+    match args.output.as_deref() {
+        None | Some("-") => {
+            if target == Target::Spirv && std::io::stdout().is_terminal() {
+                return Err(Failure::usage(
+                    "SPIR-V is no text: say where to write it with -o FILE",
+                ));
+            }
+            print(&bytes)?;
+        }
+        Some(file) => {
+            files::write(Path::new(file), &bytes)
+                .map_err(|why| Failure::usage(format!("can't write {file}: {why}")))?;
+        }
+    }
+    Ok(Exit::Fine)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn prefixes_stay_names() {
+        assert!(prefix("sf_").is_ok());
+        assert!(prefix("").is_ok());
+        for wrong in ["1a", "a-b", "a__b", "gl_a", "_", "é"] {
+            assert!(prefix(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn functions_have_the_names_of_the_exports() {
+        assert_eq!(export("trace"), Ok(Export::Trace));
+        assert!(export("tracer").unwrap_err().contains("occlusion"));
+    }
+}

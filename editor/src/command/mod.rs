@@ -1,0 +1,170 @@
+//! The command line: one file a command.
+
+mod bench;
+mod check;
+mod compile;
+mod explain;
+mod fmt;
+mod render;
+mod values;
+mod view;
+
+use crate::files::FileLoader;
+use clap::{Parser, Subcommand};
+use std::io::{IsTerminal, Write};
+use std::process::ExitCode;
+use surefoot_compiler::diagnostic::{self, Diagnostic, Severity};
+use surefoot_compiler::{Options, Outcome};
+
+/// A language for signed distance fields: its compiler and live editor.
+#[derive(Debug, Parser)]
+#[command(
+    name = "surefoot",
+    version,
+    args_conflicts_with_subcommands = true,
+    arg_required_else_help = true,
+    after_help = "Exit codes: 0 fine, 1 the scene has errors, 2 wrong usage or an unreadable file, 3 no graphics adapter \
+                  where --device gpu asked for one."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    view: Option<view::Args>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Open a scene in a live window; what `surefoot SCENE.sdf` does.
+    View(view::Args),
+    /// Say what is wrong with scenes, and what the compiler knows of them.
+    Check(check::Args),
+    /// Write the functions of a scene as shader text.
+    Compile(compile::Args),
+    /// Lay out the text of scenes.
+    Fmt(fmt::Args),
+    /// Write pictures of a scene.
+    Render(render::Args),
+    /// Measure.
+    Bench(bench::Args),
+    /// Explain what the compiler says.
+    Explain(explain::Args),
+}
+
+/// How a command ended, as the shell sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Exit {
+    /// All is well.
+    Fine = 0,
+    /// The scene has errors (or is not laid out, for `fmt --check`).
+    Errors = 1,
+    /// Wrong usage, or a file that can't be read or written.
+    Usage = 2,
+    /// `--device gpu`, and there is no adapter.
+    NoGraphics = 3,
+}
+
+/// Why a command could not do what was asked. What is wrong with a scene is not here: diagnostics say it.
+#[derive(Debug)]
+pub struct Failure {
+    exit: Exit,
+    words: String,
+}
+
+impl Failure {
+    /// Wrong usage, or a file that can't be read or written.
+    fn usage(words: impl Into<String>) -> Self {
+        Self { exit: Exit::Usage, words: words.into() }
+    }
+}
+
+/// Reads the command line and does what it asks.
+pub fn run() -> ExitCode {
+    let cli = Cli::parse();
+    let command = cli.command.or_else(|| cli.view.map(Command::View));
+    let done = match command {
+        // Kept from here by `arg_required_else_help`.
+        None => Err(Failure::usage("say what to do; `surefoot --help` lists the commands")),
+        Some(Command::View(args)) => view::run(&args),
+        Some(Command::Check(args)) => check::run(&args),
+        Some(Command::Compile(args)) => compile::run(&args),
+        Some(Command::Fmt(args)) => fmt::run(&args),
+        Some(Command::Render(args)) => render::run(&args),
+        Some(Command::Bench(args)) => bench::run(&args),
+        Some(Command::Explain(args)) => explain::run(&args),
+    };
+    let exit = done.unwrap_or_else(|failure| {
+        eprintln!("surefoot: {}", failure.words);
+        failure.exit
+    });
+    ExitCode::from(exit as u8)
+}
+
+/// Compiles a scene on disk; fails only where the scene's own file can't be read.
+fn compile_file(scene: &str, options: &Options) -> Result<Outcome, Failure> {
+    crate::files::read(std::path::Path::new(scene))
+        .map_err(|why| Failure::usage(format!("can't read {scene}: {why}")))?;
+    Ok(surefoot_compiler::compile(&FileLoader, scene, options))
+}
+
+/// Whether a stream shows colours: it is a terminal, and nobody has asked for none (<https://no-color.org>).
+fn colored(stream: &impl IsTerminal) -> bool {
+    stream.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}
+
+/// Shows diagnostics on stderr.
+fn show_diagnostics(outcome: &Outcome) {
+    if !outcome.diagnostics.is_empty() {
+        let color = colored(&std::io::stderr());
+        eprint!("{}", diagnostic::render(&outcome.sources, &outcome.diagnostics, color));
+    }
+}
+
+/// `2 errors and 1 warning`; empty where there is neither.
+fn count(diagnostics: &[Diagnostic]) -> String {
+    let of = |severity, one: &str, many: &str| match diagnostics
+        .iter()
+        .filter(|d| d.severity == severity)
+        .count()
+    {
+        0 => None,
+        1 => Some(format!("1 {one}")),
+        n => Some(format!("{n} {many}")),
+    };
+    [of(Severity::Error, "error", "errors"), of(Severity::Warning, "warning", "warnings")]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join(" and ")
+}
+
+/// Writes to stdout. A reader that has gone away (`| head`) is no failure.
+fn print(bytes: &[u8]) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(bytes).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::usage(format!("can't write: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_hangs_together() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_scene_alone_is_a_view_of_it() {
+        let cli = Cli::try_parse_from(["surefoot", "scene.sdf"]).unwrap();
+        assert!(cli.command.is_none());
+        assert_eq!(cli.view.unwrap().scene, "scene.sdf");
+        assert!(Cli::try_parse_from(["surefoot"]).is_err());
+        assert!(Cli::try_parse_from(["surefoot", "view"]).is_err());
+    }
+}

@@ -1,0 +1,207 @@
+//! `surefoot render`: pictures of a scene.
+
+use super::values::{self, Setting};
+use super::{Exit, Failure, compile_file, show_diagnostics};
+use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+use surefoot_compiler::Options;
+use surefoot_compiler::compiled::{Camera, Frame};
+
+/// What to draw, and how.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The scene.
+    scene: String,
+    /// The PNG file to write; with --frames its name gets a number: OUT_0000.png.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Width and height in pixels.
+    #[arg(long, default_value = "1280x720", value_parser = size, value_name = "WxH")]
+    size: (u32, u32),
+    /// Seconds on the scene's clock.
+    #[arg(long, default_value_t = 0.0, value_parser = seconds, value_name = "SECONDS", conflicts_with = "frames")]
+    time: f64,
+    /// Draw these frames; the last number is not among them.
+    #[arg(long, value_parser = frames, value_name = "FIRST..END")]
+    frames: Option<Range<u32>>,
+    /// Frames a second.
+    #[arg(long, default_value_t = 30.0, value_parser = rate, value_name = "N", requires = "frames")]
+    fps: f64,
+    /// Give a parameter another value: a number, `0,1,0`, `#d08770`, `45deg`, `true` or the name of a choice.
+    #[arg(long, value_parser = values::setting, value_name = "NAME=VALUE")]
+    set: Vec<Setting>,
+    /// The camera to look through; the scene's first one where this is left out.
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
+    /// What the picture shows.
+    #[arg(long, value_enum, default_value_t)]
+    view: Mode,
+    /// What draws it.
+    #[arg(long, value_enum, default_value_t)]
+    device: Device,
+}
+
+/// Reads `1280x720`.
+pub fn size(text: &str) -> Result<(u32, u32), String> {
+    // As large as the pictures that common graphics cards and viewers take.
+    let side = |text: &str| text.trim().parse().ok().filter(|side| (1..=16384).contains(side));
+    let (width, height) = text.split_once(['x', '×']).ok_or("write WIDTHxHEIGHT")?;
+    side(width)
+        .zip(side(height))
+        .ok_or_else(|| "each side is a whole number from 1 to 16384".to_owned())
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|s: &f64| s.is_finite())
+        .ok_or_else(|| "write a number of seconds".to_owned())
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    let in_range = |fps: &f64| fps.is_finite() && *fps > 0.0;
+    text.parse().ok().filter(in_range).ok_or_else(|| "write a number above zero".to_owned())
+}
+
+fn frames(text: &str) -> Result<Range<u32>, String> {
+    let (first, end) = text.split_once("..").ok_or("write FIRST..END")?;
+    match (first.trim().parse(), end.trim().parse()) {
+        (Ok(first), Ok(end)) if first < end => Ok(first..end),
+        (Ok(_), Ok(_)) => Err("the end is not above the first".to_owned()),
+        _ => Err("write FIRST..END, two whole numbers".to_owned()),
+    }
+}
+
+/// Draws and writes.
+pub fn run(args: &Args) -> Result<Exit, Failure> {
+    let options = Options { choose: values::choices(&args.set), ..Options::default() };
+    let outcome = compile_file(&args.scene, &options)?;
+    show_diagnostics(&outcome);
+    let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
+    let mut live = compiled.live();
+    values::apply(&args.set, compiled, &mut live).map_err(Failure::usage)?;
+    // A wrong name is said before anything slow is done.
+    camera(&compiled.frame(&live), args.camera.as_deref())?;
+
+    let (mut painter, note) =
+        Painter::new(args.device, compiled, args.view).map_err(|why| match why {
+            NoPainter::NoGraphics(words) => Failure { exit: Exit::NoGraphics, words },
+            NoPainter::Refused(words) => {
+                Failure::usage(format!("the graphics adapter refuses the scene: {words}"))
+            }
+        })?;
+    if let Some(note) = note {
+        eprintln!("note: {note}");
+    }
+    let shots: Vec<(f64, PathBuf)> = match &args.frames {
+        None => vec![(args.time, args.output.clone())],
+        Some(range) => {
+            range.clone().map(|n| (f64::from(n) / args.fps, numbered(&args.output, n))).collect()
+        }
+    };
+    let bar = LateBar::new();
+    for (i, (time, path)) in shots.iter().enumerate() {
+        live.time = *time;
+        let camera = camera(&compiled.frame(&live), args.camera.as_deref())?;
+        let (width, height) = args.size;
+        let shot = Shot { width, height, camera };
+        let rgba = painter
+            .paint(compiled, &live, &shot, &|part| bar.show((i as f64 + part) / shots.len() as f64))
+            .map_err(|why| Failure::usage(format!("can't draw {}: {why}", args.scene)))?;
+        write_png(path, width, height, &rgba)
+            .map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
+    }
+    bar.finish();
+    Ok(Exit::Fine)
+}
+
+fn camera(frame: &Frame, name: Option<&str>) -> Result<Camera, Failure> {
+    let found = match name {
+        None => frame.cameras.first(),
+        Some(name) => frame.cameras.iter().find(|(known, _)| known == name),
+    };
+    found.map(|(_, camera)| *camera).ok_or_else(|| {
+        let known: Vec<_> =
+            frame.cameras.iter().map(|(n, _)| n.as_str()).filter(|n| !n.is_empty()).collect();
+        let words = format!("the scene has no camera `{}`", name.unwrap_or_default());
+        Failure::usage(match known.is_empty() {
+            true => format!("{words}; none of its cameras has a name"),
+            false => format!("{words}; it has {}", known.join(", ")),
+        })
+    })
+}
+
+/// `out.png` and 7 make `out_0007.png`.
+fn numbered(path: &Path, number: u32) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().map_or_else(|| "png".into(), |e| e.to_string_lossy());
+    path.with_file_name(format!("{stem}_{number:04}.{extension}"))
+}
+
+/// A progress bar on stderr that is seen only where the work takes longer than a second.
+struct LateBar {
+    start: Instant,
+    bar: ProgressBar,
+    shown: Mutex<bool>,
+}
+
+impl LateBar {
+    const STEPS: u64 = 1000;
+
+    fn new() -> Self {
+        let bar = ProgressBar::with_draw_target(Some(Self::STEPS), ProgressDrawTarget::hidden());
+        if let Ok(style) =
+            ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} / {duration}")
+        {
+            bar.set_style(style);
+        }
+        Self { start: Instant::now(), bar, shown: Mutex::new(false) }
+    }
+
+    /// Hears which part of the work is done.
+    fn show(&self, part: f64) {
+        if let Ok(mut shown) = self.shown.lock()
+            && !*shown
+            && self.start.elapsed() > Duration::from_secs(1)
+        {
+            *shown = true;
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+        self.bar.set_position((part * Self::STEPS as f64) as u64);
+    }
+
+    fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("1280x720"), Ok((1280, 720)));
+        for wrong in ["", "x", "0x1", "1x", "100000x1", "1280", "-1x1"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn frames_exclude_their_end() {
+        assert_eq!(frames("0..120"), Ok(0..120));
+        for wrong in ["", "3", "3..3", "4..3", "a..b", "0..=3"] {
+            assert!(frames(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn frames_are_numbered_before_the_extension() {
+        assert_eq!(numbered(Path::new("a/out.png"), 7), Path::new("a/out_0007.png"));
+        assert_eq!(numbered(Path::new("out"), 12345), Path::new("out_12345.png"));
+    }
+}

@@ -1,0 +1,62 @@
+//! `surefoot view`: a scene in a live window.
+
+use super::{Exit, Failure, compile_file, show_diagnostics};
+use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
+use std::path::{Path, PathBuf};
+use surefoot_compiler::Options;
+
+/// What to show.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    /// The scene.
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    /// Append what happens (compilations, frames, …) to this file, one JSON object a line.
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
+}
+
+/// Opens the window; where there can be none, writes a picture.
+pub fn run(args: &Args) -> Result<Exit, Failure> {
+    match window(args)? {
+        None => Ok(Exit::Fine),
+        Some(why) => picture(&args.scene, &why),
+    }
+}
+
+/// Shows the window until it is closed, or says why there is none.
+fn window(args: &Args) -> Result<Option<String>, Failure> {
+    let _ = &args.log;
+    Ok(Some("it is not there yet".to_owned()))
+}
+
+/// Where there is no window: `SCENE.png` in the working directory.
+fn picture(scene: &str, why: &str) -> Result<Exit, Failure> {
+    let outcome = compile_file(scene, &Options::default())?;
+    eprintln!("surefoot: no window: {why}");
+    show_diagnostics(&outcome);
+    let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
+    let (mut painter, note) =
+        Painter::new(Device::Auto, compiled, Mode::Shaded).map_err(|why| match why {
+            NoPainter::NoGraphics(words) | NoPainter::Refused(words) => Failure::usage(words),
+        })?;
+    if let Some(note) = note {
+        eprintln!("note: {note}");
+    }
+    let live = compiled.live();
+    let frame = compiled.frame(&live);
+    let Some(&(_, camera)) = frame.cameras.first() else {
+        return Err(Failure::usage(format!("{scene}: the scene has no camera")));
+    };
+    let shot = Shot { width: 1280, height: 720, camera };
+    let rgba = painter
+        .paint(compiled, &live, &shot, &|_| {})
+        .map_err(|why| Failure::usage(format!("can't draw {scene}: {why}")))?;
+    let path =
+        PathBuf::from(Path::new(scene).file_name().unwrap_or_default()).with_extension("png");
+    write_png(&path, shot.width, shot.height, &rgba)
+        .map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
+    let shown = std::path::absolute(&path).unwrap_or(path);
+    eprintln!("surefoot: wrote the picture to {}", shown.display());
+    Ok(Exit::Fine)
+}

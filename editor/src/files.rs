@@ -1,0 +1,118 @@
+//! Files on disk, for the compiler.
+
+use std::fs::File;
+use std::io::{ErrorKind, Read};
+use std::path::{Path, PathBuf};
+use surefoot_compiler::Loader;
+
+/// Larger files are refused: a scene's text, picture or mesh is smaller, and reading must not fill the memory.
+pub const LARGEST_FILE: u64 = 16 << 20;
+
+/// Reads regular files of at most [`LARGEST_FILE`] bytes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FileLoader;
+
+impl Loader for FileLoader {
+    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
+        read(Path::new(path))
+    }
+}
+
+/// The bytes of a regular file, or why they can't be had, in plain words.
+pub fn read(path: &Path) -> Result<Vec<u8>, String> {
+    // What is not a regular file may block for ever (a pipe) or never end (/dev/zero), so it is not even opened.
+    let known = std::fs::metadata(path).map_err(|error| words(&error))?;
+    if known.is_dir() {
+        return Err("this is a directory, not a file".to_owned());
+    }
+    if !known.is_file() {
+        return Err("this is not a regular file".to_owned());
+    }
+    let too_large = || format!("the file is larger than {} MiB", LARGEST_FILE >> 20);
+    if known.len() > LARGEST_FILE {
+        return Err(too_large());
+    }
+    let file = File::open(path).map_err(|error| words(&error))?;
+    let mut bytes = Vec::with_capacity(known.len() as usize);
+    // The file may grow while it is read, or say that it is empty (as those of /proc do).
+    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| words(&error))?;
+    if bytes.len() as u64 > LARGEST_FILE { Err(too_large()) } else { Ok(bytes) }
+}
+
+/// Writes a file as a whole: whoever reads it meanwhile sees the old bytes or the new ones, and a failure leaves the old ones.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    // A link stays a link: what it points to is replaced.
+    let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    // What is not a regular file (a pipe, /dev/null) can't be replaced, only written to.
+    let known = std::fs::metadata(&target);
+    if known.as_ref().is_ok_and(|known| !known.is_file()) {
+        return std::fs::write(&target, bytes).map_err(|error| words(&error));
+    }
+    let beside = beside(&target);
+    let done = std::fs::write(&beside, bytes)
+        .and_then(|()| match &known {
+            Ok(known) => std::fs::set_permissions(&beside, known.permissions()),
+            Err(_) => Ok(()),
+        })
+        .and_then(|()| std::fs::rename(&beside, &target));
+    done.map_err(|error| {
+        // Nothing more can be done about a file that can't be removed either.
+        std::fs::remove_file(&beside).ok();
+        words(&error)
+    })
+}
+
+/// A name for the new bytes in the same folder, so that renaming stays within one file system.
+fn beside(path: &Path) -> PathBuf {
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    path.with_file_name(format!(".{name}.{}.new", std::process::id()))
+}
+
+/// An error of the operating system in plain words.
+fn words(error: &std::io::Error) -> String {
+    match error.kind() {
+        ErrorKind::NotFound => "there is no such file".to_owned(),
+        ErrorKind::PermissionDenied => "permission denied".to_owned(),
+        ErrorKind::IsADirectory => "this is a directory, not a file".to_owned(),
+        ErrorKind::StorageFull => "the disk is full".to_owned(),
+        _ => error.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(name: &str) -> PathBuf {
+        let folder =
+            std::env::temp_dir().join(format!("surefoot-files-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        folder
+    }
+
+    #[test]
+    fn says_in_plain_words_why_a_file_cannot_be_read() {
+        let folder = folder("words");
+        assert_eq!(read(&folder.join("nowhere.sdf")), Err("there is no such file".to_owned()));
+        assert_eq!(read(&folder), Err("this is a directory, not a file".to_owned()));
+        let large = folder.join("large");
+        File::create(&large).unwrap().set_len(LARGEST_FILE + 1).unwrap();
+        assert_eq!(read(&large), Err("the file is larger than 16 MiB".to_owned()));
+        if cfg!(unix) {
+            assert_eq!(read(Path::new("/dev/zero")), Err("this is not a regular file".to_owned()));
+        }
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn writes_as_a_whole_and_leaves_nothing_beside() {
+        let folder = folder("write");
+        let path = folder.join("a.wgsl");
+        write(&path, b"one").unwrap();
+        write(&path, b"two").unwrap();
+        assert_eq!(read(&path), Ok(b"two".to_vec()));
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
+        assert!(write(&folder.join("no/such/folder.txt"), b"").is_err());
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+}

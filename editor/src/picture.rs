@@ -1,0 +1,203 @@
+//! Pictures without a window: on the graphics adapter where there is one, else on the processor's cores.
+
+use crate::files;
+use std::path::Path;
+use surefoot_compiler::compiled::{Camera, Compiled, Live};
+use surefoot_compiler::reference::View;
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Mode {
+    /// The scene in its light.
+    #[default]
+    Shaded,
+    /// The surface's normals, as colours.
+    Normals,
+    /// How many steps a ray takes.
+    Steps,
+    /// How far the surface is.
+    Depth,
+}
+
+impl From<Mode> for View {
+    fn from(mode: Mode) -> Self {
+        match mode {
+            Mode::Shaded => Self::Shaded,
+            Mode::Normals => Self::Normals,
+            Mode::Steps => Self::Steps,
+            Mode::Depth => Self::Depth,
+        }
+    }
+}
+
+/// What draws.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Device {
+    /// The graphics adapter where there is one, else the processor.
+    #[default]
+    Auto,
+    /// The processor.
+    Cpu,
+    /// The graphics adapter.
+    Gpu,
+}
+
+/// One picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shot {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// From where.
+    pub camera: Camera,
+}
+
+/// Something that draws a scene again and again.
+pub enum Painter {
+    /// The graphics adapter.
+    #[cfg(feature = "gpu")]
+    Gpu(Box<gpu::Painter>),
+    /// The processor, and what the pictures show.
+    Cpu(Mode),
+}
+
+/// Why there is no painter.
+#[derive(Debug)]
+pub enum NoPainter {
+    /// No graphics adapter, and the processor is not wanted.
+    NoGraphics(String),
+    /// The adapter refuses the scene's shader.
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "the processor takes every scene"))]
+    Refused(String),
+}
+
+impl Painter {
+    /// A painter on the wanted device, and what a person should know about it.
+    pub fn new(
+        device: Device,
+        compiled: &Compiled,
+        mode: Mode,
+    ) -> Result<(Self, Option<String>), NoPainter> {
+        if device == Device::Cpu {
+            return Ok((Self::Cpu(mode), None));
+        }
+        #[cfg(feature = "gpu")]
+        let missing = match surefoot_runtime::Gpu::headless() {
+            Ok(gpu) => {
+                let painter =
+                    gpu::Painter::new(gpu, compiled, mode.into()).map_err(NoPainter::Refused)?;
+                let note = painter
+                    .is_software()
+                    .then(|| format!("the adapter is a program: {}", painter.name()));
+                return Ok((Self::Gpu(Box::new(painter)), note));
+            }
+            Err(missing) => missing.to_string(),
+        };
+        #[cfg(not(feature = "gpu"))]
+        let missing = {
+            let _ = (compiled, mode);
+            "this program was built without graphics".to_owned()
+        };
+        match device {
+            Device::Gpu => Err(NoPainter::NoGraphics(missing)),
+            _ => {
+                let left_out = "such a picture leaves out triangles and balls";
+                Ok((
+                    Self::Cpu(mode),
+                    Some(format!("{missing}; drawing on the processor ({left_out})")),
+                ))
+            }
+        }
+    }
+
+    /// Rows of pixels from the top: red, green, blue (sRGB), opacity. `progress` hears the parts of the picture as they are done.
+    pub fn paint(
+        &mut self,
+        compiled: &Compiled,
+        live: &Live,
+        shot: &Shot,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Vec<u8>, String> {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(painter) => {
+                let pixels = painter.paint(compiled, live, shot);
+                progress(1.0);
+                pixels
+            }
+            Self::Cpu(mode) => cpu::paint(compiled, live, shot, (*mode).into(), progress),
+        }
+    }
+}
+
+/// Writes a PNG file.
+pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<(), String> {
+    use image::ImageEncoder;
+    let mut bytes = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut bytes)
+        .write_image(rgba, width, height, image::ExtendedColorType::Rgba8)
+        .map_err(|error| error.to_string())?;
+    files::write(path, &bytes)
+}
+
+#[cfg(feature = "gpu")]
+mod gpu {
+    //! On the graphics adapter.
+
+    use super::{Compiled, Live, Shot, View};
+    use surefoot_runtime::headless;
+    use surefoot_runtime::{Gpu, Picture};
+
+    /// A device with a scene's pipeline.
+    pub struct Painter {
+        gpu: Gpu,
+        picture: Picture,
+    }
+
+    impl Painter {
+        pub fn new(gpu: Gpu, compiled: &Compiled, view: View) -> Result<Self, String> {
+            let picture = Picture::prepare(&gpu, compiled, headless::FORMAT, view)?;
+            Ok(Self { gpu, picture })
+        }
+
+        pub fn name(&self) -> &str {
+            self.gpu.name()
+        }
+
+        pub fn is_software(&self) -> bool {
+            self.gpu.is_software()
+        }
+
+        pub fn paint(
+            &mut self,
+            compiled: &Compiled,
+            live: &Live,
+            shot: &Shot,
+        ) -> Result<Vec<u8>, String> {
+            let wanted = headless::Shot {
+                camera: Some(shot.camera),
+                ..headless::Shot::new(shot.width, shot.height)
+            };
+            headless::render_with(&self.gpu, &mut self.picture, compiled, live, &wanted)
+                .map(|pixels| pixels.rgba)
+        }
+    }
+}
+
+mod cpu {
+    //! On the processor's cores.
+
+    use super::{Compiled, Live, Shot, View};
+
+    pub fn paint(
+        compiled: &Compiled,
+        live: &Live,
+        shot: &Shot,
+        view: View,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Vec<u8>, String> {
+        let _ = (compiled, live, shot, view, progress);
+        Err("the processor can't draw yet".to_owned())
+    }
+}
