@@ -141,6 +141,10 @@ fn execute(registers: &mut [Lanes], instruction: &Instruction) {
         Op::And => two!(|x: f64, y: f64| if (x != 0.0) & (y != 0.0) { 1.0 } else { 0.0 }),
         Op::Or => two!(|x: f64, y: f64| if (x != 0.0) | (y != 0.0) { 1.0 } else { 0.0 }),
         Op::Not => one!(|x: f64| if x == 0.0 { 1.0 } else { 0.0 }),
+        Op::Hash => {
+            let out = hash([&registers[a], &registers[b], &registers[c], &registers[d]]);
+            registers[to] = out;
+        }
         other => {
             let value = other.row().value;
             let (x, y, z, w) = (&registers[a], &registers[b], &registers[c], &registers[d]);
@@ -148,6 +152,31 @@ fn execute(registers: &mut [Lanes], instruction: &Instruction) {
             registers[to] = out;
         }
     }
+}
+
+/// The kernel's hash, in all lanes at once.
+fn hash(from: [&Lanes; 4]) -> Lanes {
+    // The low bits of the sum are the nearest whole number.
+    let word = |x: f64| (x.clamp(-2_147_483_520.0, 2_147_483_520.0) + ROUNDER).to_bits() as u32;
+    let mix = |v: u32| v.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+    let [mut x, mut y, mut z, mut w] = from.map(|lanes| lanes.map(|v| mix(word(v))));
+    for _ in 0..2 {
+        for (((x, y), z), w) in x.iter_mut().zip(&mut y).zip(&mut z).zip(&mut w) {
+            *x = x.wrapping_add(y.wrapping_mul(*w));
+            *y = y.wrapping_add(z.wrapping_mul(*x));
+            *z = z.wrapping_add(x.wrapping_mul(*y));
+            *w = w.wrapping_add(y.wrapping_mul(*z));
+            *x ^= *x >> 16;
+            *y ^= *y >> 16;
+            *z ^= *z >> 16;
+            *w ^= *w >> 16;
+        }
+    }
+    let mut out = [0.0; LANES];
+    for ((out, x), w) in out.iter_mut().zip(&x).zip(&w) {
+        *out = f64::from((x ^ w) >> 8) / 16_777_216.0;
+    }
+    out
 }
 
 fn smaller(x: f64, y: f64) -> f64 {
