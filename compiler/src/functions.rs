@@ -102,7 +102,20 @@ pub struct Builder<'a> {
 /// The nine numbers of a surface, or that nothing gives it a material.
 type Look = [NodeId; 9];
 
-/// Builds the functions of a scene.
+/// The scene's shape with `world` bound: in the scene's own space the point of the scene is the point. So whatever reads it further in
+/// is seen to move with the point.
+pub fn bind_world(graph: &mut Graph, root: ShapeId) -> ShapeId {
+    let Some(shape) = graph.shape(root).cloned() else { return root };
+    let point = graph.point();
+    let bound = graph.substitute(&[shape.value], |leaf| match leaf {
+        Leaf::Variable(v) if v < WORLD + 3 => point.get((v - WORLD) as usize).copied(),
+        _ => None,
+    });
+    let value = bound.first().copied().unwrap_or(shape.value);
+    graph.add_shape(crate::graph::Shape { value, ..shape })
+}
+
+/// Builds the functions of a scene whose shape has been through [`bind_world`].
 pub fn build(
     graph: &mut Graph,
     facts: &mut Facts,
@@ -331,38 +344,23 @@ impl Builder<'_> {
     fn formulas_of(&mut self, shape: ShapeId, function: Function) -> Vec<(Function, NodeId)> {
         let Some(s) = self.graph.shape(shape) else { return Vec::new() };
         let value = s.value;
-        let is_root = shape == self.root;
         match function {
-            Function::Field => vec![(function, self.bind_world(is_root, value))],
+            Function::Field => vec![(function, value)],
             Function::Bound => {
                 let domain = self.domain(shape);
                 let bound = self.bound(shape, value, &domain, false);
-                vec![(function, self.bind_world(is_root, bound))]
+                vec![(function, bound)]
             }
             Function::Distance => {
                 let domain = self.domain(shape);
                 let distance = self.distance(shape, value, &domain);
-                vec![(function, self.bind_world(is_root, distance))]
+                vec![(function, distance)]
             }
             Function::Gradient(_) => {
-                let value = self.bind_world(is_root, value);
                 let gradient = self.gradient(value);
                 (0..3).zip(gradient).map(|(i, g)| (Function::Gradient(i), g)).collect()
             }
         }
-    }
-
-    /// In the scene's own space the point of the scene is the point.
-    fn bind_world(&mut self, is_root: bool, node: NodeId) -> NodeId {
-        if !is_root {
-            return node;
-        }
-        let point = self.graph.point();
-        let bound = self.graph.substitute(&[node], |leaf| match leaf {
-            Leaf::Variable(v) if v < WORLD + 3 => point.get((v - WORLD) as usize).copied(),
-            _ => None,
-        });
-        bound.first().copied().unwrap_or(node)
     }
 
     /// Whether a node is the same everywhere in the space in which it stands.

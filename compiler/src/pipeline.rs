@@ -67,6 +67,7 @@ fn run(
     finished(Stage::Elaborate);
     if let (Some(root), false) = (elaboration.root, outcome.has_errors()) {
         let (mut graph, mut facts) = (elaboration.graph, elaboration.facts);
+        let root = functions::bind_world(&mut graph, root);
         let (functions, summary, found) =
             functions::build(&mut graph, &mut facts, root, &elaboration.blocks);
         outcome.diagnostics.extend(found);

@@ -34,6 +34,11 @@ impl Dual {
         Self { value, gradient: [Interval::ZERO; 3], norm: 0.0, jumps: 0 }
     }
 
+    /// A value of which nothing else is known.
+    pub fn unknown(value: Interval) -> Self {
+        Self { value, gradient: [Interval::ALL; 3], norm: f64::INFINITY, jumps: 0 }
+    }
+
     /// A coordinate of the point.
     pub fn coordinate(i: usize, value: Interval) -> Self {
         let mut gradient = [Interval::ZERO; 3];

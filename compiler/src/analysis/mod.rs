@@ -8,7 +8,7 @@ pub mod tape;
 
 use crate::graph::algebra::Intervals;
 use crate::graph::interval::Interval;
-use crate::graph::{Exactness, Graph, Leaf, NodeId, ShapeId};
+use crate::graph::{Exactness, Graph, Leaf, NodeId, ShapeId, WORLD};
 use dual::{Dual, Duals};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::rc::Rc;
@@ -243,6 +243,8 @@ impl Facts {
         self.boxes += 1;
         dual::run(self, graph, tape, &mut Duals, |leaf| match leaf {
             Leaf::P(i) => Dual::coordinate(usize::from(i), domain.point.axis(usize::from(i))),
+            // The scene's point moves with the point of every space, nobody here knows how.
+            Leaf::Variable(v) if v < WORLD + 3 => Dual::unknown(domain.variable(v)),
             other => Dual::constant(leaf_range(graph, other, domain)),
         })
     }
