@@ -138,6 +138,12 @@ impl Gpu {
         &self.name
     }
 
+    /// What makes its machine code: adapter and driver with their versions, for comparison.
+    pub(crate) fn driver(&self) -> (wgpu::Backend, String, String) {
+        let info = self.device.adapter_info();
+        (info.backend, info.name, info.driver_info)
+    }
+
     /// Whether it is a program and no hardware: its times say nothing about graphics cards.
     pub fn is_software(&self) -> bool {
         self.software

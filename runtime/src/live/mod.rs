@@ -8,6 +8,7 @@
 //!   moment, because a file is often empty before it is full.
 
 mod record;
+mod rehearsal;
 mod watch;
 mod worker;
 

@@ -1,6 +1,7 @@
 //! The thread that compiles and builds.
 
 use super::record::Recorder;
+use super::rehearsal::Rehearsal;
 use super::watch::Watch;
 use super::{Ready, Setup, Shared, State, Times, Update, Words};
 use crate::frame::Picture;
@@ -38,7 +39,9 @@ pub(super) fn spawn(setup: Setup, shared: Arc<Shared>) -> std::io::Result<JoinHa
                 state.asked.get_or_insert(now);
                 ears.changed.notify_all();
             });
-            Worker { setup, shared, watch, record: None, newest: Newest::default() }.run();
+            let rehearsal = Rehearsal::new(setup.target.as_ref().map(|(gpu, _)| gpu));
+            let (record, newest) = (None, Newest::default());
+            Worker { setup, shared, watch, rehearsal, record, newest }.run();
         },
     )
 }
@@ -47,6 +50,7 @@ struct Worker {
     setup: Setup,
     shared: Arc<Shared>,
     watch: Watch,
+    rehearsal: Rehearsal,
     /// What the newest compilation read.
     record: Option<Recorder>,
     newest: Newest,
@@ -220,10 +224,13 @@ impl Worker {
         }
     }
 
-    fn prepare(&self, compiled: &Compiled, mode: ViewMode) -> Result<Option<Picture>, String> {
+    fn prepare(&mut self, compiled: &Compiled, mode: ViewMode) -> Result<Option<Picture>, String> {
         let Some((gpu, format)) = &self.setup.target else { return Ok(None) };
-        let mut picture = Picture::prepare(gpu, compiled, *format, mode)?;
-        headless::warm_up(gpu, &mut picture, compiled, *format)?;
+        let picture = self.rehearsal.prepare(gpu, |gpu| {
+            let mut picture = Picture::prepare(gpu, compiled, *format, mode)?;
+            headless::warm_up(gpu, &mut picture, compiled, *format)?;
+            Ok(picture)
+        })?;
         Ok(Some(picture))
     }
 
