@@ -15,11 +15,11 @@ use std::f64::consts::PI;
 /// The most lights that a picture takes; those beyond are left out.
 pub const MAX_LIGHTS: usize = 16;
 /// What light is multiplied by before the film.
-const FILM_SPEED: f64 = 0.7;
-/// The share of the sky's light that arrives.
-const FILL: f64 = 0.6;
-/// What the ground throws back of it.
-const GROUND: f64 = 0.35;
+const FILM_SPEED: f64 = 0.8;
+/// The share of the sky's light that a matte surface gets: less than all of it, so that lights model the shapes.
+const FILL: f64 = 0.48;
+/// What the ground throws back of the sky's light, and of the light of lamps that are infinitely far.
+const GROUND: (f64, f64) = (0.25, 0.07);
 
 /// What a surface is like at a point, as the scene's materials say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -98,12 +98,21 @@ pub fn lamps(frame: &Frame) -> Vec<Lamp> {
         .collect()
 }
 
+/// What the ground, wherever it is, throws back of the light from above: a little of the horizon's, and of that of the lamps that are
+/// infinitely far.
+pub fn ground(frame: &Frame, lamps: &[Lamp]) -> Vec3 {
+    let far = lamps.iter().filter(|lamp| !lamp.position);
+    far.fold(scale(frame.sky.horizon, GROUND.0), |sum, lamp| {
+        add(sum, scale(lamp.radiance, GROUND.1 * lamp.vector[1].max(0.0)))
+    })
+}
+
 /// The light of a scene that has none.
 pub fn default_light() -> Light {
     Light {
         name: String::new(),
         kind: LightKind::Direction([0.55, -0.8, -0.5]),
-        radiance: [3.0, 2.75, 2.4],
+        radiance: [3.3, 2.95, 2.45],
         shadow: Shadow::Soft(12.0),
     }
 }
@@ -181,6 +190,8 @@ pub struct Shading {
     pub sky: Sky,
     /// The lights.
     pub lamps: Vec<Lamp>,
+    /// What the ground throws back of the light from above.
+    pub ground: Vec3,
     /// What light is multiplied by.
     pub exposure: f64,
     /// Beyond this distance from the eye nothing is drawn.
@@ -192,9 +203,11 @@ pub struct Shading {
 impl Shading {
     /// Of a moment.
     pub fn of(frame: &Frame) -> Self {
+        let lamps = lamps(frame);
         Self {
             sky: frame.sky,
-            lamps: lamps(frame),
+            ground: ground(frame, &lamps),
+            lamps,
             exposure: frame.exposure.exp2(),
             max_distance: frame.max_distance,
             extent: frame.extent,
@@ -207,19 +220,19 @@ impl Shading {
         mix(self.sky.horizon, self.sky.zenith, 1.2 * s * s / (s * s + 0.2))
     }
 
-    /// What the sky, with dark ground below it, sheds on a surface that faces a direction, as radiance.
-    fn fill(&self, direction: Vec3) -> Vec3 {
+    /// The mean of sky and ground over the half of all directions about one, weighted toward it.
+    fn around(&self, direction: Vec3) -> Vec3 {
         let above = smooth(-0.8, 0.8, direction[1]);
         let sky = mix(self.sky.horizon, self.sky.zenith, 0.25 + 0.5 * above);
-        scale(mix(scale(self.sky.horizon, GROUND), sky, above), FILL)
+        mix(self.ground, sky, above)
     }
 
     /// What a mirror of some roughness sees in a direction.
     fn mirror(&self, direction: Vec3, roughness: f64) -> Vec3 {
         let width = 0.1 + 0.7 * roughness;
         let above = smooth(-width, 0.6 * width, direction[1]);
-        let sharp = mix(scale(self.sky.horizon, GROUND), self.sky(direction), above);
-        mix(sharp, self.fill(direction), roughness)
+        let sharp = mix(self.ground, self.sky(direction), above);
+        mix(sharp, self.around(direction), roughness)
     }
 
     /// A light as it meets a place; none where the surface is turned away from it.
@@ -247,7 +260,7 @@ impl Shading {
         let nv = dot(n, v).clamp(1e-3, 1.0);
         let share = answer.mirror_share(nv);
         let mirror = add(seen.direction, scale(n, -2.0 * dot(seen.direction, n)));
-        let scattered = mul(sub([1.0; 3], share), mul(answer.diffuse, self.fill(n)));
+        let scattered = mul(sub([1.0; 3], share), mul(answer.diffuse, scale(self.around(n), FILL)));
         let mirrored = mul(share, self.mirror(mirror, answer.roughness));
         let mut light = add(surface.emission, scale(add(scattered, mirrored), occlusion));
         for (lamp, &lit) in self.lamps.iter().zip(lit) {

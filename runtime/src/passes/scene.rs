@@ -136,11 +136,13 @@ uniforms! {
         max_distance: f32,
         horizon: [f32; 3],
         light_count: u32,
+        ground: [f32; 3],
+        near: f32,
         corner: [f32; 2],
         size: [f32; 2],
         srgb_target: u32,
-        near: f32,
-        padding: [f32; 2],
+        padding_a: u32,
+        padding_b: [f32; 2],
         lights: [SceneLight; MAX_LIGHTS],
     }
 }
@@ -184,11 +186,13 @@ impl SceneUniforms {
             max_distance: frame.max_distance as f32,
             horizon: narrow(frame.sky.horizon),
             light_count: lamps.len() as u32,
+            ground: narrow(shade::ground(frame, &lamps)),
+            near: NEAR,
             corner,
             size,
             srgb_target: u32::from(srgb_target),
-            near: NEAR,
-            padding: [0.0; 2],
+            padding_a: 0,
+            padding_b: [0.0; 2],
             lights,
         }
     }

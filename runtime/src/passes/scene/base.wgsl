@@ -33,14 +33,17 @@ struct SceneUniforms {
     max_distance: f32,
     horizon: vec3f,
     light_count: u32,
+    // What the ground throws back of the light from above.
+    ground: vec3f,
+    // Distance of the plane at which the depth that is written is 1.
+    near: f32,
     // The picture's upper left corner on the target, and its size, in pixels.
     corner: vec2f,
     size: vec2f,
     // 1 where the target itself encodes linear colours as sRGB.
     srgb_target: u32,
-    // Distance of the plane at which the depth that is written is 1.
-    near: f32,
-    padding: vec2f,
+    padding_a: u32,
+    padding_b: vec2f,
     lights: array<SceneLight, 16>,
 }
 

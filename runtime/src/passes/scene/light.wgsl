@@ -11,24 +11,23 @@ fn scene_develop(light: vec3f) -> vec3f {
     return scene_encode(scene_film(max(light, vec3f(0.0)) * scene.exposure));
 }
 
-const SCENE_FILM_SPEED: f32 = 0.7;
-// The share of the sky's light that arrives, and what the ground throws back of it.
-const SCENE_FILL: f32 = 0.6;
-const SCENE_GROUND: f32 = 0.35;
+const SCENE_FILM_SPEED: f32 = 0.8;
+// The share of the sky's light that a matte surface gets: less than all of it, so that lights model the shapes.
+const SCENE_FILL: f32 = 0.48;
 
-// What the sky, with dark ground below it, sheds on a surface that faces a direction, as radiance.
-fn scene_fill(direction: vec3f) -> vec3f {
+// The mean of sky and ground over the half of all directions about one, weighted toward it.
+fn scene_around(direction: vec3f) -> vec3f {
     let above = scene_smooth(-0.8, 0.8, direction.y);
     let sky = mix(scene.horizon, scene.zenith, 0.25 + 0.5 * above);
-    return SCENE_FILL * mix(SCENE_GROUND * scene.horizon, sky, above);
+    return mix(scene.ground, sky, above);
 }
 
 // What a mirror of some roughness sees in a direction.
 fn scene_mirror(direction: vec3f, roughness: f32) -> vec3f {
     let width = 0.1 + 0.7 * roughness;
     let above = scene_smooth(-width, 0.6 * width, direction.y);
-    let sharp = mix(SCENE_GROUND * scene.horizon, scene_sky(direction), above);
-    return mix(sharp, scene_fill(direction), roughness);
+    let sharp = mix(scene.ground, scene_sky(direction), above);
+    return mix(sharp, scene_around(direction), roughness);
 }
 
 // A surface's answer to light.
@@ -89,7 +88,7 @@ fn scene_shade(p: vec3f, n: vec3f, direction: vec3f, t: f32, surface: sf_Surface
     let share = scene_mirror_share(answer.mirrored, answer.roughness, nv);
     let mirror = reflect(direction, n);
     var light = surface.emission;
-    light += occlusion * (1.0 - share) * answer.diffuse * scene_fill(n);
+    light += occlusion * (1.0 - share) * answer.diffuse * SCENE_FILL * scene_around(n);
     light += occlusion * share * scene_mirror(mirror, answer.roughness);
     for (var i = 0u; i < scene.light_count; i += 1u) {
         let lamp = scene.lights[i];
