@@ -1,0 +1,94 @@
+//! The GPU's picture is the CPU's, which computes in 64 bits.
+
+mod common;
+
+use common::{compile_file, examples, gpu, pictures};
+use rayon::prelude::*;
+use surefoot_compiler::compiled::{Compiled, Live};
+use surefoot_compiler::reference::{Area, Reference};
+use surefoot_runtime::ViewMode;
+use surefoot_runtime::headless::{self, Pixels, Shot};
+
+const SIZE: (u32, u32) = (320, 180);
+/// A pixel differs where a channel does by more than this.
+const LEVELS: u8 = 8;
+/// Of all pixels at most this share may differ.
+const SHARE: f64 = 0.005;
+
+/// The picture in 64 bits, row by row.
+fn reference(compiled: &Compiled, live: &Live, mode: ViewMode) -> Pixels {
+    let reference = Reference::new(compiled, live).unwrap();
+    let frame = compiled.frame(live);
+    let camera = frame.cameras[0].1;
+    let (width, height) = SIZE;
+    let bands: Vec<Vec<[f32; 4]>> = (0..height)
+        .step_by(12)
+        .collect::<Vec<u32>>()
+        .into_par_iter()
+        .map(|top| {
+            let area = Area { left: 0, top, width, height: 12.min(height - top) };
+            reference.tile(&frame, &camera, SIZE, mode, area)
+        })
+        .collect();
+    let byte = |c: f32| (255.0 * c.clamp(0.0, 1.0)).round() as u8;
+    let rgba = bands.iter().flatten().flat_map(|&[r, g, b, _]| [byte(r), byte(g), byte(b), 255]);
+    Pixels { width, height, rgba: rgba.collect() }
+}
+
+/// The share of pixels that differ, and where, in red.
+fn compare(a: &Pixels, b: &Pixels) -> (f64, Vec<u8>) {
+    let mut differ = 0;
+    let mut map = Vec::new();
+    for (a, b) in a.rgba.chunks(4).zip(b.rgba.chunks(4)) {
+        let far = a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > LEVELS);
+        differ += usize::from(far);
+        let grey = (a.iter().take(3).map(|c| u32::from(*c)).sum::<u32>() / 6) as u8;
+        map.extend(if far { [255, 0, 0, 255] } else { [grey, grey, grey, 255] });
+    }
+    (differ as f64 / (a.rgba.len() / 4) as f64, map)
+}
+
+#[test]
+fn gpu_and_cpu_draw_the_same() {
+    let gpu = gpu();
+    let modes =
+        [("shaded", ViewMode::Shaded), ("normals", ViewMode::Normals), ("depth", ViewMode::Depth)];
+    let mut wrong = Vec::new();
+    println!(
+        "on {}: share of {}×{} pixels with a channel more than {LEVELS}/255 off",
+        gpu.name(),
+        SIZE.0,
+        SIZE.1
+    );
+    println!("{:14} {:>9} {:>9} {:>9}", "scene", "shaded", "normals", "depth");
+    for (name, path) in examples() {
+        let compiled = match compile_file(&path) {
+            Ok(compiled) => compiled,
+            Err(words) => {
+                wrong.push(format!("{name} does not compile:\n{words}"));
+                continue;
+            }
+        };
+        let live = compiled.live();
+        let mut row = format!("{name:14}");
+        for (view, mode) in modes {
+            let cpu = reference(&compiled, &live, mode);
+            let shot = Shot { mode, ..Shot::new(SIZE.0, SIZE.1) };
+            let gpu = headless::render(&gpu, &compiled, &live, &shot).unwrap();
+            let (share, map) = compare(&gpu, &cpu);
+            row += &format!(" {:7.3} %", 100.0 * share);
+            let save = |what: &str, pixels: &[u8]| {
+                let file = pictures().join(format!("{name}-{view}-{what}.png"));
+                image::save_buffer(file, pixels, SIZE.0, SIZE.1, image::ColorType::Rgba8).unwrap();
+            };
+            save("gpu", &gpu.rgba);
+            save("cpu", &cpu.rgba);
+            save("difference", &map);
+            if share > SHARE {
+                wrong.push(format!("{name}, {view}: {:.3} % of the pixels differ", 100.0 * share));
+            }
+        }
+        println!("{row}");
+    }
+    assert!(wrong.is_empty(), "{}\nSee {}", wrong.join("\n"), pictures().display());
+}
