@@ -44,6 +44,12 @@ impl Diagnostic {
         }
     }
 
+    /// The same at another place; the present one is kept with a few words.
+    pub fn at(mut self, span: Span, words: impl Into<String>) -> Self {
+        let before = std::mem::replace(&mut self.span, span);
+        self.label(before, words)
+    }
+
     /// Adds another place that matters.
     pub fn label(mut self, span: Span, words: impl Into<String>) -> Self {
         self.labels.push((span, words.into()));

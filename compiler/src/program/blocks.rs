@@ -1,6 +1,6 @@
 //! Parameters and the blocks around a scene: cameras, lights, environment, rendering, physics, meshes.
 
-use super::load::{nearest, ItemRef};
+use super::load::ItemRef;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::compiled::{LightNodes, Parameter, SceneBlocks, Shadow};
@@ -9,6 +9,7 @@ use crate::graph::kernel::Op;
 use crate::graph::{Leaf, NodeId, ParameterComponent};
 use crate::source::Span;
 use crate::syntax::ast::{BlockKind, Entry, Expr, ExprKind, ItemKind, Name, Type};
+use crate::syntax::words::nearest;
 use rustc_hash::FxHashMap;
 
 const DEFAULT_EXTENT: f64 = 100.0;
@@ -69,13 +70,25 @@ fn block_words(kind: BlockKind) -> &'static str {
 impl Elaborator<'_> {
     /// The value of a parameter, which is met here for the first time or again.
     pub fn parameter(&mut self, item: ItemRef) -> Elaborated<Value> {
-        if let Some(known) = self.parameter_values.get(&item) {
-            return known.clone();
+        match self.parameter_values.get(&item) {
+            Some(Some(known)) => return known.clone(),
+            Some(None) => {
+                let modules = self.modules;
+                let Some(name) = modules.item(item).and_then(super::load::item_name) else {
+                    return Err(Stop);
+                };
+                return Err(self.error(
+                    Code::EndlessCall,
+                    name.span,
+                    format!("the parameter `{}` needs its own value", name.text),
+                    "write numbers for its value and its range",
+                ));
+            }
+            None => {}
         }
-        // A parameter that needs itself has no value.
-        self.parameter_values.insert(item, Err(Stop));
+        self.parameter_values.insert(item, None);
         let value = self.new_parameter(item);
-        self.parameter_values.insert(item, value.clone());
+        self.parameter_values.insert(item, Some(value.clone()));
         value
     }
 
@@ -379,7 +392,19 @@ impl Elaborator<'_> {
                 let eye = self.vec3_entry(entry("eye"), &env, [4.0, 3.0, 6.0]);
                 let target = self.vec3_entry(entry("target"), &env, [0.0; 3]);
                 let fov = self.number_entry(entry("fov"), &env, 40f64.to_radians(), Some((0.01, 3.0)), "an angle between 1deg and 170deg");
-                blocks.cameras.push((name_text, eye?, target?, fov?));
+                let (eye, target) = (eye?, target?);
+                let gap = |(a, b): (&NodeId, &NodeId)| {
+                    Some((self.graph.as_constant(*a)? - self.graph.as_constant(*b)?).abs())
+                };
+                if eye.iter().zip(&target).all(|pair| gap(pair).is_some_and(|gap| gap < 1e-9)) {
+                    return Err(self.error(
+                        Code::BadValue,
+                        entry("target").or(entry("eye")).map_or(kind_span, |e| e.span),
+                        "the camera looks at the place where it stands, so it has no direction",
+                        "write another `target`: the point that shall be in the middle of the picture",
+                    ));
+                }
+                blocks.cameras.push((name_text, eye, target, fov?));
             }
             BlockKind::Light => {
                 let position = entry("position");

@@ -64,7 +64,10 @@ impl Elaborator<'_> {
             ("atan" | "atan2", [y, x]) => {
                 self.componentwise(y, x, span, |e, y, x| e.graph.op(Op::Atan2, &[y, x]))
             }
-            ("pow", [a, b]) => self.componentwise(a, b, span, |e, x, y| e.graph.op(Op::Pow, &[x, y])),
+            ("pow", [a, b]) => {
+                self.check_power(a, b, span)?;
+                self.componentwise(a, b, span, |e, x, y| e.graph.op(Op::Pow, &[x, y]))
+            }
             ("length", [v]) => {
                 let cells = self.cells(v, place(0))?;
                 Ok(Value::number(self.length(&cells, span)))
@@ -174,7 +177,7 @@ impl Elaborator<'_> {
                 let q = self.to_vector(q, n, place(1))?;
                 let q = self.fit_point(&q, *id, place(1))?;
                 let node = self.graph.field(*id, q);
-                self.graph.locate(node, span);
+                self.locate(node, span);
                 Ok(Value::number(node))
             }
             ("low_corner" | "high_corner", [Value::Shape(id)]) => {
@@ -216,6 +219,7 @@ impl Elaborator<'_> {
                 if let (Some(row), [one]) = (row, values.as_slice())
                     && row.arity == 1
                 {
+                    self.check_domain(name, one, span)?;
                     return self.each(one, span, row.op);
                 }
                 let found: Vec<String> = values.iter().map(|v| v.describe(self)).collect();
@@ -261,6 +265,48 @@ impl Elaborator<'_> {
         Value::Vector(cells.into())
     }
 
+    /// Reports a constant for which a function has no value. The prelude knows what it does.
+    fn check_domain(&mut self, name: &str, value: &Value, span: Span) -> Elaborated<()> {
+        let (least, most, wanted) = match name {
+            "sqrt" if self.outside.is_none() => (-1e-9, f64::INFINITY, "of at least 0"),
+            "log" => (f64::MIN_POSITIVE, f64::INFINITY, "greater than 0"),
+            "asin" | "acos" => (-1.0 - 1e-9, 1.0 + 1e-9, "from -1 to 1"),
+            _ => return Ok(()),
+        };
+        let cells = match value {
+            Value::Number(n, _) => std::slice::from_ref(n),
+            Value::Vector(v) => v,
+            _ => return Ok(()),
+        };
+        let constants = cells.iter().filter_map(|n| self.graph.as_constant(*n));
+        match constants.into_iter().find(|c| !(least..=most).contains(c)) {
+            Some(c) => Err(self.error(
+                Code::BadValue,
+                span,
+                format!("`{name}` has no value for {c}"),
+                format!("write a number {wanted}"),
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// The same for a power.
+    fn check_power(&mut self, base: &Value, exponent: &Value, span: Span) -> Elaborated<()> {
+        if let (Value::Number(base, _), Value::Number(exponent, _)) = (base, exponent)
+            && let (Some(b), Some(e)) =
+                (self.graph.as_constant(*base), self.graph.as_constant(*exponent))
+            && (b < 0.0 && e.fract() != 0.0 || b == 0.0 && e < 0.0)
+        {
+            return Err(self.error(
+                Code::BadValue,
+                span,
+                format!("{b} to the power {e} has no value"),
+                "write a base greater than 0, or an exponent that is a whole number of at least 0",
+            ));
+        }
+        Ok(())
+    }
+
     fn not_material(&mut self, value: &Value, span: Span) -> super::Stop {
         let found = value.describe(self);
         self.error(
@@ -296,7 +342,7 @@ impl Elaborator<'_> {
             3 => self.graph.op(Op::Length3, cells),
             _ => self.graph.op(Op::Length4, cells),
         };
-        self.graph.locate(node, span);
+        self.locate(node, span);
         node
     }
 

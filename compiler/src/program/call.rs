@@ -1,7 +1,7 @@
 //! Calls: which declaration is meant, how arguments meet parameters, and what comes of it.
 
 use super::expression::kind_words;
-use super::load::{nearest, ItemRef, Resolution};
+use super::load::{ItemRef, Resolution};
 use super::value::{type_words, Value};
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
@@ -10,6 +10,7 @@ use crate::source::Span;
 use crate::syntax::ast::{
     self, Argument, ClaimKind, Expr, ExprKind, FunctionKind, ItemKind, Name, Parameter, Type,
 };
+use crate::syntax::words::nearest;
 use std::rc::Rc;
 
 /// A condition on an argument, from a `Requires:` line of its documentation.
@@ -18,6 +19,17 @@ pub struct Requirement {
     parameter: String,
     relation: String,
     bound: f64,
+}
+
+/// A value that was given for a parameter.
+#[derive(Clone)]
+pub struct Bound {
+    /// It.
+    pub value: Value,
+    /// Where it stands.
+    pub span: Span,
+    /// Where each component stands, for a vector whose components are written out.
+    pub parts: Vec<Span>,
 }
 
 /// An argument before it has a value, or with one.
@@ -282,13 +294,14 @@ impl Elaborator<'_> {
             && !matches!(&inner.kind, ExprKind::Name(n) if self.modules.alias(env.module, n).is_some())
         {
             let value = self.expression(inner, env)?;
+            let call = Span { start: alias.span.start, ..span };
             return self.call_in(
                 module,
                 &alias.text,
                 name,
                 vec![(value, inner.span)],
                 args.unwrap_or(&[]),
-                span,
+                call,
                 env,
             );
         }
@@ -332,7 +345,9 @@ impl Elaborator<'_> {
                 ));
             }
         }
-        self.call_name(name, vec![(value, receiver.span)], args.unwrap_or(&[]), span, env)
+        // What goes wrong with the call has its place behind the dot.
+        let call = Span { start: name.span.start, ..span };
+        self.call_name(name, vec![(value, receiver.span)], args.unwrap_or(&[]), call, env)
     }
 
     fn swizzle(&mut self, v: &[NodeId], name: &Name) -> Option<Elaborated<Value>> {
@@ -398,6 +413,7 @@ impl Elaborator<'_> {
             ItemKind::Function(function) => self.call_function(item, function, known, args, span, env),
             ItemKind::Material { parameters, .. } => {
                 let bound = self.bind(parameters, known, args, span, env, &env.clone(), &declared_name(declared))?;
+                let bound: Vec<Option<Value>> = bound.into_iter().map(|b| b.map(|b| b.value)).collect();
                 self.make_material(item, &bound, span).map(Value::Material)
             }
             _ => {
@@ -441,7 +457,11 @@ impl Elaborator<'_> {
                     ExprKind::Call(..) | ExprKind::Vector(_) | ExprKind::Name(_) => {
                         let errors = self.diagnostics.len();
                         let value = self.expression(&arg.value, env).ok();
-                        self.diagnostics.truncate(errors);
+                        if value.is_none() && !self.full && !self.endless {
+                            // It is said when the argument is evaluated in its place.
+                            self.diagnostics.truncate(errors);
+                            self.lets.retain(|_, value| !matches!(value, Some(Err(Stop))));
+                        }
                         value
                     }
                     _ => None,
@@ -453,7 +473,7 @@ impl Elaborator<'_> {
         for (order, (item, f)) in functions.iter().enumerate() {
             let first_fits = match known.first() {
                 Some((value, _)) => self.first_fits(f, value),
-                None => u32::from(f.parameters.iter().all(|p| p.default.is_some())),
+                None => 1,
             };
             if first_fits == 0 {
                 continue;
@@ -599,7 +619,20 @@ impl Elaborator<'_> {
         self.apply(item, receiver.map(|(v, _)| v), bound, span, Some(env))
     }
 
-    /// A value for each parameter, `None` where its default stands.
+    /// Runs `inside` for a declaration; where it is the prelude's and a user calls it, what goes wrong inside is reported at the call.
+    fn for_user<T>(&mut self, item: ItemRef, call: Span, inside: impl FnOnce(&mut Self) -> T) -> T {
+        let before = self.outside;
+        if !self.modules.is_prelude(item.module) {
+            self.outside = None;
+        } else if !super::load::in_prelude(call) {
+            self.outside = Some(call);
+        }
+        let result = inside(self);
+        self.outside = before;
+        result
+    }
+
+    /// A value for each parameter and where it stands, `None` where its default stands.
     #[allow(clippy::too_many_arguments)]
     fn bind(
         &mut self,
@@ -610,7 +643,7 @@ impl Elaborator<'_> {
         env: &Env,
         formula_env: &Env,
         name: &str,
-    ) -> Elaborated<Vec<Option<Value>>> {
+    ) -> Elaborated<Vec<Option<Bound>>> {
         let mut positional: Vec<Given> = known.into_iter().map(|(v, s)| Given::Known(v, s)).collect();
         positional.extend(args.iter().filter(|a| a.name.is_none()).map(|a| Given::Written(&a.value)));
         let given = positional.len();
@@ -701,6 +734,13 @@ impl Elaborator<'_> {
         for (slot, parameter) in slots.into_iter().zip(parameters) {
             let is_field = matches!(parameter.ty, Some((Type::Field, _)));
             let place = if is_field { formula_env } else { env };
+            let parts: Vec<Span> = match &slot {
+                Some(Given::Written(Expr { kind: ExprKind::Vector(items), .. })) => {
+                    items.iter().map(|i| i.span).collect()
+                }
+                Some(Given::Group(items)) => items.iter().map(|i| i.span).collect(),
+                _ => Vec::new(),
+            };
             let value = match slot {
                 None if parameter.default.is_some() => {
                     bound.push(None);
@@ -752,6 +792,7 @@ impl Elaborator<'_> {
                     cells.map(|c| (Value::Vector(c.into()), at))
                 }
             };
+            let at = value.as_ref().map_or(span, |(_, at)| *at);
             let typed = value.and_then(|(value, at)| match &parameter.ty {
                 Some((ty, _)) => self.coerce(value, ty, at, place),
                 None => match (&parameter.default, &value) {
@@ -775,7 +816,7 @@ impl Elaborator<'_> {
                 },
             });
             match typed {
-                Ok(value) => bound.push(Some(value)),
+                Ok(value) => bound.push(Some(Bound { value, span: at, parts })),
                 Err(Stop) => failed = true,
             }
         }
@@ -787,11 +828,22 @@ impl Elaborator<'_> {
         &mut self,
         item: ItemRef,
         receiver: Option<Value>,
-        args: Vec<Option<Value>>,
+        args: Vec<Option<Bound>>,
         span: Span,
         caller: Option<&Env>,
     ) -> Elaborated<Value> {
         self.called.insert(item);
+        self.for_user(item, span, |e| e.apply_here(item, receiver, args, span, caller))
+    }
+
+    fn apply_here(
+        &mut self,
+        item: ItemRef,
+        receiver: Option<Value>,
+        args: Vec<Option<Bound>>,
+        span: Span,
+        caller: Option<&Env>,
+    ) -> Elaborated<Value> {
         let modules = self.modules;
         let Some(declared) = modules.item(item) else { return Err(Stop) };
         let ItemKind::Function(function) = &declared.kind else { return Err(Stop) };
@@ -809,7 +861,7 @@ impl Elaborator<'_> {
         // Defaults may use the parameters before them.
         let mut env = Env::top(item.module);
         let in_formula = caller.and_then(|c| c.point.clone());
-        let shape_operand = |v: &Value| matches!(v, Value::Shape(_) | Value::Nothing);
+        let shape_operand = |b: &Bound| matches!(b.value, Value::Shape(_) | Value::Nothing);
         let operand_count = function.parameters.iter().take_while(|p| is_operand(p)).count();
         let any_shape = args.iter().take(operand_count).flatten().any(shape_operand);
         let dimensions = match function.kind {
@@ -819,7 +871,7 @@ impl Elaborator<'_> {
                 .iter()
                 .take(operand_count)
                 .flatten()
-                .find_map(|v| if let Value::Shape(id) = v { Some(self.dimensions(*id)) } else { None })
+                .find_map(|b| if let Value::Shape(id) = b.value { Some(self.dimensions(id)) } else { None })
                 .unwrap_or(3),
         };
         let leaf_point: Rc<[NodeId]> = {
@@ -837,9 +889,14 @@ impl Elaborator<'_> {
             FunctionKind::Fn | FunctionKind::Shape | FunctionKind::Shape2 => None,
         };
         let mut values = Vec::new();
+        let mut places = Vec::new();
         for (parameter, arg) in function.parameters.iter().zip(args) {
+            places.push(match &arg {
+                Some(bound) => (bound.span, bound.parts.clone()),
+                None => (span, Vec::new()),
+            });
             let value = match (arg, &parameter.default) {
-                (Some(value), _) => value,
+                (Some(bound), _) => bound.value,
                 (None, Some(default)) => {
                     let is_field = matches!(parameter.ty, Some((Type::Field, _)));
                     let place = if is_field { env.at(point.clone()) } else { env.clone() };
@@ -854,7 +911,7 @@ impl Elaborator<'_> {
             values.push(value.clone());
             env = env.with(&parameter.name.text, value);
         }
-        self.check_requirements(item, function, &values, span)?;
+        self.check_requirements(item, function, &values, &places)?;
         // The value depends on the arguments alone, unless it is a formula over the caller's point.
         let memo_key = (function.kind != FunctionKind::Blend || any_shape)
             .then(|| (item, receiver.clone(), values.clone()));
@@ -948,7 +1005,7 @@ impl Elaborator<'_> {
             Some(Value::Shape(id)) if usize::from(self.dimensions(id)) == n => {
                 let at = self.fit_point(&moved, id, span)?;
                 let value = self.graph.field(id, at);
-                self.graph.locate(value, span);
+                self.locate(value, span);
                 Ok(Value::Shape(self.make_shape(n as u8, value, span)))
             }
             Some(other) => {
@@ -964,7 +1021,7 @@ impl Elaborator<'_> {
         }
     }
 
-    fn value_depends_on_point(&self, value: &Value) -> bool {
+    fn value_depends_on_point(&mut self, value: &Value) -> bool {
         match value {
             Value::Number(n, _) | Value::Bool(n) => self.depends_on_point(*n),
             Value::Vector(v) | Value::Matrix(_, v) => v.iter().any(|n| self.depends_on_point(*n)),
@@ -1053,7 +1110,7 @@ impl Elaborator<'_> {
         item: ItemRef,
         function: &ast::Function,
         values: &[Value],
-        span: Span,
+        places: &[(Span, Vec<Span>)],
     ) -> Elaborated<()> {
         if !self.modules.is_prelude(item.module) {
             return Ok(());
@@ -1068,14 +1125,20 @@ impl Elaborator<'_> {
             }
         };
         for requirement in requirements.iter() {
-            let Some(at) =
-                function.parameters.iter().position(|p| p.name.text == requirement.parameter)
-            else {
+            let (wanted, of_count) = match requirement.parameter.strip_suffix(".count") {
+                Some(list) => (list, true),
+                None => (requirement.parameter.as_str(), false),
+            };
+            let Some(at) = function.parameters.iter().position(|p| p.name.text == wanted) else {
                 continue;
             };
+            let Some((span, parts)) = places.get(at) else { continue };
             let nodes: Vec<NodeId> = match values.get(at) {
                 Some(Value::Number(n, _)) => vec![*n],
                 Some(Value::Vector(v)) => v.to_vec(),
+                Some(Value::List(items)) if of_count => {
+                    vec![self.graph.constant(items.len() as f64)]
+                }
                 _ => continue,
             };
             // A vector that may not be zero may have components that are.
@@ -1096,6 +1159,13 @@ impl Elaborator<'_> {
             };
             if broken {
                 let bad = constants.iter().copied().find(|&c| !holds(c)).unwrap_or(0.0);
+                let part = if requirement.relation != "!=" && parts.len() == nodes.len() {
+                    let bad = |n: &NodeId| self.graph.as_constant(*n).is_some_and(|c| !holds(c));
+                    nodes.iter().position(bad).and_then(|i| parts.get(i))
+                } else {
+                    None
+                };
+                let span = *part.unwrap_or(span);
                 let (name, parameter) = (&function.name.text, &requirement.parameter);
                 return Err(self.error(
                     Code::BadValue,
@@ -1126,6 +1196,15 @@ impl Elaborator<'_> {
         span: Span,
     ) -> Elaborated<MaterialId> {
         self.called.insert(item);
+        self.for_user(item, span, |e| e.deeper(span, |e| e.material_of(item, args, span)))
+    }
+
+    fn material_of(
+        &mut self,
+        item: ItemRef,
+        args: &[Option<Value>],
+        span: Span,
+    ) -> Elaborated<MaterialId> {
         let modules = self.modules;
         let Some(declared) = modules.item(item) else { return Err(Stop) };
         let ItemKind::Material { name, parameters, lets, entries } = &declared.kind else {
@@ -1305,7 +1384,7 @@ impl Elaborator<'_> {
             exactness: Exactness::Formula,
             material: own,
             paints: paints.into(),
-            span,
+            span: self.place(span),
         }))
     }
 }

@@ -1,12 +1,13 @@
 //! The value of an expression.
 
-use super::load::{nearest, ItemRef, Resolution};
-use super::value::Value;
+use super::load::{ItemRef, Resolution};
+use super::value::{together, Value};
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
-use crate::graph::{Exactness, Leaf, Material, MaterialId, NodeId, Shape, ShapeId, FAR, WORLD};
+use crate::graph::{Exactness, Leaf, Material, Node, MaterialId, NodeId, Shape, ShapeId, FAR, WORLD};
 use crate::source::Span;
+use crate::syntax::words::nearest;
 use crate::syntax::ast::{
     AngleUnit, BinaryOp, Expr, ExprKind, Fold, FoldKind, For, FunctionKind, ItemKind, Iterate, Let,
     UnaryOp,
@@ -23,6 +24,9 @@ pub enum Joined {
     List,
 }
 
+/// Most elements of a list.
+const LIST_LIMIT: usize = 200_000;
+
 /// Most turns of one loop.
 const TURN_LIMIT: f64 = 100_000.0;
 
@@ -31,6 +35,7 @@ impl Elaborator<'_> {
     pub fn expression(&mut self, expr: &Expr, env: &Env) -> Elaborated<Value> {
         self.step(expr.span)?;
         if self.nesting >= super::NESTING_LIMIT {
+            self.endless = self.depth > 0;
             return Err(self.error(
                 Code::TooDeep,
                 expr.span,
@@ -210,9 +215,7 @@ impl Elaborator<'_> {
         let value = match &declared.kind {
             ItemKind::Let(l) => {
                 let env = Env::top(item.module);
-                let span = declared.span;
-                self.deeper(span, |e| {
-                    let inner = e.bind_lets(std::slice::from_ref(l), &env)?;
+                self.bind_lets(std::slice::from_ref(l), &env).and_then(|inner| {
                     l.bindings.first().and_then(|(n, _)| inner.local(&n.text).cloned()).ok_or(Stop)
                 })
             }
@@ -280,7 +283,48 @@ impl Elaborator<'_> {
         }
         let values: Vec<Elaborated<Value>> =
             items.iter().map(|i| self.expression(i, env)).collect();
-        Ok(Value::List(values.into_iter().collect::<Elaborated<Vec<_>>>()?.into()))
+        let values = values.into_iter().collect::<Elaborated<Vec<_>>>()?;
+        let places: Vec<Span> = items.iter().map(|i| i.span).collect();
+        let whole = match (places.first(), places.last()) {
+            (Some(first), Some(last)) => first.to(*last),
+            _ => return Ok(Value::List([].into())),
+        };
+        self.list_of(values, &places, whole)
+    }
+
+    /// A list of values of one kind. A value without a place of its own stands at `span`.
+    fn list_of(&mut self, values: Vec<Value>, places: &[Span], span: Span) -> Elaborated<Value> {
+        if let Some((first, rest)) = values.split_first() {
+            for (i, value) in rest.iter().enumerate() {
+                if !first.is_like(value, self) {
+                    let (wanted, found) = (first.describe(self), value.describe(self));
+                    let at = places.get(i + 1).copied().unwrap_or(span);
+                    let mut error = Diagnostic::new(
+                        Code::TypeMismatch,
+                        at,
+                        format!("this is {found}, and the list begins with {wanted}"),
+                        "let all elements of a list be of one kind",
+                    );
+                    if let Some(place) = places.first() {
+                        error = error.label(*place, wanted);
+                    }
+                    return Err(self.report(error));
+                }
+            }
+        }
+        let list = Value::List(values.into());
+        // Lists within lists share their elements, and may stand for more than memory holds.
+        let size = list.size(LIST_LIMIT);
+        if size >= LIST_LIMIT {
+            return Err(self.error(
+                Code::TooLarge,
+                span,
+                format!("this list has more than {LIST_LIMIT} elements, counting those of the lists within"),
+                "use fewer elements",
+            ));
+        }
+        self.steps_of(size / 16, span)?;
+        Ok(list)
     }
 
     fn unary(&mut self, op: UnaryOp, inner: &Expr, span: Span, env: &Env) -> Elaborated<Value> {
@@ -420,7 +464,7 @@ impl Elaborator<'_> {
             || op == BinaryOp::Sub && both_shapes
         {
             if both_shapes {
-                return self.combine(op, &a, &b, span);
+                return self.combine(op, &a, &b, spans);
             }
             if op != BinaryOp::Sub {
                 let found = if is_shape(&a) { b.describe(self) } else { a.describe(self) };
@@ -447,6 +491,32 @@ impl Elaborator<'_> {
                 b = Value::number(self.to_number(&b, spans.2, env)?);
             }
         }
+        let arithmetic =
+            matches!(op, BinaryOp::Add | BinaryOp::Sub | BinaryOp::Mul | BinaryOp::Div | BinaryOp::Rem);
+        if arithmetic && !computes(op, &a, &b) {
+            let (left, right) = (a.describe(self), b.describe(self));
+            let error = Diagnostic::new(
+                Code::TypeMismatch,
+                spans.1,
+                format!("{left} and {right} do not go together here"),
+                together(&a, &b),
+            );
+            return Err(self.report(error.label(spans.0, left).label(spans.2, right)));
+        }
+        let divides = |e: &Self, n: &NodeId| e.graph.as_constant(*n) == Some(0.0);
+        let by_zero = match &b {
+            Value::Number(divisor, _) => divides(self, divisor),
+            Value::Vector(v) => v.iter().any(|n| divides(self, n)),
+            _ => false,
+        };
+        if by_zero && matches!(op, BinaryOp::Div | BinaryOp::Rem) {
+            return Err(self.error(
+                Code::BadValue,
+                spans.2,
+                "this divides by zero",
+                "write a divisor that is not zero",
+            ));
+        }
         match op {
             BinaryOp::Add | BinaryOp::Sub => {
                 let kernel = if op == BinaryOp::Add { Op::Add } else { Op::Sub };
@@ -461,15 +531,9 @@ impl Elaborator<'_> {
             }
             BinaryOp::Mul => self.multiply(&a, &b, span),
             BinaryOp::Div => {
-                if let Value::Number(divisor, _) = &b
-                    && self.graph.as_constant(*divisor) == Some(0.0)
-                {
-                    return Err(self.error(
-                        Code::BadValue,
-                        spans.2,
-                        "this divides by zero",
-                        "write a divisor that is not zero",
-                    ));
+                if let (Value::Matrix(n, m), Value::Number(divisor, _)) = (&a, &b) {
+                    let cells = m.iter().map(|c| self.graph.op(Op::Div, &[*c, *divisor]));
+                    return Ok(Value::Matrix(*n, cells.collect()));
                 }
                 let value =
                     self.componentwise(&a, &b, span, |e, x, y| e.graph.op(Op::Div, &[x, y]))?;
@@ -498,10 +562,11 @@ impl Elaborator<'_> {
                 }
                 (Value::Bool(_), other) | (other, _) => {
                     let found = other.describe(self);
+                    let at = if matches!(a, Value::Bool(_)) { spans.2 } else { spans.0 };
                     Err(self.error(
                         Code::TypeMismatch,
-                        span,
-                        format!("conditions are needed here, and this is {found}"),
+                        at,
+                        format!("a condition is needed here, and this is {found}"),
                         "compare it with something, for example `a > 0`",
                     ))
                 }
@@ -511,7 +576,14 @@ impl Elaborator<'_> {
     }
 
     /// Union, intersection and difference of shapes.
-    fn combine(&mut self, op: BinaryOp, a: &Value, b: &Value, span: Span) -> Elaborated<Value> {
+    fn combine(
+        &mut self,
+        op: BinaryOp,
+        a: &Value,
+        b: &Value,
+        spans: (Span, Span, Span),
+    ) -> Elaborated<Value> {
+        let span = spans.0.to(spans.2);
         let dimensions = match (a, b) {
             (Value::Shape(id), _) | (_, Value::Shape(id)) => self.dimensions(*id),
             _ => return Ok(Value::Nothing),
@@ -519,12 +591,13 @@ impl Elaborator<'_> {
         if let (Value::Shape(x), Value::Shape(y)) = (a, b)
             && self.dimensions(*x) != self.dimensions(*y)
         {
-            return Err(self.error(
+            let error = Diagnostic::new(
                 Code::TypeMismatch,
-                span,
+                spans.1,
                 "a drawing and a solid do not go together",
                 "make a solid of the drawing with `.extrude(height)` or `.revolve()`",
-            ));
+            );
+            return Err(self.report(error.label(spans.0, a.describe(self)).label(spans.2, b.describe(self))));
         }
         let a = self.to_shape(a, dimensions, span)?;
         let b = self.to_shape(b, dimensions, span)?;
@@ -625,8 +698,8 @@ impl Elaborator<'_> {
             (Value::Bool(_), _) | (_, Value::Bool(_)) => {
                 return Err(self.error(
                     Code::TypeMismatch,
-                    spans.0.to(spans.2),
-                    "conditions can't be compared with numbers",
+                    spans.1,
+                    "a condition can be compared with another for equality only, and not with a number",
                     "join conditions with `&&` and `||`",
                 ));
             }
@@ -656,7 +729,7 @@ impl Elaborator<'_> {
                 self.graph.op(Op::Not, &[same])
             }
         };
-        self.graph.locate(node, spans.0.to(spans.2));
+        self.locate(node, spans.0.to(spans.2));
         Ok(Value::Bool(node))
     }
 
@@ -722,7 +795,7 @@ impl Elaborator<'_> {
         match (a, b) {
             (Value::Number(x, wx), Value::Number(y, wy)) => {
                 let node = self.graph.op(Op::Select, &[condition, *x, *y]);
-                self.graph.locate(node, span);
+                self.locate(node, span);
                 Ok(Value::Number(node, *wx && *wy))
             }
             (Value::Bool(x), Value::Bool(y)) => {
@@ -791,10 +864,21 @@ impl Elaborator<'_> {
     }
 
     /// Whether a node reads the point of the space in which it stands.
-    pub fn depends_on_point(&self, node: NodeId) -> bool {
-        self.graph.reachable(&[node]).iter().any(|&id| {
-            matches!(self.graph.node(id), crate::graph::Node::Leaf(Leaf::P(_) | Leaf::Normal(_)))
-        })
+    pub fn depends_on_point(&mut self, node: NodeId) -> bool {
+        // Arguments have smaller indices.
+        for index in self.reads_point.len()..=node.0 as usize {
+            let id = NodeId(index as u32);
+            let reads = match self.graph.node(id) {
+                Node::Leaf(leaf) => matches!(leaf, Leaf::P(_) | Leaf::Normal(_)),
+                _ => self
+                    .graph
+                    .arguments(id)
+                    .iter()
+                    .any(|a| self.reads_point.get(a.0 as usize).is_some_and(|r| *r)),
+            };
+            self.reads_point.push(reads);
+        }
+        self.reads_point.get(node.0 as usize).is_some_and(|r| *r)
     }
 
     fn mix_materials(&mut self, condition: NodeId, x: MaterialId, y: MaterialId) -> MaterialId {
@@ -862,6 +946,19 @@ impl Elaborator<'_> {
                 "this `if` has no `else`, so it has no value where the condition is false",
                 "write `else { … }`; only between shapes is a missing one the empty shape",
             ));
+        }
+        if let Some(other) = otherwise
+            && !a.is_like(&b, self)
+            && !(env.point.is_some() && a.is_field() && b.is_field())
+        {
+            let (left, right) = (a.describe(self), b.describe(self));
+            let error = Diagnostic::new(
+                Code::TypeMismatch,
+                result_of(other),
+                format!("one branch is {left} and the other is {right}"),
+                "give both branches the same kind of value",
+            );
+            return Err(self.report(error.label(result_of(then), left)));
         }
         self.select(node, &a, &b, span, env)
     }
@@ -1013,6 +1110,19 @@ impl Elaborator<'_> {
                 (reach.hi, Some(self.graph.op(Op::Sub, &[end, start])))
             }
         };
+        if live.is_none() && last < from {
+            let help = if (last - from).abs() < 1e6 {
+                format!("write the smaller end first; the end is left out: `{last}..{from}`")
+            } else {
+                "write the smaller end first".to_owned()
+            };
+            return Err(self.error(
+                Code::BadValue,
+                source.span,
+                format!("the range {from}..{last} is empty"),
+                help,
+            ));
+        }
         if last - from > TURN_LIMIT {
             return Err(self.error(
                 Code::TooLarge,
@@ -1103,7 +1213,10 @@ impl Elaborator<'_> {
         env: &Env,
     ) -> Elaborated<Value> {
         match joined {
-            Joined::List => Ok(Value::List(bodies.into_iter().map(|(v, _)| v).collect())),
+            Joined::List => {
+                let values = bodies.into_iter().map(|(v, _)| v).collect();
+                self.list_of(values, &[], body_span)
+            }
             Joined::Union => {
                 let shapes = bodies.iter().all(|(v, _)| matches!(v, Value::Shape(_) | Value::Nothing));
                 if shapes {
@@ -1193,7 +1306,7 @@ impl Elaborator<'_> {
         exact: bool,
         span: Span,
     ) -> ShapeId {
-        self.graph.locate(value, span);
+        self.locate(value, span);
         self.graph.add_shape(Shape {
             name: name.map(|n| (&*n).into()),
             dimensions,
@@ -1202,13 +1315,39 @@ impl Elaborator<'_> {
             exactness: if exact { Exactness::Exact } else { Exactness::Formula },
             material: None,
             paints: [].into(),
-            span,
+            span: self.place(span),
         })
     }
 
     /// Warns once at a place.
     pub fn warn(&mut self, code: Code, span: Span, message: impl Into<String>, help: impl Into<String>) {
         self.report(Diagnostic::new(code, span, message, help));
+    }
+}
+
+/// Whether an operator of arithmetic takes two values.
+fn computes(op: BinaryOp, a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Number(..), Value::Number(..) | Value::Vector(_))
+        | (Value::Vector(_), Value::Number(..)) => true,
+        (Value::Vector(x), Value::Vector(y)) => x.len() == y.len(),
+        (Value::Matrix(n, _), Value::Matrix(m, _)) => {
+            n == m && matches!(op, BinaryOp::Add | BinaryOp::Sub | BinaryOp::Mul)
+        }
+        (Value::Matrix(n, _), Value::Vector(v)) | (Value::Vector(v), Value::Matrix(n, _)) => {
+            op == BinaryOp::Mul && v.len() == usize::from(*n)
+        }
+        (Value::Matrix(..), Value::Number(..)) => matches!(op, BinaryOp::Mul | BinaryOp::Div),
+        (Value::Number(..), Value::Matrix(..)) => op == BinaryOp::Mul,
+        _ => false,
+    }
+}
+
+/// The expression that gives the value of a block.
+fn result_of(expr: &Expr) -> Span {
+    match &expr.kind {
+        ExprKind::Block(_, value) => result_of(value),
+        _ => expr.span,
     }
 }
 

@@ -19,6 +19,11 @@ pub const PRELUDE: &[(&str, &str)] = &[
     ("<prelude>/noise.sdf", include_str!("../../prelude/noise.sdf")),
 ];
 
+/// Whether a place is in the prelude, whose texts come first.
+pub fn in_prelude(span: Span) -> bool {
+    (span.file.0 as usize) < PRELUDE.len()
+}
+
 /// The prelude, read once: a constant, as its texts are.
 static PRELUDE_TREE: LazyLock<(Sources, Arc<Module>, Vec<Diagnostic>)> = LazyLock::new(|| {
     let mut sources = Sources::default();
@@ -251,6 +256,28 @@ impl Reader<'_> {
 
     /// One name may be declared once in a text; so may the scene and each block.
     fn report_doubles(&mut self, module: &Module) {
+        for item in &module.ast.items {
+            let parameters = match &item.kind {
+                ItemKind::Function(f) => &f.parameters,
+                ItemKind::Material { parameters, .. } => parameters,
+                _ => continue,
+            };
+            for (i, parameter) in parameters.iter().enumerate() {
+                let name = &parameter.name;
+                let before = parameters.iter().take(i).find(|p| p.name.text == name.text);
+                if let (Some(first), false) = (before, name.text.is_empty()) {
+                    self.diagnostics.push(
+                        Diagnostic::new(
+                            Code::TwiceDeclared,
+                            name.span,
+                            format!("two parameters are named `{}`", name.text),
+                            "rename or delete one of them",
+                        )
+                        .label(first.name.span, "the first one"),
+                    );
+                }
+            }
+        }
         let mut seen: FxHashMap<(Option<BlockKind>, &str), Span> = FxHashMap::default();
         for item in &module.ast.items {
             let (kind, name, span) = match &item.kind {
@@ -446,41 +473,4 @@ impl Modules {
         names.dedup();
         names
     }
-}
-
-/// The name nearest to a wrong one, if it is near: at most a third of its letters differ.
-pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let limit = (name.chars().count() / 3).max(1);
-    candidates
-        .into_iter()
-        .map(|c| (distance(name, c), c))
-        .filter(|&(d, _)| d <= limit)
-        .min_by_key(|&(d, c)| (d, c.len(), c))
-        .map(|(_, c)| c)
-}
-
-/// Damerau-Levenshtein distance (adjacent letters may be swapped).
-fn distance(a: &str, b: &str) -> usize {
-    let a: Vec<char> = a.chars().collect();
-    let b: Vec<char> = b.chars().collect();
-    if a.len().abs_diff(b.len()) > 8 {
-        return usize::MAX;
-    }
-    let mut before: Vec<usize> = Vec::new();
-    let mut last: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.iter().enumerate() {
-        let mut row = vec![i + 1];
-        for (j, y) in b.iter().enumerate() {
-            let get = |r: &[usize], k: usize| r.get(k).copied().unwrap_or(usize::MAX - 1);
-            let mut d = (get(&last, j) + usize::from(x != y))
-                .min(get(&last, j + 1) + 1)
-                .min(get(&row, j) + 1);
-            if i > 0 && j > 0 && a.get(i - 1) == Some(y) && b.get(j - 1) == Some(x) {
-                d = d.min(get(&before, j - 1) + 1);
-            }
-            row.push(d);
-        }
-        before = std::mem::replace(&mut last, row);
-    }
-    last.last().copied().unwrap_or(0)
 }

@@ -81,7 +81,7 @@ impl Env {
 /// How many nodes a program may make.
 pub const NODE_LIMIT: usize = 1_000_000;
 /// How many expressions may be evaluated.
-const STEP_LIMIT: u64 = 3_000_000;
+const STEP_LIMIT: u64 = 1_000_000;
 /// How deep expressions may nest, calls counted in.
 const NESTING_LIMIT: usize = 4000;
 /// How deep calls may nest.
@@ -101,7 +101,7 @@ pub struct Elaborator<'a> {
     pub diagnostics: Vec<Diagnostic>,
     /// Parameters that were met, by declaration.
     pub parameters: Vec<Parameter>,
-    parameter_values: FxHashMap<ItemRef, Elaborated<Value>>,
+    parameter_values: FxHashMap<ItemRef, Option<Elaborated<Value>>>,
     lets: FxHashMap<ItemRef, Option<Elaborated<Value>>>,
     called: FxHashSet<ItemRef>,
     memo: FxHashMap<(ItemRef, Option<Value>, Vec<Value>), Value>,
@@ -109,6 +109,14 @@ pub struct Elaborator<'a> {
     depth: usize,
     nesting: usize,
     steps: u64,
+    /// Calls went too deep: nothing is evaluated until the outermost one has ended.
+    endless: bool,
+    /// The program unfolds to too much, and that has been said.
+    full: bool,
+    /// The user's call, while a declaration of the prelude is elaborated for it.
+    outside: Option<Span>,
+    /// For each node met so far, whether it reads the point or the normal.
+    reads_point: Vec<bool>,
     /// While a declaration that nothing calls is tried with stand-in arguments: only errors that hold for all arguments are kept.
     trial: bool,
     /// The scene's extent, needed while repetitions are made.
@@ -148,6 +156,10 @@ pub fn elaborate(modules: &Modules, options: &Options) -> Elaboration {
         depth: 0,
         nesting: 0,
         steps: 0,
+        endless: false,
+        full: false,
+        outside: None,
+        reads_point: Vec::new(),
         trial: false,
         extent: 100.0,
     };
@@ -193,7 +205,13 @@ pub fn elaborate(modules: &Modules, options: &Options) -> Elaboration {
 
 impl Elaborator<'_> {
     /// Reports a diagnostic, unless it is one that a stand-in argument may have caused.
-    pub fn report(&mut self, diagnostic: Diagnostic) -> Stop {
+    pub fn report(&mut self, mut diagnostic: Diagnostic) -> Stop {
+        let place = self.place(diagnostic.span);
+        if matches!(diagnostic.code, Code::TooLarge | Code::EndlessCall) {
+            diagnostic.span = place;
+        } else if place != diagnostic.span {
+            diagnostic = diagnostic.at(place, "because of this");
+        }
         let caused_by_values = matches!(
             diagnostic.code,
             Code::BadValue
@@ -225,10 +243,32 @@ impl Elaborator<'_> {
         self.report(Diagnostic::new(code, span, message, help))
     }
 
+    /// Where a person should look: the place itself, and for one in the prelude the user's call that came to it.
+    pub fn place(&self, span: Span) -> Span {
+        match self.outside {
+            Some(call) if load::in_prelude(span) => call,
+            _ => span,
+        }
+    }
+
+    /// Remembers where a node came from.
+    pub fn locate(&mut self, node: NodeId, span: Span) {
+        self.graph.locate(node, self.place(span));
+    }
+
     /// Counts a step; an error where the program unfolds without measure.
     pub fn step(&mut self, span: Span) -> Elaborated<()> {
-        self.steps += 1;
+        self.steps_of(1, span)
+    }
+
+    /// Counts so many steps.
+    pub fn steps_of(&mut self, count: usize, span: Span) -> Elaborated<()> {
+        if self.endless || self.full {
+            return Err(Stop);
+        }
+        self.steps += count as u64;
         if self.steps > STEP_LIMIT || self.graph.len() > NODE_LIMIT {
+            self.full = true;
             return Err(self.error(
                 Code::TooLarge,
                 span,
@@ -246,6 +286,7 @@ impl Elaborator<'_> {
         inside: impl FnOnce(&mut Self) -> Elaborated<T>,
     ) -> Elaborated<T> {
         if self.depth >= CALL_LIMIT {
+            self.endless = true;
             return Err(self.error(
                 Code::EndlessCall,
                 span,
@@ -256,6 +297,7 @@ impl Elaborator<'_> {
         self.depth += 1;
         let result = inside(self);
         self.depth -= 1;
+        self.endless &= self.depth > 0;
         result
     }
 
@@ -269,7 +311,7 @@ impl Elaborator<'_> {
             exactness: Exactness::Formula,
             material: None,
             paints: [].into(),
-            span,
+            span: self.place(span),
         })
     }
 
@@ -296,6 +338,7 @@ impl Elaborator<'_> {
                 continue;
             }
             self.steps = 0;
+            self.full = false;
             match &item.kind {
                 ItemKind::Function(function) => {
                     let _ = self.try_function(item_ref, function);
@@ -323,6 +366,7 @@ impl Elaborator<'_> {
             }
             _ => None,
         };
+        let args = args.into_iter().map(|a| a.map(|value| call::Bound { value, span: function.name.span, parts: Vec::new() })).collect();
         self.apply(item, receiver, args, function.name.span, None).map(|_| ())
     }
 

@@ -39,6 +39,36 @@ impl Value {
         Value::Number(node, false)
     }
 
+    /// How many values it holds, those of lists within lists counted, up to `limit`.
+    pub fn size(&self, limit: usize) -> usize {
+        let Value::List(items) = self else { return 1 };
+        let mut total = 1;
+        for item in items.iter() {
+            if total >= limit {
+                break;
+            }
+            total += item.size(limit - total);
+        }
+        total.min(limit)
+    }
+
+    /// Whether it is a number where there is a `p`.
+    pub fn is_field(&self) -> bool {
+        matches!(self, Value::Number(..) | Value::Shape(_) | Value::Nothing)
+    }
+
+    /// Whether one can stand where the other does: in a list, or in another branch.
+    pub fn is_like(&self, other: &Value, e: &Elaborator) -> bool {
+        match (self, other) {
+            (Value::Vector(a), Value::Vector(b)) => a.len() == b.len(),
+            (Value::Number(..), Value::Vector(_)) | (Value::Vector(_), Value::Number(..)) => true,
+            (Value::Matrix(a, _), Value::Matrix(b, _)) => a == b,
+            (Value::Shape(a), Value::Shape(b)) => e.dimensions(*a) == e.dimensions(*b),
+            (Value::Nothing, Value::Shape(_)) | (Value::Shape(_), Value::Nothing) => true,
+            _ => std::mem::discriminant(self) == std::mem::discriminant(other),
+        }
+    }
+
     /// Its kind in words.
     pub fn describe(&self, e: &Elaborator) -> String {
         match self {
@@ -57,6 +87,19 @@ impl Value {
             Value::Range(_) => "a range".into(),
             Value::Nothing => "the empty shape".into(),
         }
+    }
+}
+
+/// What to write where two values do not go together.
+pub fn together(a: &Value, b: &Value) -> &'static str {
+    match (a, b) {
+        (Value::Vector(_), Value::Vector(_)) => {
+            "both vectors must have the same number of components"
+        }
+        (Value::Shape(_), _) | (_, Value::Shape(_)) => {
+            "shapes are combined with `|`, `&` and `-`, grown with `.round(r)`, moved with `.translate(v)`"
+        }
+        _ => "this works on numbers and vectors",
     }
 }
 
@@ -318,7 +361,7 @@ impl Elaborator<'_> {
         match (a, b) {
             (Value::Number(x, wx), Value::Number(y, wy)) => {
                 let node = f(self, *x, *y);
-                self.graph.locate(node, span);
+                self.locate(node, span);
                 Ok(Value::Number(node, *wx && *wy))
             }
             (Value::Vector(x), Value::Number(y, _)) => {
@@ -332,15 +375,7 @@ impl Elaborator<'_> {
             }
             _ => {
                 let (left, right) = (a.describe(self), b.describe(self));
-                let help = match (a, b) {
-                    (Value::Vector(_), Value::Vector(_)) => {
-                        "both vectors must have the same number of components"
-                    }
-                    (Value::Shape(_), _) | (_, Value::Shape(_)) => {
-                        "shapes are combined with `|`, `&` and `-`, grown with `.round(r)`, moved with `.translate(v)`"
-                    }
-                    _ => "this works on numbers and vectors",
-                };
+                let help = together(a, b);
                 Err(self.error(
                     Code::TypeMismatch,
                     span,
@@ -363,7 +398,7 @@ impl Elaborator<'_> {
                 let whole = *whole && matches!(op, Op::Neg | Op::Abs | Op::Sign)
                     || matches!(op, Op::Floor | Op::Ceil | Op::Round | Op::Trunc);
                 let node = self.graph.op(op, &[*x]);
-                self.graph.locate(node, span);
+                self.locate(node, span);
                 Ok(Value::Number(node, whole))
             }
             Value::Vector(v) => {
