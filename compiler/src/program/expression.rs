@@ -88,7 +88,7 @@ impl Elaborator<'_> {
                     Some(fold) => Joined::By(fold.clone()),
                     None => Joined::Union,
                 };
-                self.for_each(each, joined, expr.span, env)
+                self.unfold(expr.span, |e| e.for_each(each, joined, expr.span, env))
             }
             ExprKind::If(condition, then, otherwise) => {
                 self.choice(condition, then, otherwise.as_deref(), expr.span, env)
@@ -279,7 +279,7 @@ impl Elaborator<'_> {
         if let [Expr { kind: ExprKind::For(each), span }] = items
             && each.by.is_none()
         {
-            return self.for_each(each, Joined::List, *span, env);
+            return self.unfold(*span, |e| e.for_each(each, Joined::List, *span, env));
         }
         let values: Vec<Elaborated<Value>> =
             items.iter().map(|i| self.expression(i, env)).collect();
@@ -969,7 +969,7 @@ impl Elaborator<'_> {
         let mut failed = false;
         for l in lets {
             if let Some(loop_) = &l.iterate {
-                match self.iterate(l, loop_, &env) {
+                match self.unfold(l.span, |e| e.iterate(l, loop_, &env)) {
                     Ok(values) => {
                         for ((name, _), value) in l.bindings.iter().zip(values) {
                             self.hint(&value, &name.text);

@@ -111,6 +111,8 @@ pub struct Elaborator<'a> {
     steps: u64,
     /// Calls went too deep: nothing is evaluated until the outermost one has ended.
     endless: bool,
+    /// The outermost call or loop that is being unfolded.
+    unfolding: Option<Span>,
     /// The program unfolds to too much, and that has been said.
     full: bool,
     /// The user's call, while a declaration of the prelude is elaborated for it.
@@ -158,6 +160,7 @@ pub fn elaborate(modules: &Modules, options: &Options) -> Elaboration {
         steps: 0,
         endless: false,
         full: false,
+        unfolding: None,
         outside: None,
         reads_point: Vec::new(),
         trial: false,
@@ -271,7 +274,7 @@ impl Elaborator<'_> {
             self.full = true;
             return Err(self.error(
                 Code::TooLarge,
-                span,
+                self.unfolding.unwrap_or(span),
                 "this unfolds to more than the compiler takes",
                 "use fewer turns or copies, or `grid` and `repeat` for many copies of one shape",
             ));
@@ -295,9 +298,18 @@ impl Elaborator<'_> {
             ));
         }
         self.depth += 1;
-        let result = inside(self);
+        let result = self.unfold(span, inside);
         self.depth -= 1;
         self.endless &= self.depth > 0;
+        result
+    }
+
+    /// Runs `inside`, which a call or a loop unfolds to.
+    pub fn unfold<T>(&mut self, span: Span, inside: impl FnOnce(&mut Self) -> T) -> T {
+        let before = self.unfolding;
+        self.unfolding = before.or(Some(span));
+        let result = inside(self);
+        self.unfolding = before;
         result
     }
 
