@@ -2,7 +2,7 @@
 
 use crate::gpu::Gpu;
 use crate::passes::ScenePipeline;
-use crate::passes::scene::ViewMode;
+use crate::passes::scene::{Features, ViewMode};
 use crate::view::View;
 use surefoot_compiler::compiled::{Compiled, Live};
 
@@ -24,12 +24,22 @@ pub struct PlannedPass {
     pub reason: String,
 }
 
-/// The passes that a scene needs, in the order in which they run.
-pub fn plan(_compiled: &Compiled) -> Vec<PlannedPass> {
+/// The passes that a view of a scene needs, in the order in which they run.
+pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
+    let features = Features::of(compiled, mode);
+    let parts = [
+        (features.shadows, "a light throws shadows"),
+        (features.occlusion, "corners are kept from the sky's light"),
+        (features.depth, "meshes are drawn after it"),
+    ];
+    let reasons: Vec<&str> = parts.into_iter().filter(|(on, _)| *on).map(|(_, why)| why).collect();
     vec![PlannedPass {
         kind: PassKind::Scene,
         name: "scene",
-        reason: "every scene has a field and a sky".to_owned(),
+        reason: match reasons.is_empty() {
+            true => "a ray for each pixel".to_owned(),
+            false => format!("a ray for each pixel; {}", reasons.join(", ")),
+        },
     }]
 }
 
@@ -51,7 +61,7 @@ impl Picture {
     ) -> Result<Self, String> {
         Ok(Self {
             mode,
-            passes: plan(compiled),
+            passes: plan(compiled, mode),
             scene: ScenePipeline::prepare(gpu, compiled, format, mode)?,
         })
     }

@@ -4,8 +4,10 @@ mod common;
 
 use common::{EYE, gpu, sphere, sphere_in};
 use glam::DVec3;
-use surefoot_compiler::compiled::Export;
+use surefoot_compiler::compile;
+use surefoot_compiler::compiled::{Export, MemoryLoader, Options};
 use surefoot_runtime::headless::{self, FORMAT, Shot};
+use surefoot_runtime::passes::scene::Features;
 use surefoot_runtime::{Gpu, Picture, View, ViewMode, evaluate};
 
 /// Where the ray of a pixel meets a sphere about the origin: the normal there, and how far beside the rim the ray passes.
@@ -267,4 +269,43 @@ fn a_foreign_device_will_do() {
     let pixels = headless::render(&gpu, &compiled, &compiled.live(), &Shot::new(40, 30)).unwrap();
     assert_ne!(pixels.get(20, 15), pixels.get(0, 0));
     assert_eq!(pixels.get(40, 0), [0; 4], "outside");
+}
+
+#[test]
+fn what_a_scene_does_not_need_is_not_compiled() {
+    let gpu = gpu();
+    let dark = "light l { direction: (0, -1, 0), shadow: none }\n";
+    let soft = "light l { direction: (0, -1, 0), shadow: soft(8) }\n";
+    let open = "render { ambient_occlusion: (0.5, 0) }\n";
+    let unlit = "render { ambient_occlusion: (0.5, 0), shadows: off }\n";
+    let live = "param on = true\nrender { ambient_occlusion: (0, 1), shadows: on }\n";
+    // A scene, whether its pictures know shadows, and whether they know occlusion.
+    for (text, shadows, occlusion) in [
+        (String::new(), true, true),
+        (dark.to_owned(), false, true),
+        (soft.to_owned(), true, true),
+        (open.to_owned(), true, false),
+        (unlit.to_owned(), false, false),
+        (format!("{soft}{unlit}"), false, false),
+        (format!("{dark}{open}"), false, false),
+        (format!("{soft}{live}"), true, false),
+    ] {
+        let loader = MemoryLoader::new().with("a.sdf", format!("scene = sphere(1)\n{text}"));
+        let compiled = compile(&loader, "a.sdf", &Options::default()).compiled.expect(&text);
+        let features = Features::of(&compiled, ViewMode::Shaded);
+        assert_eq!((features.shadows, features.occlusion), (shadows, occlusion), "{text}");
+        let pass = features.wgsl();
+        assert_eq!(pass.contains("sf_shadow"), shadows, "{text}");
+        assert_eq!(pass.contains("sf_occlusion"), occlusion, "{text}");
+        let picture = Picture::prepare(&gpu, &compiled, FORMAT, ViewMode::Shaded).unwrap();
+        let [only] = picture.passes() else { panic!("one pass: {:?}", picture.passes()) };
+        assert_eq!(only.reason.contains("shadows"), shadows, "{text}");
+        assert_eq!(only.reason.contains("corners"), occlusion, "{text}");
+        // The other views know neither, nor materials.
+        for mode in [ViewMode::Normals, ViewMode::Steps, ViewMode::Depth] {
+            let features = Features::of(&compiled, mode);
+            assert!(!features.shadows && !features.occlusion);
+            assert!(!features.wgsl().contains("sf_surface"));
+        }
+    }
 }
