@@ -6,13 +6,13 @@ use super::vector::{Joined, Part};
 use crate::graph::kernel::{self, Kind, Op, Terms};
 use crate::graph::{Graph, Leaf, NodeId};
 use rustc_hash::{FxHashMap, FxHasher};
-use std::hash::{Hash, Hasher};
+use std::hash::Hasher;
 
 /// Index of an expression in a [`Body`]. Arguments have smaller indices.
 pub type ExprId = u32;
 
 /// What an expression is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Code {
     /// A number, by its bits.
     Constant(u64),
@@ -46,6 +46,30 @@ pub enum Code {
     Surface,
 }
 
+impl Code {
+    /// A number that is mostly different for different codes.
+    fn key(self) -> u64 {
+        let (kind, detail) = match self {
+            Code::Constant(bits) => return bits,
+            Code::Point(n) => (1, u64::from(n)),
+            Code::World => (2, 0),
+            Code::Scene => (3, 0),
+            Code::Normal => (4, 0),
+            Code::Variable(i) => (5, u64::from(i)),
+            Code::Uniform(i, _) => (6, u64::from(i)),
+            Code::Op(op) => (7, op as u64),
+            Code::Call(target) => (8, u64::from(target)),
+            Code::Component(i) => (9, u64::from(i)),
+            Code::Swizzle(_, order) => (10, u64::from(order)),
+            Code::Vector(n) => (11, u64::from(n)),
+            Code::VectorOp(op, _) => (12, op as u64),
+            Code::Splat(n) => (13, u64::from(n)),
+            Code::Surface => (14, 0),
+        };
+        kind << 40 | detail
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Expr {
     code: Code,
@@ -53,6 +77,8 @@ struct Expr {
     count: u32,
     next: u32,
     named: Option<NodeId>,
+    /// Where else a number stands: a component of a vector that was made of it.
+    part: Option<Part>,
 }
 
 const NONE: u32 = u32::MAX;
@@ -68,8 +94,8 @@ pub struct Body {
     fields: Vec<(ExprId, TargetId, Vec<ExprId>)>,
     /// Vectors that were made of numbers.
     pub(super) joined: FxHashMap<[ExprId; 4], Joined>,
-    /// Numbers that are components of a vector made of them.
-    pub(super) parts: FxHashMap<ExprId, Part>,
+    /// Whether a number is a component of a vector that was made of it.
+    has_parts: bool,
 }
 
 /// What is bound while a formula is opened.
@@ -111,6 +137,12 @@ struct Frame<'p> {
 }
 
 impl Body {
+    /// Room for so many expressions.
+    pub fn with_capacity(count: usize) -> Self {
+        let index = FxHashMap::with_capacity_and_hasher(count, Default::default());
+        Self { exprs: Vec::with_capacity(count), pool: Vec::with_capacity(2 * count), index, ..Self::default() }
+    }
+
     /// What an expression is.
     pub fn code(&self, id: ExprId) -> Code {
         self.exprs.get(id as usize).map_or(Code::Constant(0), |e| e.code)
@@ -151,18 +183,20 @@ impl Body {
         let next = self.index.insert(hash, id).unwrap_or(NONE);
         let start = self.pool.len() as u32;
         self.pool.extend_from_slice(args);
-        self.exprs.push(Expr { code, start, count: args.len() as u32, next, named: None });
+        self.exprs.push(Expr { code, start, count: args.len() as u32, next, named: None, part: None });
         id
     }
 
     fn look_up(&self, code: Code, args: &[ExprId]) -> (u64, Option<ExprId>) {
         let mut hasher = FxHasher::default();
-        code.hash(&mut hasher);
-        args.hash(&mut hasher);
+        hasher.write_u64(code.key());
+        for &arg in args {
+            hasher.write_u32(arg);
+        }
         let hash = hasher.finish();
         let mut at = self.index.get(&hash).copied().unwrap_or(NONE);
         while let Some(expr) = self.exprs.get(at as usize) {
-            if expr.code == code && self.arguments(at) == args {
+            if expr.code == code && self.arguments(at).iter().eq(args) {
                 return (hash, Some(at));
             }
             at = expr.next;
@@ -366,13 +400,37 @@ impl Body {
         call
     }
 
-    /// What need not be computed, since something that is computed anyway holds it: what stands for what.
-    pub fn shared(&mut self, graph: &Graph, plans: &Plans, root: ExprId) -> FxHashMap<ExprId, ExprId> {
-        let mut shared = FxHashMap::default();
-        if self.fields.is_empty() && self.parts.is_empty() {
-            return shared;
+    /// Where else a number stands.
+    pub fn part(&self, id: ExprId) -> Option<Part> {
+        self.exprs.get(id as usize).and_then(|e| e.part)
+    }
+
+    /// Notes that a number is a component of a vector. The first vector stays.
+    pub fn set_part(&mut self, id: ExprId, part: Part) {
+        self.has_parts = true;
+        if let Some(expr) = self.exprs.get_mut(id as usize) {
+            expr.part.get_or_insert(part);
         }
-        let mut live = vec![false; self.exprs.len()];
+    }
+
+    /// Notes that a vector is worth having for two of its components.
+    pub fn prefer_part(&mut self, id: ExprId, vector: ExprId) {
+        if let Some(expr) = self.exprs.get_mut(id as usize)
+            && let Some(part) = expr.part.as_mut().filter(|p| p.vector == vector)
+        {
+            part.plain = true;
+        }
+    }
+
+    /// What need not be computed, since something that is computed anyway holds it: for each expression, what stands for
+    /// it. Empty where every expression stands for itself.
+    pub fn shared(&mut self, graph: &Graph, plans: &Plans, root: ExprId) -> Vec<ExprId> {
+        if self.fields.is_empty() && !self.has_parts {
+            return Vec::new();
+        }
+        let count = self.exprs.len();
+        let mut shared: Vec<ExprId> = (0..count as ExprId).collect();
+        let mut live = vec![false; count];
         self.mark(root, &mut live);
         // A field is the fourth component of a gradient's call at the same place.
         for (field, gradient, args) in std::mem::take(&mut self.fields) {
@@ -383,28 +441,39 @@ impl Body {
             let call = self.call(graph, plans, gradient, &args);
             if is_live(&live, call) {
                 let component = self.component(call, 3);
-                shared.insert(field, component);
+                if let Some(slot) = shared.get_mut(field as usize) {
+                    *slot = component;
+                }
             }
         }
         // A number is a component of the vector that was made of it: where that is there anyway, or serves for two numbers.
         // A vector's parts are newer than those of the vectors inside it.
-        let mut wanted: FxHashMap<ExprId, u32> = FxHashMap::default();
-        for id in (0..live.len() as ExprId).rev().filter(|id| !shared.contains_key(id)) {
-            if let Some(part) = self.parts.get(&id).filter(|p| p.plain && is_live(&live, id)) {
-                *wanted.entry(part.vector).or_insert(0) += 1;
+        let mut wanted = vec![0u8; count];
+        let own = |shared: &[ExprId], id: ExprId| shared.get(id as usize) == Some(&id);
+        for id in 0..count as ExprId {
+            if let Some(part) = self.part(id).filter(|p| p.plain)
+                && is_live(&live, id)
+                && own(&shared, id)
+                && let Some(n) = wanted.get_mut(part.vector as usize)
+            {
+                *n += 1;
             }
         }
-        for id in (0..live.len() as ExprId).rev() {
-            if !is_live(&live, id) || shared.contains_key(&id) {
+        for id in (0..count as ExprId).rev() {
+            let Some(part) = self.part(id) else { continue };
+            if !is_live(&live, id) || !own(&shared, id) {
                 continue;
             }
-            let Some(&part) = self.parts.get(&id) else { continue };
-            if is_live(&live, part.vector) || wanted.get(&part.vector).is_some_and(|n| *n > 1) {
+            if is_live(&live, part.vector) || wanted.get(part.vector as usize).is_some_and(|n| *n > 1) {
                 self.mark(part.vector, &mut live);
                 let component = self.component(part.vector, part.index);
-                shared.insert(id, component);
+                if let Some(slot) = shared.get_mut(id as usize) {
+                    *slot = component;
+                }
             }
         }
+        // Components that were made here stand for themselves.
+        shared.extend(count as ExprId..self.exprs.len() as ExprId);
         shared
     }
 

@@ -28,6 +28,7 @@ use library::Helpers;
 use names::{Scope, identifier};
 use plan::{Group, Plans, TargetId};
 use rustc_hash::FxHashMap;
+use std::borrow::Cow;
 use std::fmt;
 use std::fmt::Write;
 use uniforms::Candidates;
@@ -135,7 +136,7 @@ pub fn emit(
         let Some(target) = plans.get(id) else { continue };
         let variables = &target.plan.variables;
         let dimensions = graph.shape(target.shape).map_or(3, |s| s.dimensions);
-        let mut body = Body::default();
+        let mut body = Body::with_capacity(2 * target.plan.steps.len());
         let (space, arguments) = own_space(&mut body, dimensions, variables);
         let results = body.open(&plans, graph, &target.plan, &space, &uniforms)?;
         let gradient = target.group == Group::Gradient;
@@ -161,14 +162,14 @@ pub fn emit(
         operations.insert(id, count);
     }
 
-    let mut exports_text = String::new();
+    let mut exports_text = String::with_capacity(16_384);
     let mut written: Vec<(TargetId, Export, usize)> = Vec::new();
     let mut counts = [0usize; 2];
     for &export in &exports {
         let text = &mut exports_text;
-        let signature = library::signature(export).replace("sf_", prefix);
+        let signature = prefixed(library::signature(export), prefix);
         if let Some(function) = library::function(export) {
-            let _ = write!(text, "\n// {}\n{}", library::purpose(export), function.replace("sf_", prefix));
+            let _ = write!(text, "\n// {}\n{}", library::purpose(export), prefixed(function, prefix));
             continue;
         }
         let _ = write!(text, "\n// {}\nfn {signature} {{\n", library::purpose(export));
@@ -182,7 +183,7 @@ pub fn emit(
             None => {
                 let _ = writeln!(text, "  let q = p + {uniform_name}.origin;");
                 uniforms.read(UniformSource::Origin);
-                let mut body = Body::default();
+                let mut body = Body::with_capacity(256);
                 let space = scene_space(graph, root, &mut body, target.is_none());
                 let result = match (target, &surface) {
                     (Some(target), _) => body.whole(&plans, graph, target, &space, &uniforms)?,
@@ -253,7 +254,7 @@ pub fn emit(
     }
     for &export in &exports {
         if let Some(text) = library::structure(export) {
-            let _ = write!(wgsl, "\n{}", text.replace("sf_", prefix));
+            let _ = write!(wgsl, "\n{}", prefixed(text, prefix));
         }
     }
     if traces {
@@ -261,7 +262,7 @@ pub fn emit(
         let _ = write!(wgsl, "\nconst {prefix}extent: f32 = {extent:?};\n");
     }
     for piece in helpers.pieces() {
-        let _ = write!(wgsl, "\n{}", piece.text.replace("sf_", prefix));
+        let _ = write!(wgsl, "\n{}", prefixed(piece.text, prefix));
     }
     wgsl.push_str(&shapes_text);
     wgsl.push_str(&exports_text);
@@ -274,6 +275,11 @@ pub fn emit(
         operations: (counts[0], counts[1]),
         skipped,
     })
+}
+
+/// Text of the library under the prefix of a module.
+fn prefixed<'t>(text: &'t str, prefix: &str) -> Cow<'t, str> {
+    if prefix == "sf_" { Cow::Borrowed(text) } else { Cow::Owned(text.replace("sf_", prefix)) }
 }
 
 fn check_prefix(prefix: &str) -> Result<(), EmitError> {
@@ -350,12 +356,12 @@ fn function_names(
                     format!("part_{parts}")
                 }
             };
-            scope.give(&format!("{prefix}{text}"), None)
+            scope.give(&format!("{prefix}{text}"))
         });
         let name = match target.group.suffix() {
             // The base was given for the shape as a whole.
             "" => base.clone(),
-            suffix => scope.give(&format!("{base}{suffix}"), None),
+            suffix => scope.give(&format!("{base}{suffix}")),
         };
         names.insert(id, name);
     }

@@ -1,8 +1,9 @@
 //! Names of the emitted module: made of those of the source, safe in WGSL, each once.
 
 use naga::keywords::wgsl::{BUILTIN_IDENTIFIER_SET, RESERVED_SET};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHasher};
 use std::fmt::Write;
+use std::hash::Hasher;
 
 /// A name of the source as a WGSL identifier: letters of ASCII, digits and underscores, none of WGSL's own words.
 pub fn identifier(name: &str) -> String {
@@ -25,42 +26,70 @@ pub fn is_taken(name: &str) -> bool {
     RESERVED_SET.contains(name) || BUILTIN_IDENTIFIER_SET.contains(name)
 }
 
-/// Names of one scope, each given once.
+/// Names of one scope, each given once. Kept by their hashes: two names of one hash only cost one of them a number.
 #[derive(Clone, Debug, Default)]
 pub struct Scope {
-    /// How many names were asked for with this text; a name that was given is in here.
-    given: FxHashMap<String, u32>,
+    /// For each name that is given or reserved, the last number that was put after it.
+    given: FxHashMap<u64, u32>,
+}
+
+fn hash(name: &str) -> u64 {
+    let mut hasher = FxHasher::default();
+    hasher.write(name.as_bytes());
+    hasher.finish()
 }
 
 impl Scope {
     /// Keeps a name from being given.
     pub fn reserve(&mut self, name: &str) {
-        if !self.given.contains_key(name) {
-            self.given.insert(name.to_owned(), 1);
-        }
+        self.given.entry(hash(name)).or_insert(1);
     }
 
-    /// The name itself where it is free, else the name with a number after it. `outer` holds names that must stay visible.
-    pub fn give(&mut self, name: &str, outer: Option<&Scope>) -> String {
-        let hidden = |n: &str| outer.is_some_and(|o| o.given.contains_key(n)) || is_taken(n);
-        let mut candidate = name.to_owned();
-        if !self.given.contains_key(name) && !hidden(name) {
-            self.given.insert(candidate.clone(), 1);
-            return candidate;
+    /// Writes the name itself where it is free, else the name with a number after it. `outer` holds names that must stay visible.
+    pub fn write(&mut self, name: &str, outer: Option<&Scope>, to: &mut String) {
+        let hidden = |n: &str| outer.is_some_and(|o| o.given.contains_key(&hash(n))) || is_taken(n);
+        if !self.given.contains_key(&hash(name)) && hidden(name) {
+            self.reserve(name);
         }
-        let mut number = self.given.get(name).copied().unwrap_or(1);
+        self.next(name, hidden, to);
+    }
+
+    /// The same for a name that is surely nothing else, with or without a number.
+    pub fn write_plain(&mut self, name: &str, to: &mut String) {
+        self.next(name, |_| false, to);
+    }
+
+    /// The same as a text of its own.
+    pub fn give(&mut self, name: &str) -> String {
+        let mut text = String::new();
+        self.write(name, None, &mut text);
+        text
+    }
+
+    fn next(&mut self, name: &str, hidden: impl Fn(&str) -> bool, to: &mut String) {
+        let start = to.len();
+        to.push_str(name);
+        let of_name = hash(name);
+        let Some(mut number) = self.given.get(&of_name).copied() else {
+            self.given.insert(of_name, 1);
+            return;
+        };
         // A digit at the end would run into the number.
-        let joint = if name.ends_with(|c: char| c.is_ascii_digit()) { "_" } else { "" };
+        if name.ends_with(|c: char| c.is_ascii_digit()) {
+            to.push('_');
+        }
+        let end = to.len();
         loop {
             number += 1;
-            candidate.truncate(name.len());
-            let _ = write!(candidate, "{joint}{number}");
-            if !self.given.contains_key(&candidate) && !hidden(&candidate) {
-                break;
+            to.truncate(end);
+            let _ = write!(to, "{number}");
+            let candidate = to.get(start..).unwrap_or_default();
+            let of_candidate = hash(candidate);
+            if !self.given.contains_key(&of_candidate) && !hidden(candidate) {
+                self.given.insert(of_name, number);
+                self.given.insert(of_candidate, 1);
+                return;
             }
         }
-        self.given.insert(name.to_owned(), number);
-        self.given.insert(candidate.clone(), 1);
-        candidate
     }
 }

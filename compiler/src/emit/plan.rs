@@ -127,7 +127,9 @@ impl Plan {
 
     /// The calls from a step on: step and target.
     fn calls_after(&self, from: usize) -> impl Iterator<Item = (usize, TargetId)> + '_ {
-        self.steps.iter().enumerate().skip(from).filter_map(|(at, step)| match step.action {
+        // Not `skip`, which would walk there.
+        let rest = self.steps.get(from..).unwrap_or(&[]);
+        (from..).zip(rest).filter_map(|(at, step)| match step.action {
             Action::Call(target) => Some((at, target)),
             _ => None,
         })

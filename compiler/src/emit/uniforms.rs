@@ -43,7 +43,7 @@ impl Candidates {
         let mut scope = Scope::default();
         let mut all = Vec::with_capacity(parameters.len() + graph.factors.len() + 4);
         let mut add = |name: &str, source, components, ranges, parameter| {
-            let name = scope.give(&identifier(name), None);
+            let name = scope.give(&identifier(name));
             all.push(Candidate { name, source, components, ranges, read: false, parameter });
             all.len() as u32 - 1
         };

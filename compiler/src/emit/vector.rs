@@ -33,6 +33,43 @@ const DEPTH: u32 = 64;
 
 const NONE: ExprId = ExprId::MAX;
 
+/// At most four expressions.
+#[derive(Clone, Copy, Debug, Default)]
+struct Few {
+    all: [ExprId; 4],
+    count: usize,
+}
+
+impl Few {
+    fn push(&mut self, id: ExprId) {
+        if let Some(slot) = self.all.get_mut(self.count) {
+            *slot = id;
+            self.count += 1;
+        }
+    }
+}
+
+impl std::ops::Deref for Few {
+    type Target = [ExprId];
+    fn deref(&self) -> &[ExprId] {
+        self.all.get(..self.count).unwrap_or(&[])
+    }
+}
+
+impl std::ops::DerefMut for Few {
+    fn deref_mut(&mut self) -> &mut [ExprId] {
+        self.all.get_mut(..self.count).unwrap_or(&mut [])
+    }
+}
+
+impl FromIterator<ExprId> for Few {
+    fn from_iter<I: IntoIterator<Item = ExprId>>(ids: I) -> Self {
+        let mut few = Self::default();
+        ids.into_iter().for_each(|id| few.push(id));
+        few
+    }
+}
+
 impl Body {
     /// The vector of some numbers, 2 to 4.
     pub fn vector(&mut self, parts: &[ExprId]) -> ExprId {
@@ -46,10 +83,8 @@ impl Body {
         let vector = self.vector(parts);
         let name = parts.first().and_then(|&p| self.named(p));
         self.name(vector, name);
-        for id in parts {
-            if let Some(part) = self.parts.get_mut(id).filter(|p| p.vector == vector) {
-                part.plain = true;
-            }
+        for &part in parts {
+            self.prefer_part(part, vector);
         }
     }
 
@@ -86,7 +121,7 @@ impl Body {
             for (i, &part) in parts.iter().enumerate() {
                 if part > joined.newest {
                     let (vector, index, plain) = (joined.id, i as u8, joined.gathers == 0);
-                    self.parts.entry(part).or_insert(Part { vector, index, plain });
+                    self.set_part(part, Part { vector, index, plain });
                 }
             }
         }
@@ -146,7 +181,7 @@ impl Body {
                     let common = if has(y) { Some(y) } else { Some(x).filter(|&x| has(x)) };
                     let (a, b) = match common {
                         Some(f) => {
-                            let rest: Vec<ExprId> = parts
+                            let rest: Few = parts
                                 .iter()
                                 .map(|&p| {
                                     let (x, y) = (self.argument(p, 0), self.argument(p, 1));
@@ -173,7 +208,7 @@ impl Body {
     /// A vector plus or minus a vector or a number. Components without either count as plus zero, constants change their sign
     /// as is needed.
     fn sum(&mut self, parts: &[ExprId], depth: u32) -> Option<Joined> {
-        let (mut inner, mut amounts) = (Vec::with_capacity(4), Vec::with_capacity(4));
+        let (mut inner, mut amounts) = (Few::default(), Few::default());
         // Operations, and those among them that can't change their sign.
         let (mut sums, mut differences) = ((0, 0), (0, 0));
         for &part in parts {
@@ -196,7 +231,7 @@ impl Body {
         }
         let mut op = if sums.1 > 0 || differences.0 == 0 { Op::Add } else { Op::Sub };
         let mut least_sign = sums.1 + differences.1 == 0;
-        for (&part, amount) in parts.iter().zip(&mut amounts) {
+        for (&part, amount) in parts.iter().zip(amounts.iter_mut()) {
             if *amount == NONE {
                 *amount = self.constant(0.0);
             } else if let Some(c) = self.as_constant(*amount) {
@@ -208,7 +243,7 @@ impl Body {
         }
         if least_sign {
             op = if op == Op::Add { Op::Sub } else { Op::Add };
-            for amount in &mut amounts {
+            for amount in amounts.iter_mut() {
                 let c = self.as_constant(*amount).unwrap_or(0.0);
                 *amount = self.constant(-c);
             }
@@ -241,7 +276,7 @@ impl Body {
         if op != Op::Select && args.iter().filter(written_out).count() > 1 {
             return None;
         }
-        let ids: Vec<ExprId> = args.iter().map(|a| a.id).collect();
+        let ids: Few = args.iter().map(|a| a.id).collect();
         let newest = args.iter().map(|a| a.newest).max().unwrap_or(0);
         let id = self.add(Code::VectorOp(op, count as u8), &ids);
         Some(Joined { id, gathers, newest })
@@ -256,7 +291,7 @@ impl Body {
         self.arguments(id).get(i).copied().unwrap_or(NONE)
     }
 
-    fn column(&self, parts: &[ExprId], i: usize) -> Vec<ExprId> {
+    fn column(&self, parts: &[ExprId], i: usize) -> Few {
         parts.iter().map(|&p| self.argument(p, i)).collect()
     }
 
@@ -266,7 +301,7 @@ impl Body {
         for (i, &part) in parts.iter().enumerate() {
             let (of, c) = match self.code(part) {
                 Code::Component(c) => (*self.arguments(part).first()?, c),
-                _ => self.parts.get(&part).map(|p| (p.vector, p.index))?,
+                _ => self.part(part).map(|p| (p.vector, p.index))?,
             };
             if *base.get_or_insert(of) != of {
                 return None;

@@ -8,7 +8,7 @@ use super::uniforms::Candidates;
 use crate::graph::Graph;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op, Terms};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 use std::fmt::Write;
 
 /// What writing a function needs to know of the module.
@@ -50,7 +50,8 @@ const LONGEST: u32 = 78;
 struct Writer<'c, 'a> {
     context: &'c mut Context<'a>,
     body: &'c Body,
-    shared: FxHashMap<ExprId, ExprId>,
+    /// What stands for an expression; empty where each stands for itself.
+    shared: Vec<ExprId>,
     out: &'c mut String,
     scratch: String,
     texts: Vec<Text>,
@@ -60,7 +61,7 @@ struct Writer<'c, 'a> {
     ranges: Vec<Interval>,
     locals: Scope,
     /// Vectors of which components are read.
-    taken_apart: FxHashSet<ExprId>,
+    taken_apart: Vec<bool>,
     operations: usize,
 }
 
@@ -93,7 +94,7 @@ pub fn write(
         not_negative: vec![false; count],
         ranges: if divides { vec![Interval::ALL; count] } else { Vec::new() },
         locals,
-        taken_apart: FxHashSet::default(),
+        taken_apart: vec![false; count],
         operations: 0,
     };
     let root = writer.resolve(root);
@@ -101,7 +102,9 @@ pub fn write(
     for &id in &order {
         if let Code::Component(_) | Code::Swizzle(..) = writer.body.code(id) {
             let vector = writer.argument(id, 0);
-            writer.taken_apart.insert(vector);
+            if let Some(slot) = writer.taken_apart.get_mut(vector as usize) {
+                *slot = true;
+            }
         }
     }
     for &id in &order {
@@ -116,7 +119,7 @@ pub fn write(
 
 impl Writer<'_, '_> {
     fn resolve(&self, id: ExprId) -> ExprId {
-        if self.shared.is_empty() { id } else { self.shared.get(&id).copied().unwrap_or(id) }
+        self.shared.get(id as usize).copied().unwrap_or(id)
     }
 
     /// What the root needs, arguments first, and how often each is used.
@@ -187,7 +190,7 @@ impl Writer<'_, '_> {
         let named = self.body.named(id).is_some();
         // Components are taken of names only.
         let code = self.body.code(id);
-        let whole = matches!(code, Code::Call(_) | Code::VectorOp(..)) && self.taken_apart.contains(&id);
+        let whole = matches!(code, Code::Call(_) | Code::VectorOp(..)) && self.taken_apart.get(id as usize) == Some(&true);
         if uses > 1 && !short || named || whole {
             self.bind(id);
         }
@@ -228,21 +231,36 @@ impl Writer<'_, '_> {
             Some((vector, _)) => Some(vector),
             None => source,
         };
-        let name = match source {
-            Some(source) => self.locals.give(&identifier(source), Some(self.context.module)),
-            None => self.locals.give(self.usual_name(id), Some(self.context.module)),
-        };
+        let start = self.scratch.len();
+        let prefix = self.context.prefix;
+        let module = Some(self.context.module);
+        match source {
+            Some(source) => {
+                let name = identifier(source);
+                // Names of the module start with its prefix.
+                let outer = module.filter(|_| name.starts_with(prefix));
+                self.locals.write(&name, outer, &mut self.scratch);
+            }
+            None if prefix.is_empty() => {
+                let name = self.usual_name(id);
+                self.locals.write(name, module, &mut self.scratch);
+            }
+            None => {
+                let name = self.usual_name(id);
+                self.locals.write_plain(name, &mut self.scratch);
+            }
+        }
+        let name = self.scratch.get(start..).unwrap_or_default();
         let range = text.start as usize..(text.start + text.length) as usize;
         let value = self.scratch.get(range).unwrap_or("0.0");
         self.out.push_str("  let ");
-        self.out.push_str(&name);
+        self.out.push_str(name);
         self.out.push_str(" = ");
         self.out.push_str(value);
         self.out.push_str(";\n");
-        let start = self.scratch.len() as u32;
-        self.scratch.push_str(&name);
+        let (start, length) = (start as u32, name.len() as u32);
         if let Some(slot) = self.texts.get_mut(id as usize) {
-            *slot = Text { start, length: name.len() as u32, strength: 9, atom: true };
+            *slot = Text { start, length, strength: 9, atom: true };
         }
     }
 
