@@ -160,6 +160,10 @@ pub struct Facts {
     maps: FxHashMap<(Vec<NodeId>, Vec<u64>), Constant>,
     /// How many more shapes the contraction at hand may enter.
     entries: u32,
+    /// How many more unions may be looked at part by part for the region at hand.
+    unions: u32,
+    /// How many more shapes may be sifted for the region at hand.
+    sifts: u32,
     /// Boxes evaluated so far.
     pub boxes: u64,
 }

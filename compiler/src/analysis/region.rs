@@ -2,13 +2,19 @@
 //! are proven empty.
 
 use super::tape::{Step, Tape};
-use super::{call_domain, Box3, Domain, Facts};
+use super::{call_domain, Box3, Constant, Domain, Facts};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::graph::{Claim, Graph, Leaf, NodeId, ShapeId};
+use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId};
 
 /// How many boxes the cutting of one region may cost, those of the shapes inside counted in.
 const SLABS: u64 = 160;
+/// How many parts may be kept or split while a region is sifted.
+const SIFTED: u32 = 600;
+/// How many shapes inside may be sifted for one region.
+const SIFTS: u32 = 16;
+/// How many unions inside may be looked at part by part for one region.
+const UNIONS: u32 = 3;
 /// How many shapes one contraction may enter, shared ones counted each time.
 const ENTRIES: u32 = 400;
 /// How many steps one contraction may visit, shared steps counted each time.
@@ -21,15 +27,24 @@ impl Facts {
         if let Some(known) = self.regions.get(&key) {
             return *known;
         }
+        if let Some(region) = self.region_by_parts(graph, node, domain, level) {
+            self.regions.insert(key, region);
+            return region;
+        }
         let mut region = domain.point;
         let tape = self.tape(graph, node);
         self.entries = ENTRIES;
+        self.sifts = SIFTS;
+        self.unions = UNIONS;
         for _ in 0..3 {
             let before = region.size();
             region = self.contract(graph, &tape, &domain.at(region), Interval::new(f64::NEG_INFINITY, level));
             if region.is_empty() || region.size() > 0.9 * before {
                 break;
             }
+        }
+        if region.is_finite() && region.size() > 0.5 * domain.point.size() {
+            region = self.sift(graph, node, domain, region, level);
         }
         if !region.is_empty() && region.is_finite() {
             region = self.shave(graph, &tape, domain, region, level);
@@ -38,11 +53,119 @@ impl Facts {
         region
     }
 
+    /// The region of a union is around those of its parts, that of a shape moved along is moved along. None for anything else.
+    fn region_by_parts(
+        &mut self,
+        graph: &Graph,
+        node: NodeId,
+        domain: &Domain,
+        level: f64,
+    ) -> Option<Box3> {
+        match graph.node(node) {
+            Node::Op(Op::Min, args) => {
+                let mut hull = Box3::EMPTY;
+                for part in args.iter() {
+                    hull = hull.hull(&self.region(graph, *part, domain, level));
+                }
+                Some(hull)
+            }
+            Node::Claim(args, Claim::Continuous) => {
+                Some(self.region(graph, *args.first()?, domain, level))
+            }
+            Node::Call(shape, Function::Field, args) => {
+                let s = graph.shape(*shape)?;
+                let mut own = domain.point;
+                let mut shifts = [0.0; 3];
+                for (i, shift) in shifts.iter_mut().enumerate() {
+                    *shift = shift_along(graph, *args.get(i)?, i)?;
+                    own = own.with_axis(i, own.axis(i).add(Interval::point(*shift)));
+                }
+                let mut variables = Vec::new();
+                for (&v, arg) in s.variables.iter().zip(args.iter().skip(3)) {
+                    variables.push((v, self.range(graph, *arg, domain)));
+                }
+                let value = s.value;
+                let own = Domain { point: own, variables, narrowed: domain.narrowed };
+                let region = self.region(graph, value, &own, level);
+                let mut back = region;
+                for (i, shift) in shifts.iter().enumerate() {
+                    back = back.with_axis(i, region.axis(i).sub(Interval::point(*shift)));
+                }
+                Some(if region.is_empty() { region } else { back.intersect(&domain.point) })
+            }
+            _ => None,
+        }
+    }
+
     /// The same, found at once and not as tight.
     pub fn rough_region(&mut self, graph: &Graph, node: NodeId, domain: &Domain) -> Box3 {
         let tape = self.tape(graph, node);
-        self.entries = ENTRIES;
+        (self.entries, self.sifts, self.unions) = (ENTRIES, 0, 0);
         self.contract(graph, &tape, domain, Interval::new(f64::NEG_INFINITY, 0.0))
+    }
+
+    /// Drops parts of which a constant of the formula proves that they are empty: the value at the middle is more than the constant times
+    /// the distance to the corners.
+    fn sift(
+        &mut self,
+        graph: &Graph,
+        node: NodeId,
+        domain: &Domain,
+        region: Box3,
+        level: f64,
+    ) -> Box3 {
+        let exact =
+            graph.shapes().any(|(_, s)| s.value == node && s.exactness == Exactness::Exact);
+        let constant = if exact {
+            Constant { lipschitz: 1.0, jumps: false }
+        } else {
+            self.constant(graph, node, &domain.at(Box3::ALL), 1)
+        };
+        if !constant.lipschitz.is_finite() || constant.jumps {
+            return region;
+        }
+        self.sifts = self.sifts.saturating_sub(1);
+        let tape = self.tape(graph, node);
+        let smallest = region.size() / 128.0;
+        let mut left = SIFTED;
+        let mut open = vec![region];
+        let mut kept = Box3::EMPTY;
+        while let Some(part) = open.pop() {
+            let middle = part.0.map(|i| i.middle());
+            let half = part.0.map(|i| i.width() / 2.0);
+            let corner = half.iter().map(|h| h * h).sum::<f64>().sqrt();
+            let at = domain.at(Box3(middle.map(Interval::point)));
+            let lowest = self.ranges_of(graph, &tape, &at).last().map_or(f64::NEG_INFINITY, |v| v.lo);
+            if lowest > level + constant.lipschitz * corner * (1.0 + 1e-9) {
+                continue;
+            }
+            left -= 1;
+            if left == 0 {
+                return region;
+            }
+            // What is known to be kept already needs no closer look.
+            let inside = kept.hull(&part) == kept;
+            if inside || part.size() <= smallest {
+                kept = kept.hull(&part);
+                continue;
+            }
+            let mut parts = vec![part];
+            for axis in 0..3 {
+                let side = part.axis(axis);
+                if side.width() > part.size() / 1.5 {
+                    let (low, high) = (
+                        Interval::new(side.lo, side.middle()),
+                        Interval::new(side.middle(), side.hi),
+                    );
+                    parts = parts
+                        .into_iter()
+                        .flat_map(|p| [p.with_axis(axis, low), p.with_axis(axis, high)])
+                        .collect();
+                }
+            }
+            open.extend(parts);
+        }
+        kept
     }
 
     /// Cuts off slabs at the faces in which the formula is above the level everywhere.
@@ -121,13 +244,43 @@ impl Facts {
             if let Some(known) = self.regions.get(&key) {
                 return *known;
             }
-            let tape = self.tape(graph, s.value);
-            let region = self.contract(graph, &tape, &domain, target);
+            let (node, level) = (s.value, target.hi);
+            // A union inside is looked at part by part, where that is not done too often.
+            if self.unions > 0 && matches!(graph.node(node), Node::Op(Op::Min, _) | Node::Call(..)) {
+                self.unions -= 1;
+                let (entries, sifts) = (self.entries, self.sifts);
+                let region = self.region(graph, node, &domain, level);
+                (self.entries, self.sifts) = (entries, sifts);
+                return region;
+            }
+            let tape = self.tape(graph, node);
+            let mut region = self.contract(graph, &tape, &domain, target);
+            let loose = region.size() > 0.5 * domain.point.size();
+            if loose && region.is_finite() && self.sifts > 0 {
+                region = self.sift(graph, node, &domain, region, level);
+            }
             self.regions.insert(key, region);
             return region;
         }
         let tape = self.tape(graph, s.value);
         self.contract(graph, &tape, &domain, target)
+    }
+}
+
+/// By how much a coordinate is moved, where it is only moved.
+fn shift_along(graph: &Graph, coordinate: NodeId, axis: usize) -> Option<f64> {
+    let is_coordinate = |id: NodeId| {
+        matches!(graph.node(id), Node::Leaf(Leaf::P(i)) if usize::from(*i) == axis)
+    };
+    if is_coordinate(coordinate) {
+        return Some(0.0);
+    }
+    match graph.node(coordinate) {
+        Node::Op(op @ (Op::Add | Op::Sub), args) if is_coordinate(*args.first()?) => {
+            let c = graph.as_constant(*args.get(1)?)?;
+            Some(if *op == Op::Add { c } else { -c })
+        }
+        _ => None,
     }
 }
 
