@@ -49,6 +49,41 @@ impl Entry {
     }
 }
 
+/// The pictures of the page: name of the file, and the text of the scene that it shows.
+pub fn pictures() -> Vec<(String, String)> {
+    let mut all: Vec<(String, String)> = Vec::new();
+    for (file, _, text) in CHAPTERS {
+        let mut names: Vec<String> = Vec::new();
+        for entry in entries(file, text) {
+            if entry.pictured() && !names.contains(&entry.name) {
+                names.push(entry.name.clone());
+                all.push((picture_name(file, &entry.name), picture_scene(&entry.example)));
+            }
+        }
+    }
+    all
+}
+
+/// A name that two chapters have is told apart by the chapter.
+fn picture_name(chapter: &str, name: &str) -> String {
+    let taken = CHAPTERS.iter().take_while(|(file, ..)| *file != chapter).any(|(file, _, text)| {
+        entries(file, text).iter().any(|e| e.name == name && e.pictured())
+    });
+    if taken { format!("{name}-{chapter}.png") } else { format!("{name}.png") }
+}
+
+/// An example in the light in which the page shows it.
+fn picture_scene(example: &str) -> String {
+    format!(
+        "material clay {{ color: #d9a273, roughness: 0.6 }}\n\
+         scene = ({example}).material(clay)\n\
+         camera {{ eye: (2.2, 1.8, 3), fov: 40deg }}\n\
+         light key {{ direction: (-0.6, -1.1, -0.7), color: #fff1e0, intensity: 3, shadow: soft(12) }}\n\
+         environment {{ sky: gradient(#b9c7d6, #f4f1ea) }}\n\
+         render {{ extent: 20 }}\n"
+    )
+}
+
 /// The entries of one file of the prelude, in the order of its text.
 pub fn entries(name: &str, text: &str) -> Vec<Entry> {
     let mut sources = Sources::default();
@@ -142,7 +177,7 @@ pub fn language_reference() -> String {
         let _ = write!(page, "\n{}\n", links.join(" · "));
         for name in names {
             let same: Vec<&Entry> = entries.iter().filter(|e| e.name == name).collect();
-            write_entries(&mut page, name, &same);
+            write_entries(&mut page, file, name, &same);
         }
     }
     page
@@ -155,12 +190,13 @@ fn head_comment(text: &str) -> String {
     lines.join(" ")
 }
 
-fn write_entries(page: &mut String, name: &str, entries: &[&Entry]) {
+fn write_entries(page: &mut String, chapter: &str, name: &str, entries: &[&Entry]) {
     let _ = write!(page, "\n### {name}\n\n");
     if entries.iter().any(|e| e.pictured()) {
+        let file = picture_name(chapter, name);
         let _ = write!(
             page,
-            "<img align=\"right\" width=\"160\" height=\"120\" alt=\"{name}\" src=\"pictures/{name}.png\">\n\n"
+            "<img align=\"right\" width=\"160\" height=\"120\" alt=\"{name}\" src=\"pictures/{file}\">\n\n"
         );
     }
     for entry in entries {

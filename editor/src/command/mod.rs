@@ -5,6 +5,7 @@ mod check;
 mod compile;
 mod explain;
 mod fmt;
+mod reference;
 mod render;
 mod values;
 mod view;
@@ -49,6 +50,8 @@ enum Command {
     Bench(bench::Args),
     /// Explain what the compiler says.
     Explain(explain::Args),
+    /// Write the language's reference: a page, and its pictures.
+    Reference(reference::Args),
 }
 
 /// How a command ended, as the shell sees it.
@@ -92,6 +95,7 @@ pub fn run() -> ExitCode {
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Bench(args)) => bench::run(&args),
         Some(Command::Explain(args)) => explain::run(&args),
+        Some(Command::Reference(args)) => reference::run(&args),
     };
     let exit = done.unwrap_or_else(|failure| {
         eprintln!("surefoot: {}", failure.words);

@@ -1,0 +1,91 @@
+//! `surefoot reference`: writes the language's reference from the compiler's own tables, with its pictures.
+
+use super::{Exit, Failure};
+use crate::picture::write_png;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use surefoot_compiler::reference::{Area, Reference, View};
+use surefoot_compiler::reference_text::{language_reference, pictures};
+use surefoot_compiler::{MemoryLoader, Options, compile};
+
+/// Where to write, and what.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The folder to write to: language.md, and its pictures in pictures/.
+    #[arg(short, long, default_value = "docs", value_name = "FOLDER")]
+    output: PathBuf,
+    /// Only say whether language.md there is up to date.
+    #[arg(long)]
+    check: bool,
+    /// Write the text and leave the pictures as they are.
+    #[arg(long)]
+    text_only: bool,
+}
+
+/// Pixels of a picture on the page.
+const SIZE: (u32, u32) = (160, 120);
+/// Each is the mean of a square of so many pixels a side.
+const FINER: u32 = 4;
+
+/// Writes, or compares.
+pub fn run(args: &Args) -> Result<Exit, Failure> {
+    let page = language_reference();
+    let path = args.output.join("language.md");
+    if args.check {
+        let written = std::fs::read_to_string(&path).unwrap_or_default();
+        if written == page {
+            return Ok(Exit::Fine);
+        }
+        eprintln!("{} is not up to date; `surefoot reference` writes it", path.display());
+        return Ok(Exit::Errors);
+    }
+    std::fs::create_dir_all(args.output.join("pictures"))
+        .and_then(|()| std::fs::write(&path, page))
+        .map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
+    if !args.text_only {
+        for (name, scene) in pictures() {
+            draw(&args.output.join("pictures").join(name), scene)?;
+        }
+    }
+    Ok(Exit::Fine)
+}
+
+/// Draws a scene on the processor, so that every machine makes the same file.
+fn draw(path: &Path, scene: String) -> Result<(), Failure> {
+    let failed = |why: &str| Failure::usage(format!("can't draw {}: {why}", path.display()));
+    let loader = MemoryLoader::new().with("scene.sdf", scene);
+    let outcome = compile(&loader, "scene.sdf", &Options::default());
+    let compiled = outcome.compiled.ok_or_else(|| failed("its example has errors"))?;
+    let live = compiled.live();
+    let reference = Reference::new(&compiled, &live).map_err(|why| failed(&why.to_string()))?;
+    let frame = compiled.frame(&live);
+    let (_, camera) = frame.cameras.first().ok_or_else(|| failed("it has no camera"))?;
+    let size = (SIZE.0 * FINER, SIZE.1 * FINER);
+    // A strip of the picture for each of its rows, on as many threads as there are.
+    let strips: Vec<u8> = (0..SIZE.1)
+        .into_par_iter()
+        .flat_map_iter(|row| {
+            let area = Area { left: 0, top: row * FINER, width: size.0, height: FINER };
+            shrink(&reference.tile(&frame, camera, size, View::Shaded, area))
+        })
+        .collect();
+    write_png(path, SIZE.0, SIZE.1, &strips)
+        .map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))
+}
+
+/// The mean of each square of pixels of a strip.
+fn shrink(fine: &[[f32; 4]]) -> Vec<u8> {
+    let mut small = Vec::with_capacity(4 * SIZE.0 as usize);
+    for x in 0..SIZE.0 {
+        let mut sum = [0.0; 3];
+        for (i, j) in (0..FINER).flat_map(|j| (0..FINER).map(move |i| (i, j))) {
+            let at = (j * SIZE.0 * FINER + x * FINER + i) as usize;
+            for (sum, part) in sum.iter_mut().zip(fine.get(at).copied().unwrap_or_default()) {
+                *sum += part;
+            }
+        }
+        small.extend(sum.map(|c| (c / (FINER * FINER) as f32 * 255.0).round() as u8));
+        small.push(255);
+    }
+    small
+}
