@@ -912,6 +912,20 @@ impl Elaborator<'_> {
             env = env.with(&parameter.name.text, value);
         }
         self.check_requirements(item, function, &values, &places)?;
+        // Outside of formulas a number among shapes has no point at which it would be one of them.
+        if function.kind == FunctionKind::Blend && any_shape && in_formula.is_none() && caller.is_some() {
+            let number = values.iter().take(operand_count).position(|v| matches!(v, Value::Number(..)));
+            if let Some(i) = number {
+                let at = places.get(i).map_or(span, |(at, _)| *at);
+                let found = values.get(i).map(|v| v.describe(self)).unwrap_or_default();
+                return Err(self.error(
+                    Code::TypeMismatch,
+                    at,
+                    format!("a shape is needed here, and this is {found}"),
+                    "declare the formula with `field`, and write its name here",
+                ));
+            }
+        }
         // The value depends on the arguments alone, unless it is a formula over the caller's point.
         let memo_key = (function.kind != FunctionKind::Blend || any_shape)
             .then(|| (item, receiver.clone(), values.clone()));
@@ -977,6 +991,7 @@ impl Elaborator<'_> {
             FunctionKind::Blend => {
                 let here = env.at(point.clone());
                 let value = e.expression(&function.body, &here)?;
+                let value = Value::number(e.to_number(&value, function.body.span, &here)?);
                 Ok(e.claimed_value(value, function, &values, &here))
             }
         })?;

@@ -1,0 +1,203 @@
+//! What the language's rules say, as values: of expressions without a point, and of shapes at points.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+
+use surefoot_compiler::diagnostic::render;
+use surefoot_compiler::evaluate::Tape;
+use surefoot_compiler::graph::Function;
+use surefoot_compiler::{compile, Compiled, MemoryLoader, Options};
+
+fn scene(text: &str) -> Compiled {
+    let loader = MemoryLoader::new()
+        .with("main.sdf", text)
+        .with("one.sdf", "import \"two.sdf\"\nparam flutes: int = 4 in 1..9\nlet depth = 7\nshape both = sphere(1)\nscene = sphere(flutes)")
+        .with("two.sdf", "let depth2 = 8\nshape both = box(2)\nshape twice(s: shape, k: float = 2) = s.scale(k)");
+    let outcome = compile(&loader, "main.sdf", &Options::default());
+    let said = render(&outcome.sources, &outcome.diagnostics, false);
+    outcome.compiled.unwrap_or_else(|| panic!("{text}\n{said}"))
+}
+
+/// The value of an expression that needs no point, after some declarations.
+fn number(declarations: &str, expression: &str) -> f64 {
+    let scene = scene(&format!(
+        "{declarations}\nscene = sphere(1)\ncamera {{ eye: ({expression}, 1e6, 0) }}"
+    ));
+    scene.values(&scene.live(), &[scene.blocks.cameras[0].1[0]])[0]
+}
+
+/// The field of a scene at a point.
+fn field(text: &str, point: [f64; 3]) -> f64 {
+    let scene = scene(text);
+    let root = scene.functions.formulas[&(scene.root, Function::Field)];
+    let tape = Tape::new(&scene.graph, &scene.functions, &[root], &scene.live(), 100_000).unwrap();
+    let mut value = f64::NAN;
+    tape.evaluator().at(&[point], &[], |_, values| value = values[0]);
+    value
+}
+
+#[track_caller]
+fn near(found: f64, expected: f64) {
+    assert!((found - expected).abs() < 1e-5, "{found} is not {expected}");
+}
+
+#[test]
+fn operators_bind_as_the_rules_say() {
+    for (expression, expected) in [
+        ("7 / 2", 3.5),
+        ("-7 % 3", 2.0),
+        ("7 - 2 - 1", 4.0),
+        ("2 + 3 * 4", 14.0),
+        ("-pow(2, 2)", -4.0),
+        ("if 1 < 2 && !(2 < 1) || false { 1 } else { 2 }", 1.0),
+        ("if 1 != 2 == true { 1 } else { 2 }", 1.0),
+        ("(1, 2, 3).zyx.xy.x", 3.0),
+        ("#ff0000.r + (1, 2).g", 3.0),
+        ("180deg + 0.5turn", std::f64::consts::TAU),
+        ("{ let a = 2; let b = a * a; b + 1 }", 5.0),
+    ] {
+        near(number("", expression), expected);
+    }
+}
+
+#[test]
+fn functions_of_glsl_are_there() {
+    for (expression, expected) in [
+        ("vec3(2).y + vec3((1, 2), 3).z + vec2((1, 2, 3)).y", 7.0),
+        ("(mat2(0, 1, -1, 0) * (1, 2)).x", -2.0),
+        ("((1, 2) * mat2(0, 1, -1, 0)).x", 2.0),
+        ("(mat3(2) / 4)[1].y + determinant(mat2(2)) + transpose(mat2(1, 2, 3, 4))[0].y", 7.5),
+        ("(inverse(mat2(2, 0, 0, 4)) * (1, 1)).y", 0.25),
+        ("clamp(3, 0, 1) + smoothstep(0, 2, 1) + step(1, 1)", 2.5),
+        ("mix(1, 3, 0.25) + round(2.6) + length((3, 4))", 9.5),
+        ("mix((0, 0), (2, 4), 0.5).y", 2.0),
+        ("mod(-1, 3) + fract(-0.25) + trunc(-1.5) + ceil(0.5) + floor(-0.5)", 1.75),
+        ("max(1, 2, 5) + min(3, 2, 1) + abs(-4) + sign(-2)", 9.0),
+        ("cross(x, y).z + dot((1, 2), (3, 4)) + distance(x, -x)", 14.0),
+        ("reflect((1, -1, 0), y).y + normalize((0, 0, 5)).z", 2.0),
+        ("atan(1, 1) + atan(1) - radians(90)", 0.0),
+        ("length1((3, -4)) + length_inf((3, -4)) + length8((2, 0))", 13.0),
+        ("int(2.7) + float(true) + pow(2, 3)", 11.0),
+    ] {
+        near(number("", expression), expected);
+    }
+}
+
+#[test]
+fn lists_and_folds() {
+    let given = "let l = [1, 2, 4]\nparam i: int = 2 in 0..2\nlet q = [for i in 0..3 { (i, i * i) }]";
+    for (expression, expected) in [
+        ("l.count + l[1]", 5.0),
+        ("l[i]", 4.0),
+        ("q[2].y + q.count", 7.0),
+        ("q[i].x", 2.0),
+        ("for v in l by + { v }", 7.0),
+        ("for v in l by * { 2 * v }", 64.0),
+        ("for v in l by max { v } + for v in l by min { v }", 5.0),
+        ("for v in l { v }", 1.0),
+        ("for k in 0..0 by + { k }", 0.0),
+        ("for k in 0..0 by * { k }", 1.0),
+        ("for k in 0..i by + { k + 1 }", 3.0),
+        ("for a in [[1, 2], [3]] by + { a.count }", 3.0),
+    ] {
+        near(number(given, expression), expected);
+    }
+}
+
+#[test]
+fn declarations_call_themselves_and_iterate() {
+    let given = "fn f(k: int) = if k < 2 { 1 } else { k * f(k - 1) }\n\
+        fn g(t) = { let a = 0, b = 1 for i in 0..t while b < 100 { let c = a + b; a = b, b = c }; b }\n\
+        fn h(a: float, b: float = 2 * a, c: float = a + b) = a + 10 * b + 100 * c";
+    for (expression, expected) in [
+        ("f(5)", 120.0),
+        ("g(5)", 8.0),
+        ("g(50)", 144.0),
+        ("h(1)", 321.0),
+        ("h(1, c: 0)", 21.0),
+        ("h(b: 1, a: 3)", 413.0),
+    ] {
+        near(number(given, expression), expected);
+    }
+    let tree = "shape tree(n: int) = if n > 0 { sphere(0.1).translate(n, 0, 0) | tree(n - 1) }\nscene = tree(3)";
+    near(field(tree, [3.0, 0.5, 0.0]), 0.4);
+    let chain = "field f(n: int) = if n > 0 { min(f(n - 1), length(p - (n, 0, 0)) - 0.1) } else { length(p) - 0.1 }\nscene = f(3)";
+    near(field(chain, [2.0, 0.5, 0.0]), 0.4);
+}
+
+#[test]
+fn every_form_of_a_parameter() {
+    let given = "param n: int = 6 in 1..12\nparam on = true\nparam tint = #ff0000\n\
+        param spot = (0, 1, 0) in (-2, 0, -2)..(2, 3, 2)\nparam style = b in [a, b]\nlet a = 3\nlet b = 4\n\
+        param angle = 30deg in 0deg..90deg\nparam plain = 3";
+    let text = format!("{given}\nscene = sphere(plain)\ncamera {{ eye: (n + spot.y + tint.r + style + sin(angle) + if on {{ 1 }} else {{ 0 }}, 9, 9) }}");
+    let scene = scene(&text);
+    let eye = scene.blocks.cameras[0].1[0];
+    let mut live = scene.live();
+    near(scene.values(&live, &[eye])[0], 13.5);
+    assert_eq!(scene.parameters.len(), 7);
+    assert!(scene.parameters[5].degrees);
+    assert_eq!(scene.parameters[6].max, [6.0]);
+    let first = scene.parameters[0].first.unwrap() as usize;
+    live.components[first] = 7.0;
+    near(scene.values(&live, &[eye])[0], 14.5);
+}
+
+#[test]
+fn names_are_hidden_in_their_order() {
+    // Locals hide the file's, which hide imports', which hide the prelude's.
+    near(number("let depth = 1\nimport \"one.sdf\"", "depth + { let depth = 5; depth }"), 6.0);
+    near(number("import \"one.sdf\"", "depth + flutes"), 11.0);
+    near(number("let pi = 3\nlet x = (7, 0, 0)\nfn length(v) = 5", "pi + x.x + length((1, 1))"), 15.0);
+    near(number("import \"two.sdf\" as far\nfn far2(far: float) = far", "far.depth2 + far2(1)"), 9.0);
+    let both = "import \"one.sdf\"\nimport \"two.sdf\" as t\nscene = t.both.translate(9, 0, 0) | both | sphere(1).t.twice(3).translate(0, 9, 0)";
+    near(field(both, [0.0, 0.0, 2.0]), 1.0);
+    near(field(both, [9.0, 0.0, 2.0]), 1.0);
+    near(field(both, [0.0, 9.0, 4.0]), 1.0);
+    let scene = scene("import \"one.sdf\"\nscene = sphere(flutes)");
+    assert_eq!(scene.parameters[0].name, "one.flutes");
+}
+
+#[test]
+fn words_of_the_language_are_names_behind_a_dot_and_before_a_colon() {
+    let text = "shape by(s: shape, in: float, for: float = 2) = s.scale(2)\nscene = sphere(1).by(in: 7)";
+    near(field(text, [5.0, 0.0, 0.0]), 3.0);
+}
+
+#[test]
+fn shapes_combine_and_move() {
+    for (text, point, expected) in [
+        ("sphere(1) | box(1).translate(4, 0, 0) & sphere(9) - sphere(0.1)", [0.0, 3.0, 0.0], 2.0),
+        ("!sphere(1)", [3.0, 0.0, 0.0], -2.0),
+        ("box(2) - sphere(0.5)", [0.0, 0.0, 0.0], 0.5),
+        ("sphere(1).translate((1, 0, 0)).rotate(y, 90deg)", [0.0, 0.0, -3.0], 1.0),
+        ("for i in 0..3 { sphere(0.5).translate(2 * i, 0, 0) }.translate(0, 1, 0)", [4.0, 3.0, 0.0], 1.5),
+        ("for i in 0..3 by smooth_union(0.1) { sphere(0.5).translate(4 * i, 0, 0) }", [8.0, 2.0, 0.0], 1.5),
+        ("for s in [sphere(1), box(2).translate(5, 0, 0)] { s }", [5.0, 3.0, 0.0], 2.0),
+        ("for k in polar(y, 4) { sphere(0.5).translate(3, 0, 0) }", [0.0, 0.0, 5.0], 1.5),
+        ("for c in grid((4, 0, 4)) { sphere(1 + 0.5 * min(abs(c.z), 1)) }", [4.0, 2.0, 8.0], 0.5),
+        ("for c in grid((4, 4, 4), (2, 1, 1)) { sphere(1 + c.x / 8) }", [2.0, 0.0, 3.0], 1.875),
+        ("for i in 0..4 { if i % 2 == 1 { sphere(0.5).translate(3 * i, 0, 0) } }", [6.0, 0.0, 0.0], 2.5),
+        ("(if 1 > 2 { sphere(1) } else if 3 > 2 { sphere(2) } else { nothing })", [3.0, 0.0, 0.0], 1.0),
+        ("mix(sphere(1), sphere(3), 0.5) | sphere(round(0.6))", [5.0, 0.0, 0.0], 3.0),
+        ("sphere(1).round(0.5)", [2.0, 0.0, 0.0], 0.5),
+        ("(rectangle(2, 1) - circle(0.1)).extrude(2)", [0.0, 3.0, 0.0], 2.5),
+    ] {
+        near(field(&format!("scene = {text}"), point), expected);
+    }
+}
+
+#[test]
+fn formulas_use_shapes_blends_and_warps() {
+    for (text, point, expected) in [
+        ("warp up(h: float) = p + (0, h, 0)\nfield f = length(up(p, 1)) - 1\nscene = f", [0.0, 3.0, 0.0], 3.0),
+        ("field f = smooth_union(length(p) - 1, 5, 0.1)\nscene = f", [3.0, 0.0, 0.0], 2.0),
+        ("field f = sphere(1).at(p - x) + 0.5\nscene = f", [4.0, 0.0, 0.0], 2.5),
+        ("field f = length(rotate(p, y, 90deg) - x) - 0.5\nscene = f", [0.0, 0.0, -3.0], 1.5),
+        ("field f = length(translate(p, 1, 0, 0)) - 0.5\nscene = f.translate(1, 0, 0)", [2.0, 3.0, 0.0], 2.5),
+        ("field f(g: field) = length(p) - g\nscene = f(1 + 0.1 * sin(p.x))", [0.0, 3.0, 0.0], 2.0),
+        ("blend b(a, b, r: field) = min(a, b) - r\nscene = b(sphere(1), sphere(2), 0.5)", [5.0, 0.0, 0.0], 2.5),
+        ("field f = length(world) - 1\nscene = f.translate(5, 0, 0)", [3.0, 0.0, 0.0], 2.0),
+    ] {
+        near(field(text, point), expected);
+    }
+}
