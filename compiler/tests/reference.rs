@@ -1,0 +1,147 @@
+//! Pictures in 64 bits: a sphere has a closed form, and what a pixel shows does not depend on its neighbours.
+
+use surefoot_compiler::compiled::{Camera, Compiled, MemoryLoader};
+use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::reference::march::Ray;
+use surefoot_compiler::reference::{Area, Reference, View, rgb8};
+use surefoot_compiler::{Options, compile, diagnostic};
+
+fn scene(text: &str) -> Compiled {
+    let loader = MemoryLoader::new().with("scene.sdf", text);
+    let outcome = compile(&loader, "scene.sdf", &Options::default());
+    let words = diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
+    outcome.compiled.unwrap_or_else(|| panic!("{words}"))
+}
+
+fn reference(compiled: &Compiled) -> Reference {
+    Reference::new(compiled, &compiled.live()).unwrap()
+}
+
+fn whole((width, height): (u32, u32)) -> Area {
+    Area { left: 0, top: 0, width, height }
+}
+
+const CAMERA: Camera = Camera { eye: [1.0, 2.0, 4.0], target: [0.0; 3], fov: 0.8 };
+
+/// A scene with a bit of everything: a plane, blends, a warp, noise, copies, two lights.
+const PARTS: &str = "
+param k = 0.3 in 0.1..0.5
+material stripes { color: mix(#204060, #f0e0c0, step(0.5, fract(4 * p.y))), roughness: 0.4 }
+scene = plane(y, -1)
+      | smooth_union(sphere(0.7), box(1).translate(0.6, 0.3, 0), k).material(stripes)
+      | for i in 0..7 { sphere(0.15 + 0.02 * i).translate(1.4, 0, 0).rotate(y, i * 1turn / 7) }
+      | box(0.4, 1.6, 0.4).twist(y, 2).translate(-1.3, 0, 0.5)
+light sun { direction: (-1, -2, -1), color: #fff2dd, intensity: 3, shadow: soft(16) }
+light lamp { position: (2, 2, 2), color: #ffd0a0, intensity: 5, shadow: hard }
+";
+
+#[test]
+fn a_sphere_is_where_the_formula_says() {
+    let compiled = scene("scene = sphere(1.3)");
+    let reference = reference(&compiled);
+    let frame = compiled.frame(&compiled.live());
+    let size = (157, 101);
+    let basis = Basis::of(&CAMERA);
+    let depth = reference.tile(&frame, &CAMERA, size, View::Depth, whole(size));
+    let normals = reference.tile(&frame, &CAMERA, size, View::Normals, whole(size));
+    let mut hits = 0;
+    for (i, (depth, normal)) in depth.iter().zip(&normals).enumerate() {
+        let at = ((i % 157) as f64 + 0.5, (i / 157) as f64 + 0.5);
+        let d = basis.direction(at, size);
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let middle = -dot(CAMERA.eye, d);
+        let rest = 1.3 * 1.3 - dot(CAMERA.eye, CAMERA.eye) + middle * middle;
+        if rest.abs() < 0.05 {
+            continue; // At the rim a ray hits what it passes within half a pixel.
+        }
+        if rest < 0.0 {
+            assert_eq!(depth[3], -1.0);
+            continue;
+        }
+        hits += 1;
+        let t = middle - rest.sqrt();
+        let tolerance = 0.5 * basis.footprint(size.1) * t;
+        // The hit lies within the tolerance above the surface; a slanted ray is farther from its end by the slant.
+        let slant = 1.3 / rest.sqrt();
+        let off = t - f64::from(depth[3]);
+        assert!((-1e-5..=tolerance * slant * 1.1).contains(&off), "at {at:?}: {off} off");
+        for axis in 0..3 {
+            let wanted = 0.5 + 0.5 * (CAMERA.eye[axis] + d[axis] * t) / 1.3;
+            let found = f64::from(normal[axis]);
+            assert!((found - wanted).abs() < tolerance * slant, "at {at:?}: {found}, not {wanted}");
+        }
+    }
+    assert!(hits > 3000, "{hits} hits");
+}
+
+#[test]
+fn a_pixel_does_not_depend_on_its_neighbours() {
+    let compiled = scene(PARTS);
+    let reference = reference(&compiled);
+    let frame = compiled.frame(&compiled.live());
+    let size = (90, 60);
+    for view in [View::Shaded, View::Normals, View::Steps, View::Depth] {
+        let all = reference.tile(&frame, &CAMERA, size, view, whole(size));
+        for (left, top) in [(0, 0), (45, 30), (44, 31), (20, 40), (70, 50), (31, 32), (89, 59)] {
+            let area = Area { left, top, width: 1, height: 1 };
+            let alone = reference.tile(&frame, &CAMERA, size, view, area);
+            assert_eq!(alone[0], all[(top * 90 + left) as usize], "{view:?} at {left}, {top}");
+        }
+        let area = Area { left: 13, top: 7, width: 40, height: 33 };
+        let part = reference.tile(&frame, &CAMERA, size, view, area);
+        for (i, pixel) in part.iter().enumerate() {
+            let (x, y) = (13 + i % 40, 7 + i / 40);
+            assert_eq!(*pixel, all[y * 90 + x], "{view:?} at {x}, {y}");
+        }
+    }
+}
+
+#[test]
+fn shadows_and_occlusion_are_those_of_simple_bodies() {
+    let compiled = scene("scene = plane(y) | sphere(1).translate(0, 3, 0)");
+    let reference = reference(&compiled);
+    let up = |x: f64| Ray { origin: [x, 0.01, 0.0], direction: [0.0, 1.0, 0.0], t_min: 0.01, t_max: 50.0 };
+    let rays: Vec<Ray> = [0.0, 0.9, 0.999, 1.001, 1.1, 4.0].map(up).to_vec();
+    assert_eq!(reference.shadow(&rays, 0.0, 100.0), [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+    let soft = reference.shadow(&rays, 8.0, 100.0);
+    assert!(soft[..3].iter().all(|s| *s == 0.0), "{soft:?}");
+    assert!(soft[3] < 0.05 && soft[3] < soft[4] && soft[4] < soft[5] && soft[5] > 0.99, "{soft:?}");
+    // Beyond the extent there is nothing that throws a shadow.
+    assert_eq!(reference.shadow(&rays[..1], 0.0, 1.5), [1.0]);
+}
+
+#[test]
+fn the_extent_and_the_greatest_distance_end_a_scene() {
+    let compiled = scene("scene = sphere(1)");
+    let reference = reference(&compiled);
+    let ray = |t_max| Ray { origin: [0.0, 0.0, 5.0], direction: [0.0, 0.0, -1.0], t_min: 0.0, t_max };
+    let hits = reference.trace(&[ray(100.0), ray(3.9), ray(4.0)], 1e-4, 100.0);
+    assert!(hits[0].hit && (hits[0].t - 4.0).abs() < 1e-3);
+    assert!(!hits[1].hit);
+    assert!(hits[2].hit, "the end itself is looked at");
+    // A scene that reaches over its extent is cut there.
+    assert!((reference.trace(&[ray(100.0)], 1e-4, 0.5)[0].t - 4.5).abs() < 1e-12);
+    let beside = Ray { origin: [0.0, 0.9, 5.0], ..ray(100.0) };
+    assert!(reference.trace(&[beside], 1e-4, 100.0)[0].hit);
+    assert!(!reference.trace(&[beside], 1e-4, 0.8)[0].hit);
+}
+
+#[test]
+fn awkward_cameras_and_sizes_still_give_a_picture() {
+    let compiled = scene(PARTS);
+    let reference = reference(&compiled);
+    let frame = compiled.frame(&compiled.live());
+    let cameras = [
+        Camera { eye: [0.0, 5.0, 0.0], target: [0.0; 3], fov: 0.8 },
+        Camera { eye: [0.0; 3], target: [0.0; 3], fov: 0.8 },
+        Camera { eye: [0.0, -50.0, 0.0], target: [0.0; 3], fov: 3.2 },
+        Camera { eye: [1e7, 1e7, 1e7], target: [0.0; 3], fov: 1e-9 },
+    ];
+    for camera in cameras {
+        for size in [(1, 1), (33, 2), (3, 40)] {
+            let pixels = reference.tile(&frame, &camera, size, View::Shaded, whole(size));
+            assert_eq!(rgb8(&pixels).len(), 3 * (size.0 * size.1) as usize);
+            assert!(pixels.iter().flatten().all(|c| c.is_finite()), "{camera:?} {size:?}");
+        }
+    }
+}
