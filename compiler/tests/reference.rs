@@ -100,7 +100,12 @@ fn a_pixel_does_not_depend_on_its_neighbours() {
 fn shadows_and_occlusion_are_those_of_simple_bodies() {
     let compiled = scene("scene = plane(y) | sphere(1).translate(0, 3, 0)");
     let reference = reference(&compiled);
-    let up = |x: f64| Ray { origin: [x, 0.01, 0.0], direction: [0.0, 1.0, 0.0], t_min: 0.01, t_max: 50.0 };
+    let up = |x: f64| Ray {
+        origin: [x, 0.01, 0.0],
+        direction: [0.0, 1.0, 0.0],
+        t_min: 0.01,
+        t_max: 50.0,
+    };
     let rays: Vec<Ray> = [0.0, 0.9, 0.999, 1.001, 1.1, 4.0].map(up).to_vec();
     assert_eq!(reference.shadow(&rays, 0.0, 100.0), [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
     let soft = reference.shadow(&rays, 8.0, 100.0);
@@ -114,7 +119,8 @@ fn shadows_and_occlusion_are_those_of_simple_bodies() {
 fn the_extent_and_the_greatest_distance_end_a_scene() {
     let compiled = scene("scene = sphere(1)");
     let reference = reference(&compiled);
-    let ray = |t_max| Ray { origin: [0.0, 0.0, 5.0], direction: [0.0, 0.0, -1.0], t_min: 0.0, t_max };
+    let ray =
+        |t_max| Ray { origin: [0.0, 0.0, 5.0], direction: [0.0, 0.0, -1.0], t_min: 0.0, t_max };
     let hits = reference.trace(&[ray(100.0), ray(3.9), ray(4.0)], 1e-4, 100.0);
     assert!(hits[0].hit && (hits[0].t - 4.0).abs() < 1e-3);
     assert!(!hits[1].hit);

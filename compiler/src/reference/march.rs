@@ -168,12 +168,7 @@ fn lead(
 }
 
 /// Computes the formulas of a tape at points that lie close together: shortened first where that pays.
-pub fn at_points(
-    tape: &Tape,
-    points: &[Vec3],
-    normals: &[Vec3],
-    each: impl FnMut(usize, &[f64]),
-) {
+pub fn at_points(tape: &Tape, points: &[Vec3], normals: &[Vec3], each: impl FnMut(usize, &[f64])) {
     if tape.operations() > SHORT && points.len() >= FEW {
         tape.narrow(bounds(points.iter().copied())).evaluator().at(points, normals, each);
     } else {
