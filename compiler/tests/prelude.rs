@@ -286,6 +286,7 @@ const EXACT: &[&str] = &[
     "segment((-0.9, -0.6), (0.9, 0.6)).extrude(100)",
     "arc(0.8, -30deg, 210deg).extrude(100)",
     "arc(0.8, 40deg, 60deg).extrude(100)",
+    "arc(0.8, 60deg, -100deg).extrude(100)",
     "arc(0.8, 100deg, 460deg).extrude(100)",
     "bezier((-1, -0.6), (0, 1.4), (1, -0.6)).extrude(100)",
     "bezier((-1, -0.6), (0.01, 0.001), (1, 0.6)).extrude(100)",
@@ -381,5 +382,122 @@ const CLAIMED: &[&str] = &[
 fn what_is_claimed_is_true() {
     for body in CLAIMED {
         assert_sound(body);
+    }
+}
+
+#[test]
+fn the_programs_of_the_reference_compile() {
+    let page = include_str!("../../docs/language.head.md");
+    let mut tried = 0;
+    for block in page.split("\n```\n").skip(1).step_by(2) {
+        if block.starts_with("file ") {
+            continue; // The grammar.
+        }
+        // What the page has declared elsewhere, where this piece does not.
+        let mut text = block.to_owned();
+        for (name, declaration) in [
+            ("scene", "scene = sphere(1)"),
+            ("gold", "material gold { color: #d4af37 }"),
+            ("doric", "let doric = cylinder(0.3, 2)"),
+            ("ionic", "let ionic = cylinder(0.2, 2)"),
+        ] {
+            let declared = ["scene", "material", "let", "param"]
+                .iter()
+                .any(|kind| block.contains(&format!("{kind} {name} ")));
+            let used = name == "scene" || block.contains(name);
+            if used && !declared && !block.contains(&format!("{name} = ")) {
+                text.push_str(&format!("\n{declaration}\n"));
+            }
+        }
+        let loader = MemoryLoader::new().with("scene.sdf", text.clone()).with("statue.obj", "");
+        let outcome = compile(&loader, "scene.sdf", &Options::default());
+        let shown = render(&outcome.sources, &outcome.diagnostics, false);
+        assert!(!outcome.has_errors(), "{text}\n{shown}");
+        tried += 1;
+    }
+    assert!(tried > 12, "only {tried} pieces of program were found");
+}
+
+/// What the contract names, called as it says; `S` is a solid, `D` a drawing.
+const CONTRACT: &str = "
+sphere(1) | ellipsoid((1, 2, 1)) | plane(y) | plane((1, 2, 3), 0.5) | box(1) | box((1, 2, 3)) | rounded_box(1, 0.1)
+box_frame(1, 0.1) | octahedron(1) | pyramid(1, 2) | prism(6, 1, 2)
+torus(1, 0.2) | capped_torus(1, 0.2, 90deg) | link(1, 0.5, 0.1) | cylinder(1, 2) | cylinder((0, 0, 0), (1, 0, 0), 0.3)
+capsule((0, 0, 0), (1, 0, 0), 0.3) | cone(1, 2) | capped_cone(1, 0.5, 2) | rounded_cone(1, 0.5, 2)
+superquadric((1, 1, 2), 4) | gyroid(1, 0.1) | schwarz_p(1, 0.1) | heightfield(0.1 * sin(p.x)) | menger_sponge(1, 2)
+metaballs([(0, 0, 0, 1), (0.5, 0, 0, 1)]) | metaballs([(0, 0, 0, 1)], threshold: 0.3)
+(circle(1) | ellipse((1, 2)) | rectangle((1, 2)) | rounded_rectangle((1, 2), 0.1) | regular_polygon(5, 1)).extrude(1)
+(star(5, 1, 0.5) | polygon([(0, 0), (1, 0), (0, 1)]) | segment((0, 0), (1, 1)).round(0.1)).extrude(1, 0.1)
+(arc(1, 0, 90deg).round(0.1) | bezier((0, 0), (1, 1), (2, 0)).round(0.1)).extrude(1, bevel: 0.1)
+union(S, box(1)) | intersection(S, box(1)) | difference(S, box(1)) | xor(S, box(1))
+smooth_union(S, box(1), 0.1) | smooth_intersection(S, box(1), 0.1) | smooth_difference(S, box(1), 0.1)
+round_union(S, box(1), 0.1) | round_intersection(S, box(1), 0.1) | round_difference(S, box(1), 0.1)
+chamfer_union(S, box(1), 0.1) | chamfer_intersection(S, box(1), 0.1) | chamfer_difference(S, box(1), 0.1)
+stairs_union(S, box(1), 0.1) | stairs_intersection(S, box(1), 0.1, 3) | stairs_difference(S, box(1), 0.1, steps: 5)
+smooth_union(D, circle(1), 0.1).extrude(1) | S.smooth_union(box(1), 0.1)
+mix(S, box(1), 0.5) | S.round(0.1) | S.shell(0.1) | S.offset(-0.1) | S.within(box(1)) | nothing
+D.mix(circle(1), 0.5).round(0.1).shell(0.1).offset(0.1).within(circle(2)).extrude(1)
+S.translate(1, 2, 3).rotate(x, 30deg).scale(2).stretch(1, 2, 1).shear(x, y, 0.5).mirror(x).symmetry(y).matrix(mat3(1))
+D.translate(1, 2).rotate(30deg).scale(2).stretch(1, 2).mirror((1, 0)).symmetry((0, 1)).extrude(1)
+S.matrix(mat4(1)).twist(y, 1).bend(z, x, 0.2).taper(y, -1, 1, 0.5).displace(0.1 * sin(p.x)).within(box(3))
+box((4, 0.2, 0.2)).bend_ring(1) | S.repeat((4, 0, 4)) | S.repeat(4, 3) | S.repeat((4, 4, 4), (3, 1, 2)) | S.repeat_polar(y, 3)
+D.extrude(1) | D.extrude(1, 0.1) | D.revolve() | S.elongate(1, 0, 0) | D.loft(circle(1), 2) | circle(0.1).sweep_helix(1, 0.5, 3)
+sphere(hash(3)) | sphere(hash((1, 2, 3), seed: 4)) | box((hash2((1, 2)), 1)) | box(hash3((1, 2, 3), 5))
+S.displace(0.01 * (value_noise(p) + value_noise(p.xz) + perlin(p) + perlin(p.xz) + simplex(p) + simplex(p.xz)))
+S.displace(0.01 * (cellular(p) + cellular(p.xz) + fbm(p) + fbm(p.xz, 4) + fbm(p, octaves: 3, gain: 0.4, lacunarity: 2.1)))
+S.detail(2, 0.5) | S.carve(2, 0.5) | (for i in 0..3 by smooth_union(0.1) { sphere(0.5).translate(i, 0, 0) })
+S.displace(smooth_union(p.x, p.y, 0.1) / 9 + length(rotate(translate(p, (1, 0, 0)), y, 1)) / 99 + S.at(twist(p, y, 0.1)) / 99)
+S.displace((length(scale(p, 2)) + length(stretch(p, (1, 2, 3))) + length(elongate(p, (1, 0, 0))) + length(mirror(p, x))) / 99)
+S.displace(round(0.1) + mix(0.1, 0.2, 0.5) + length1(p) / 99 + length8(p) / 99 + length_inf(p) / 99 + clamp(p.x, 0, 0.1))
+";
+
+#[test]
+fn what_the_contract_names_is_there() {
+    for body in CONTRACT.trim().lines() {
+        let text = format!("let S = sphere(0.5)\nlet D = rectangle(0.8)\nscene = {body}\n");
+        let loader = MemoryLoader::new().with("scene.sdf", text.clone());
+        let outcome = compile(&loader, "scene.sdf", &Options::default());
+        let shown = render(&outcome.sources, &outcome.diagnostics, false);
+        assert!(!outcome.has_errors(), "{text}\n{shown}");
+    }
+}
+
+/// Arguments that can't be, each of which the documentation rules out.
+const WRONG: &[&str] = &[
+    "sphere(-1)",
+    "ellipsoid((1, 0, 1))",
+    "box((1, -1, 1))",
+    "rounded_box(1, -0.1)",
+    "prism(2, 1, 1)",
+    "torus(1, -0.1)",
+    "cylinder(-1, 2)",
+    "capsule((0, 0, 0), (1, 0, 0), -0.1)",
+    "superquadric(1, 0.5)",
+    "gyroid(0, 0.1)",
+    "star(1, 1, 0.5).extrude(1)",
+    "arc(-1, 1, 0).extrude(1)",
+    "polygon([(0, 0), (1, 1)]).extrude(1)",
+    "circle(1).extrude(-1)",
+    "smooth_union(sphere(1), box(1), -0.1)",
+    "sphere(1).scale(0)",
+    "sphere(1).stretch(1, 0, 1)",
+    "sphere(1).taper(y, 1, 1, 0.5)",
+    "sphere(1).taper(y, 0, 1, 0)",
+    "sphere(1).round(-0.1)",
+    "box(1).bend_ring(0)",
+    "sphere(1).rotate((0, 0, 0), 1)",
+    "sphere(1).repeat_polar(y, 0)",
+    "menger_sponge(0, 1)",
+    "circle(0.1).sweep_helix(1, 0, 2)",
+];
+
+#[test]
+fn what_can_not_be_is_an_error() {
+    for body in WRONG {
+        let loader = MemoryLoader::new().with("scene.sdf", format!("scene = {body}\n"));
+        let outcome = compile(&loader, "scene.sdf", &Options::default());
+        assert!(outcome.has_errors(), "{body} compiles");
+        let names: Vec<&str> = outcome.diagnostics.iter().map(|d| d.code.row().name).collect();
+        assert!(names.contains(&"bad-value"), "{body}: {names:?}");
     }
 }
