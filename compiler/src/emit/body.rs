@@ -209,6 +209,25 @@ impl Body {
         matches!(self.code(id), Code::Op(op) if op.row().result == Kind::Condition)
     }
 
+    /// `a + b` or `a - b`; of a product with a negative constant the other of the two, which is the same to the last bit.
+    fn sum(&mut self, op: Op, a: ExprId, b: ExprId) -> ExprId {
+        if let Some((Op::Mul, &[x, y])) = self.operation(b) {
+            let negative = |c: Option<f64>| c.filter(|c| *c < 0.0);
+            let product = match (negative(self.as_constant(x)), negative(self.as_constant(y))) {
+                (Some(c), _) => Some((c, y)),
+                (_, Some(c)) => Some((c, x)),
+                _ => None,
+            };
+            if let Some((c, other)) = product {
+                let positive = self.constant(-c);
+                let product = self.op(Op::Mul, &[positive, other]);
+                let op = if op == Op::Add { Op::Sub } else { Op::Add };
+                return self.add(Code::Op(op), &[a, product]);
+            }
+        }
+        self.add(Code::Op(op), &[a, b])
+    }
+
     /// `u cos t - v sin t`, or `u sin t + v cos t`. The two of one angle share its cosine and sine.
     fn turn(&mut self, op: Op, args: &[ExprId]) -> ExprId {
         let [u, v, t] = *args else { return self.constant(0.0) };
@@ -517,6 +536,10 @@ impl Terms for Body {
         }
         match op {
             Op::TurnU | Op::TurnV => self.turn(op, args),
+            Op::Add | Op::Sub => match *args {
+                [a, b] => self.sum(op, a, b),
+                _ => self.add(Code::Op(op), args),
+            },
             Op::Length2 | Op::Length3 | Op::Length4 => {
                 let vector = self.vector(args);
                 self.add(Code::Op(op), &[vector])

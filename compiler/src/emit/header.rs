@@ -23,8 +23,8 @@ pub struct Facts<'a> {
     pub size: u32,
     /// Defaults, ranges and descriptions.
     pub parameters: &'a [Parameter],
-    /// Radius of the scene, where a function of the module ends there.
-    pub extent: Option<f64>,
+    /// Radius of the scene.
+    pub extent: f64,
 }
 
 /// The comment.
@@ -72,19 +72,20 @@ pub fn write(facts: &Facts) -> String {
         let [a, b, c, d, e] = row;
         line([a, b, c, d, e], &about(facts, field));
     }
+    let extent = number(facts.extent);
     let has_factor = facts.fields.iter().any(|f| matches!(f.source, UniformSource::Factor(_)));
     if has_factor {
-        text.push_str(
-            "//\n// A factor says how far a ray may step: the field times it is a bound. Each holds for every value that the\n\
-             // parameters can take within their ranges",
-        );
-        text.push_str(if facts.extent.is_some() { ", and within the extent.\n" } else { ".\n" });
-    }
-    if let Some(extent) = facts.extent {
         let _ = write!(
             text,
-            "//\n// Beyond a distance of {} from the scene's own origin nothing is traced.\n",
-            number(extent)
+            "//\n// A factor says how far a ray may step: the field times it is a bound. Each holds for every value that the\n\
+             // parameters can take within their ranges, up to a distance of {extent} from the scene's own origin.\n"
+        );
+    }
+    let traces = |e: &Export| matches!(e, Export::Trace | Export::Shadow);
+    if facts.exports.iter().any(traces) {
+        let _ = write!(
+            text,
+            "//\n// Beyond a distance of {extent} from the scene's own origin nothing is traced.\n"
         );
     }
     text

@@ -237,7 +237,7 @@ pub fn emit(
         fields: &fields,
         size,
         parameters,
-        extent: traces.then_some(blocks.extent),
+        extent: blocks.extent,
     };
     let mut wgsl = header::write(&facts);
     if !fields.is_empty() {

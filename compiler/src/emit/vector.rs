@@ -198,16 +198,16 @@ impl Body {
                     };
                     self.combine(op, parts.len(), &[a, b])
                 }
-                Op::Add | Op::Sub => self.sum(parts, depth),
+                Op::Add | Op::Sub => self.sum_of(parts, depth),
                 _ => None,
             },
-            _ => self.sum(parts, depth),
+            _ => self.sum_of(parts, depth),
         }
     }
 
     /// A vector plus or minus a vector or a number. Components without either count as plus zero, constants change their sign
     /// as is needed.
-    fn sum(&mut self, parts: &[ExprId], depth: u32) -> Option<Joined> {
+    fn sum_of(&mut self, parts: &[ExprId], depth: u32) -> Option<Joined> {
         let (mut inner, mut amounts) = (Few::default(), Few::default());
         // Operations, and those among them that can't change their sign.
         let (mut sums, mut differences) = ((0, 0), (0, 0));
@@ -271,9 +271,15 @@ impl Body {
 
     fn combine(&mut self, op: Op, count: usize, args: &[Joined]) -> Option<Joined> {
         let gathers: u32 = args.iter().map(|a| a.gathers).sum();
-        // Two vectors written out have nothing in common either.
-        let written_out = |a: &&Joined| a.gathers > 0 && matches!(self.code(a.id), Code::Vector(_));
-        if op != Op::Select && args.iter().filter(written_out).count() > 1 {
+        // Vectors written out, and components in an odd order, have nothing in common that an operation would show.
+        let odd = |a: &&Joined| match self.code(a.id) {
+            Code::Vector(_) => a.gathers > 0,
+            Code::Swizzle(n, order) => (1..n).any(|i| order >> (4 * i) & 3 <= order >> (4 * (i - 1)) & 3),
+            _ => false,
+        };
+        let odds = args.iter().filter(odd).count();
+        let by_vector = op == Op::Mul && args.iter().all(|a| self.components(a.id) > 1);
+        if op != Op::Select && odds > usize::from(!by_vector) {
             return None;
         }
         let ids: Few = args.iter().map(|a| a.id).collect();

@@ -152,6 +152,10 @@ impl Writer<'_, '_> {
         self.texts.get(self.resolve(id) as usize).copied().unwrap_or_default()
     }
 
+    fn as_number(&self, id: ExprId) -> Option<f64> {
+        self.body.as_constant(id)
+    }
+
     fn argument(&self, id: ExprId, i: usize) -> ExprId {
         self.body.arguments(id).get(i).map_or(id, |&a| self.resolve(a))
     }
@@ -356,10 +360,10 @@ impl Writer<'_, '_> {
         }
     }
 
-    /// Whether a value is so far from zero, rounding counted, that one may divide by it.
+    /// Whether a value is so far from zero, rounding counted, that one may divide by it. `max(d, 1e-30)` is.
     fn is_safe_below(&self, id: ExprId) -> bool {
-        if let Some(c) = self.body.as_constant(id) {
-            return c.abs() >= 1e-28;
+        if let Some(c) = self.as_number(id) {
+            return c.abs() >= 9e-31;
         }
         let range = self.known_range(id);
         let least = range.mignitude();
@@ -370,7 +374,7 @@ impl Writer<'_, '_> {
                 let arg = self.known_range(a);
                 arg.lo < 0.0 && least < 1e-4 * arg.magnitude()
             });
-        least >= 1e-28 && !cancels && !range.is_empty()
+        least >= 9e-31 && !cancels && !range.is_empty()
     }
 
     fn put(&mut self, text: &str) {
@@ -396,7 +400,7 @@ impl Writer<'_, '_> {
         if self.body.is_condition(id) {
             return self.put_argument(id, least);
         }
-        match self.body.as_constant(id) {
+        match self.as_number(id) {
             Some(c) => self.put(if c != 0.0 { "true" } else { "false" }),
             None => {
                 self.put(if least > 4 { "(" } else { "" });
@@ -513,7 +517,10 @@ impl Writer<'_, '_> {
 
     /// `a op b` for the four operators of numbers.
     fn infix(&mut self, id: ExprId, op: Op) -> u8 {
-        let (a, b) = (self.argument(id, 0), self.argument(id, 1));
+        let (mut a, mut b) = (self.argument(id, 0), self.argument(id, 1));
+        if op == Op::Mul && self.as_number(b).is_some_and(|c| c < 0.0) {
+            (a, b) = (b, a);
+        }
         let (sign, strength) = match op {
             Op::Add => (" + ", 6),
             Op::Sub => (" - ", 6),
@@ -524,7 +531,7 @@ impl Writer<'_, '_> {
         let text = self.text(b);
         let range = text.start as usize..(text.start + text.length) as usize;
         let negative = self.scratch.get(range).is_some_and(|t| t.starts_with('-'));
-        match (op, negative, self.body.as_constant(b)) {
+        match (op, negative, self.as_number(b)) {
             // a + -1.0 is a - 1.0, to the last bit.
             (Op::Add | Op::Sub, true, Some(_)) => {
                 self.put(if op == Op::Add { " - " } else { " + " });
