@@ -303,11 +303,10 @@ impl Body {
                     }
                 };
                 let (start, count) = frame.arguments;
-                if let Some(target) = frame.target.and_then(|t| plans.get(t)) {
-                    if let Some(gradient) = plans.field_from_gradient(target) {
-                        let args = arguments.get(start..start + count).unwrap_or(&[]).to_vec();
-                        self.fields.push((result, gradient, args));
-                    }
+                let target = frame.target.and_then(|t| plans.get(t));
+                if let Some(gradient) = target.and_then(|t| plans.field_from_gradient(t)) {
+                    let args = arguments.get(start..start + count).unwrap_or(&[]).to_vec();
+                    self.fields.push((result, gradient, args));
                 }
                 values.truncate(frame.values);
                 arguments.truncate(start);

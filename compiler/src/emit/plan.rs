@@ -478,10 +478,10 @@ fn named_vectors(graph: &Graph, steps: &[Step]) -> Vec<Vec<u32>> {
         if place == 0 {
             open.insert(base, vectors.len());
             vectors.push(vec![at as u32]);
-        } else if let Some(parts) = open.get(base).and_then(|&i| vectors.get_mut(i)) {
-            if parts.len() == place {
-                parts.push(at as u32);
-            }
+        } else if let Some(parts) = open.get(base).and_then(|&i| vectors.get_mut(i))
+            && parts.len() == place
+        {
+            parts.push(at as u32);
         }
     }
     vectors.retain(|parts| parts.len() > 1);
