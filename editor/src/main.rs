@@ -5,6 +5,8 @@ use std::process::ExitCode;
 mod command;
 mod files;
 mod picture;
+#[cfg(feature = "gui")]
+mod window;
 
 fn main() -> ExitCode {
     command::run()

@@ -189,6 +189,12 @@ mod cpu {
     //! On the processor's cores.
 
     use super::{Compiled, Live, Shot, View};
+    use rayon::prelude::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use surefoot_compiler::reference::{Area, Reference};
+
+    /// Side of the squares that the cores take one after another.
+    const TILE: u32 = 32;
 
     pub fn paint(
         compiled: &Compiled,
@@ -197,7 +203,41 @@ mod cpu {
         view: View,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Vec<u8>, String> {
-        let _ = (compiled, live, shot, view, progress);
-        Err("the processor can't draw yet".to_owned())
+        let scene = Reference::new(compiled, live)
+            .map_err(|_| "the scene has more operations than the processor takes".to_owned())?;
+        let frame = compiled.frame(live);
+        let Shot { width, height, camera } = *shot;
+        let rows = (0..height).step_by(TILE as usize);
+        let areas: Vec<Area> = rows
+            .flat_map(|top| (0..width).step_by(TILE as usize).map(move |left| (left, top)))
+            .map(|(left, top)| Area {
+                left,
+                top,
+                width: TILE.min(width - left),
+                height: TILE.min(height - top),
+            })
+            .collect();
+        let done = AtomicUsize::new(0);
+        let tiles: Vec<Vec<[f32; 4]>> = areas
+            .par_iter()
+            .map(|area| {
+                let tile = scene.tile(&frame, &camera, (width, height), view, *area);
+                let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                progress(done as f64 / areas.len() as f64);
+                tile
+            })
+            .collect();
+        let mut rgba = vec![255; 4 * width as usize * height as usize];
+        for (area, tile) in areas.iter().zip(tiles) {
+            for (i, [r, g, b, _]) in tile.into_iter().enumerate() {
+                let (x, y) = (i as u32 % area.width + area.left, i as u32 / area.width + area.top);
+                let at = 4 * (y as usize * width as usize + x as usize);
+                let bytes = [r, g, b].map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8);
+                if let Some(pixel) = rgba.get_mut(at..at + 3) {
+                    pixel.copy_from_slice(&bytes);
+                }
+            }
+        }
+        Ok(rgba)
     }
 }

@@ -1,0 +1,335 @@
+//! What a person or the world outside asks of the session, and the one function that does it.
+
+use super::document::{Document, Resolution};
+use super::orbit::Orbit;
+use super::session::{Place, Question, Session, problems};
+use super::world::World;
+use serde_json::json;
+use std::path::Path;
+use std::time::Instant;
+use surefoot_compiler::diagnostic::Severity;
+use surefoot_compiler::syntax;
+use surefoot_runtime::ViewMode;
+use surefoot_runtime::live::Update;
+use surefoot_runtime::stage::reads_time;
+
+/// One thing to do.
+#[derive(Debug)]
+pub enum Command {
+    /// The text that is shown was edited.
+    Edit(String),
+    /// Write the text that is shown to the disk.
+    Save,
+    /// Lay out the text that is shown.
+    Format,
+    /// End a conflict between edits and the disk.
+    Resolve(Resolution),
+    /// Write the edits beside the file, then show what is on the disk.
+    KeepBoth,
+    /// Show a text.
+    Show(String),
+    /// Show a place.
+    Jump(Place),
+    /// The cursor is where it shall be.
+    Jumped,
+    /// Give a parameter a value.
+    Set(String, Vec<f64>),
+    /// Choose for a parameter among its names.
+    Choose(String, String),
+    /// Give a parameter back the value that the text gives it.
+    Reset(String),
+    /// The same for all.
+    ResetAll,
+    /// Let time run or stand.
+    Play(bool),
+    /// Go to a moment.
+    Time(f64),
+    /// Turn around the target: by parts of the picture's height, to the right and down.
+    Turn(f64, f64),
+    /// Move sideways, likewise.
+    Pan(f64, f64),
+    /// Go nearer or farther by a factor.
+    Dolly(f64),
+    /// Back to the scene's camera.
+    Home,
+    /// Look through a camera of the scene.
+    Camera(String),
+    /// Show something else of the scene.
+    Mode(ViewMode),
+    /// Open or close the panel of the source.
+    ShowSource(bool),
+    /// Open or close the panel of the parameters.
+    ShowParameters(bool),
+    /// Open another scene.
+    Open(String),
+    /// The answer to a question: save first, go on without, or stay.
+    Answer(Answer),
+    /// A notice was read.
+    Dismiss,
+    /// Something came from the compiler.
+    Arrived(Box<Update>),
+    /// What the disk holds of a file.
+    OnDisk(String, Result<String, String>),
+    /// The picture could not be drawn, or could be again.
+    Drawn(Result<(), String>),
+}
+
+/// Answers to a [`Question`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// Save, then do it.
+    Save,
+    /// Do it, and lose the edits.
+    Discard,
+    /// Don't.
+    Stay,
+}
+
+/// Does it.
+pub fn apply(session: &mut Session, world: &mut World, command: Command) {
+    match command {
+        Command::Edit(text) => session.documents.current_mut().edit(text, Instant::now()),
+        Command::Save => {
+            let shown = session.documents.shown;
+            save(session, world, shown);
+        }
+        Command::Format => format(session),
+        Command::Resolve(resolution) => {
+            if session.documents.current_mut().resolve(resolution) {
+                take_back(session.documents.current_mut(), world);
+            }
+        }
+        Command::KeepBoth => keep_both(session, world),
+        Command::Show(file) => show(session, world, &file),
+        Command::Jump(place) => {
+            show(session, world, &place.file);
+            session.open.source = true;
+            session.documents.jump = Some(place);
+        }
+        Command::Jumped => session.documents.jump = None,
+        Command::Set(name, value) => {
+            session.stage.set(&name, &value);
+        }
+        Command::Choose(name, choice) => {
+            session.options.choose.retain(|(known, _)| *known != name);
+            session.options.choose.push((name, choice));
+            world.live.set_options(session.options.clone());
+        }
+        Command::Reset(name) => reset(session, world, &name),
+        Command::ResetAll => {
+            let names = |p: &surefoot_compiler::compiled::Parameter| p.name.clone();
+            let all: Vec<_> =
+                session.scene().iter().flat_map(|s| s.parameters.iter().map(names)).collect();
+            for name in all {
+                reset(session, world, &name);
+            }
+        }
+        Command::Play(playing) => session.stage.playing = playing,
+        Command::Time(seconds) => session.stage.set_time(seconds),
+        Command::Turn(right, down) => move_camera(session, |orbit| orbit.turn(right, down)),
+        Command::Pan(right, down) => move_camera(session, |orbit| orbit.pan(right, down)),
+        Command::Dolly(factor) => move_camera(session, |orbit| orbit.dolly(factor)),
+        Command::Home => session.look.orbit = None,
+        Command::Camera(name) => {
+            session.look.orbit = None;
+            session.look.camera = Some(name);
+        }
+        Command::Mode(mode) => {
+            session.look.mode = mode;
+            world.live.set_mode(mode);
+        }
+        Command::ShowSource(open) => session.open.source = open,
+        Command::ShowParameters(open) => session.open.parameters = open,
+        Command::Open(path) => {
+            if session.is_unsaved() {
+                session.question = Some(Question::Open(path));
+            } else {
+                open(session, world, &path);
+            }
+        }
+        Command::Answer(answer) => self::answer(session, world, answer),
+        Command::Dismiss => session.notice = None,
+        Command::Arrived(update) => arrived(session, world, *update),
+        Command::OnDisk(name, text) => on_disk(session, world, &name, text),
+        Command::Drawn(result) => session.said.drawing = result.err(),
+    }
+}
+
+/// Writes a text; answers whether the disk holds it now.
+fn save(session: &mut Session, world: &mut World, index: usize) -> bool {
+    let Some(document) = session.documents.all.get_mut(index) else { return true };
+    if document.read_only || !document.is_unsaved() {
+        return true;
+    }
+    // The disk may have changed a moment ago, and nobody has said so yet.
+    let now = world.read_text(&document.name);
+    document.on_disk(now.as_deref().ok());
+    if document.has_conflict() {
+        session.documents.shown = index;
+        return false;
+    }
+    match crate::files::write(Path::new(&document.name), &document.bytes()) {
+        Ok(()) => {
+            document.was_saved();
+            take_back(document, world);
+            true
+        }
+        Err(why) => {
+            session.notice = Some(format!("{} can't be written: {why}", document.name));
+            false
+        }
+    }
+}
+
+/// The compiler reads the disk again.
+fn take_back(document: &mut Document, world: &mut World) {
+    if document.lent {
+        document.lent = false;
+        world.live.set_text(&document.name, None);
+    }
+}
+
+fn format(session: &mut Session) {
+    let document = session.documents.current_mut();
+    match syntax::format(&document.text) {
+        Ok(text) => document.edit(text, Instant::now()),
+        // The errors are in the list of problems already.
+        Err(_) => {
+            session.notice = Some("a text with errors can't be laid out".to_owned());
+        }
+    }
+}
+
+/// Writes the edits as `name.mine.sdf`, then shows what is on the disk.
+fn keep_both(session: &mut Session, world: &mut World) {
+    let document = session.documents.current_mut();
+    let stem = document.name.strip_suffix(".sdf").unwrap_or(&document.name);
+    let free = |n: u32| match n {
+        1 => format!("{stem}.mine.sdf"),
+        n => format!("{stem}.mine{n}.sdf"),
+    };
+    let name = (1..).map(free).find(|name| !Path::new(name).exists()).unwrap_or_default();
+    match crate::files::write(Path::new(&name), &document.bytes()) {
+        Ok(()) => {
+            if document.resolve(Resolution::TakeFile) {
+                take_back(document, world);
+            }
+            session.notice = Some(format!("the edits are in {name}"));
+        }
+        Err(why) => session.notice = Some(format!("{name} can't be written: {why}")),
+    }
+}
+
+/// Shows a text, and opens it where it is not open yet.
+fn show(session: &mut Session, world: &mut World, file: &str) {
+    if let Some(index) = session.documents.find(file) {
+        session.documents.shown = index;
+        return;
+    }
+    // What belongs to the compiler is not on the disk; its words hold the text.
+    let own = file.starts_with('<');
+    let sources = &session.said.words.sources;
+    let known = sources.iter().find(|(_, f)| f.name == file).map(|(_, f)| f.text.clone());
+    let document = match (world.read_text(file), known) {
+        (Ok(text), _) if !own => Document::new(file, &text),
+        (_, Some(text)) => Document::read_only(file, &text),
+        (Err(why), None) => {
+            session.notice = Some(format!("{file} can't be read: {why}"));
+            return;
+        }
+        (Ok(_), None) => return,
+    };
+    if !document.read_only {
+        world.follow(file);
+    }
+    session.documents.all.push(document);
+    session.documents.shown = session.documents.all.len() - 1;
+}
+
+fn reset(session: &mut Session, world: &mut World, name: &str) {
+    let Some(parameter) = session.parameter(name) else { return };
+    if parameter.first.is_some() {
+        let default = parameter.default.clone();
+        session.stage.set(name, &default);
+    } else if session.options.choose.iter().any(|(known, _)| known == name) {
+        session.options.choose.retain(|(known, _)| known != name);
+        world.live.set_options(session.options.clone());
+    }
+}
+
+fn move_camera(session: &mut Session, change: impl FnOnce(&mut Orbit)) {
+    if let Some(camera) = session.camera() {
+        let orbit = session.look.orbit.get_or_insert_with(|| Orbit::from_camera(&camera));
+        change(orbit);
+    }
+}
+
+fn open(session: &mut Session, world: &mut World, path: &str) {
+    match world.read_text(path) {
+        Ok(text) => {
+            for document in &mut session.documents.all {
+                take_back(document, world);
+            }
+            world.open(path, &mut session.options);
+            session.documents.all = vec![Document::new(path, &text)];
+            session.documents.shown = 0;
+            session.look.orbit = None;
+            session.look.camera = None;
+            session.stage.set_time(0.0);
+        }
+        Err(why) => session.notice = Some(format!("{path} can't be read: {why}")),
+    }
+}
+
+fn answer(session: &mut Session, world: &mut World, answer: Answer) {
+    let Some(question) = session.question.take() else { return };
+    let go_on = match answer {
+        Answer::Stay => false,
+        Answer::Discard => true,
+        Answer::Save => (0..session.documents.all.len()).all(|i| save(session, world, i)),
+    };
+    if go_on {
+        match question {
+            Question::Open(path) => open(session, world, &path),
+            Question::Close => world.close = true,
+        }
+    }
+}
+
+fn arrived(session: &mut Session, world: &mut World, update: Update) {
+    let swapped = update.ready.is_some();
+    if let Some(ready) = update.ready {
+        session.said.reads_time = reads_time(&ready.compiled);
+        session.stage.put(ready);
+        session.said.swaps += 1;
+    }
+    session.said.problems = problems(&update.words);
+    session.said.words = update.words;
+    session.said.failure = update.failure;
+    session.said.times = update.times;
+    let errors = session.said.problems.iter().filter(|p| p.severity == Severity::Error).count();
+    let times = session.said.times;
+    let built = world.stats();
+    world.log.event(
+        "compiled",
+        json!({
+            "errors": errors,
+            "failure": session.said.failure,
+            "swapped": swapped,
+            "swaps": session.said.swaps,
+            "compile_ms": times.compile.as_secs_f64() * 1e3,
+            "pipeline_ms": times.pipeline.as_secs_f64() * 1e3,
+            "total_ms": times.total.as_secs_f64() * 1e3,
+            "pipelines": built.pipelines,
+            "modules": built.modules,
+        }),
+    );
+}
+
+fn on_disk(session: &mut Session, world: &mut World, name: &str, text: Result<String, String>) {
+    let Some(index) = session.documents.find(name) else { return };
+    let Some(document) = session.documents.all.get_mut(index) else { return };
+    if document.on_disk(text.as_deref().ok()) {
+        take_back(document, world);
+    }
+}

@@ -1,0 +1,240 @@
+//! A text that is edited, and what the disk holds meanwhile.
+
+use std::time::{Duration, Instant};
+
+/// How long a person must pause before what was typed is compiled.
+pub const PAUSE: Duration = Duration::from_millis(120);
+
+/// A text that is shown and, unless it belongs to the compiler, edited.
+#[derive(Clone, Debug)]
+pub struct Document {
+    /// The path, as the compiler calls it.
+    pub name: String,
+    /// What a person sees. Lines end with `\n` alone.
+    pub text: String,
+    /// Whether it can't be edited: it comes with the compiler, or is no text.
+    pub read_only: bool,
+    /// What the disk holds, or held before the file went away, as far as this document has followed it.
+    saved: String,
+    /// Whether the file is gone.
+    missing: bool,
+    /// What another program has put there while there were unsaved edits. A person decides.
+    conflict: Option<String>,
+    /// Whether the file's lines end with `\r\n`.
+    carriage_returns: bool,
+    /// When the text was last edited, until the compiler is given the edit.
+    edited: Option<Instant>,
+    /// Whether the compiler has a text from here that is not on the disk.
+    pub lent: bool,
+}
+
+/// Ways out of a conflict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resolution {
+    /// Go on with the edits; saving will replace what is on the disk.
+    KeepEdits,
+    /// Show what is on the disk; undo brings the edits back.
+    TakeFile,
+}
+
+impl Document {
+    /// A text as it is on the disk.
+    pub fn new(name: &str, text: &str) -> Self {
+        let text_here = unix_lines(text);
+        Self {
+            name: name.to_owned(),
+            carriage_returns: text.contains("\r\n"),
+            saved: text_here.clone(),
+            missing: false,
+            text: text_here,
+            read_only: false,
+            conflict: None,
+            edited: None,
+            lent: false,
+        }
+    }
+
+    /// A text that can't be edited.
+    pub fn read_only(name: &str, text: &str) -> Self {
+        Self { read_only: true, ..Self::new(name, text) }
+    }
+
+    /// The name without its folders.
+    pub fn short_name(&self) -> &str {
+        self.name.rsplit(['/', '\\']).next().unwrap_or(&self.name)
+    }
+
+    /// Whether the text differs from what is on the disk.
+    pub fn is_unsaved(&self) -> bool {
+        self.missing || self.has_edits()
+    }
+
+    /// Whether the file is gone.
+    pub fn is_missing(&self) -> bool {
+        self.missing
+    }
+
+    fn has_edits(&self) -> bool {
+        self.saved != self.text
+    }
+
+    /// Whether another program has changed the file under unsaved edits, and nobody has decided yet.
+    pub fn has_conflict(&self) -> bool {
+        self.conflict.is_some()
+    }
+
+    /// Takes an edit.
+    pub fn edit(&mut self, text: String, now: Instant) {
+        if !self.read_only && self.text != text {
+            self.text = text;
+            self.edited = Some(now);
+        }
+    }
+
+    /// How long until the compiler should be given the edits; none where it has them.
+    pub fn wait(&self, now: Instant) -> Option<Duration> {
+        self.edited.map(|edited| PAUSE.saturating_sub(now.duration_since(edited)))
+    }
+
+    /// Whether there are edits that the compiler should be given now. They count as given.
+    pub fn take_edits(&mut self, now: Instant) -> bool {
+        let due = self.wait(now) == Some(Duration::ZERO);
+        if due {
+            self.edited = None;
+        }
+        due
+    }
+
+    /// Hears what the disk holds now; nothing where the file is gone. Answers whether the text shown became another one.
+    pub fn on_disk(&mut self, text: Option<&str>) -> bool {
+        self.missing = text.is_none();
+        let Some(text) = text else { return false };
+        let new = unix_lines(text);
+        if self.text == new || !self.has_edits() {
+            let other = self.text != new;
+            self.carriage_returns = text.contains("\r\n");
+            self.text.clone_from(&new);
+            self.saved = new;
+            self.conflict = None;
+            return other;
+        }
+        self.conflict = (self.saved != new).then_some(new);
+        false
+    }
+
+    /// Ends a conflict as a person has decided. Answers whether the text shown became another one.
+    pub fn resolve(&mut self, resolution: Resolution) -> bool {
+        let Some(theirs) = self.conflict.take() else { return false };
+        self.saved.clone_from(&theirs);
+        if resolution == Resolution::TakeFile {
+            self.text = theirs;
+            self.edited = None;
+            return true;
+        }
+        false
+    }
+
+    /// The bytes to write, with the file's own ends of lines.
+    pub fn bytes(&self) -> Vec<u8> {
+        if self.carriage_returns {
+            self.text.replace('\n', "\r\n").into_bytes()
+        } else {
+            self.text.clone().into_bytes()
+        }
+    }
+
+    /// Hears that the text was written.
+    pub fn was_saved(&mut self) {
+        self.saved.clone_from(&self.text);
+        self.missing = false;
+        self.conflict = None;
+    }
+}
+
+fn unix_lines(text: &str) -> String {
+    text.replace("\r\n", "\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_edits_the_text_follows_the_disk() {
+        let mut document = Document::new("a/b.sdf", "one");
+        assert_eq!(document.short_name(), "b.sdf");
+        assert!(document.on_disk(Some("two")));
+        assert_eq!(document.text, "two");
+        assert!(!document.is_unsaved());
+        assert!(!document.on_disk(Some("two")));
+    }
+
+    #[test]
+    fn edits_are_never_lost_to_the_disk() {
+        let mut document = Document::new("a", "one");
+        document.edit("mine".to_owned(), Instant::now());
+        assert!(!document.on_disk(Some("theirs")));
+        assert_eq!(document.text, "mine");
+        assert!(document.has_conflict());
+        let mut other = document.clone();
+
+        assert!(!document.resolve(Resolution::KeepEdits));
+        assert!(document.is_unsaved() && document.text == "mine");
+        assert!(!document.on_disk(Some("theirs")), "what was decided is not asked again");
+        assert!(!document.has_conflict());
+
+        assert!(other.resolve(Resolution::TakeFile));
+        assert!(!other.is_unsaved() && other.text == "theirs");
+    }
+
+    #[test]
+    fn a_conflict_ends_where_both_become_the_same() {
+        let mut document = Document::new("a", "one");
+        document.edit("two".to_owned(), Instant::now());
+        document.on_disk(Some("three"));
+        document.on_disk(Some("two"));
+        assert!(!document.has_conflict() && !document.is_unsaved());
+        document.edit("four".to_owned(), Instant::now());
+        document.on_disk(Some("five"));
+        document.on_disk(Some("two"));
+        assert!(
+            !document.has_conflict() && document.is_unsaved(),
+            "the disk holds again what was there before"
+        );
+    }
+
+    #[test]
+    fn a_file_that_is_gone_can_be_saved_again() {
+        let mut document = Document::new("a", "one");
+        document.on_disk(None);
+        assert!(document.is_unsaved() && document.is_missing());
+        document.was_saved();
+        assert!(!document.is_unsaved());
+    }
+
+    #[test]
+    fn a_save_that_removes_the_file_first_is_a_save() {
+        let mut document = Document::new("a", "one");
+        document.on_disk(None);
+        assert!(document.on_disk(Some("two")));
+        assert!(document.text == "two" && !document.is_unsaved());
+    }
+
+    #[test]
+    fn ends_of_lines_stay_as_they_are() {
+        let mut document = Document::new("a", "one\r\ntwo\r\n");
+        assert_eq!(document.text, "one\ntwo\n");
+        document.edit("one\n".to_owned(), Instant::now());
+        assert_eq!(document.bytes(), b"one\r\n");
+    }
+
+    #[test]
+    fn the_compiler_waits_for_a_pause() {
+        let start = Instant::now();
+        let mut document = Document::new("a", "one");
+        document.edit("two".to_owned(), start);
+        assert!(!document.take_edits(start));
+        assert!(document.take_edits(start + PAUSE));
+        assert!(!document.take_edits(start + PAUSE));
+    }
+}

@@ -1,0 +1,257 @@
+//! The live window. [`session::Session`] holds all that it knows; panels read it and push [`command::Command`]s; one function,
+//! [`command::apply`], does them.
+
+mod canvas;
+mod command;
+mod document;
+mod log;
+mod orbit;
+mod panels;
+mod session;
+mod theme;
+mod world;
+
+#[cfg(test)]
+mod tests;
+
+pub use log::Log;
+
+use crate::files::FileLoader;
+use canvas::{Canvas, Order};
+use command::{Command, apply};
+use document::Document;
+use eframe::egui_wgpu::{RenderState, WgpuSetup};
+use egui::{CentralPanel, Frame, Key, KeyboardShortcut, Margin, Modifiers, Panel, ViewportCommand};
+use serde_json::json;
+use session::{Question, Session};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use surefoot_runtime::Gpu;
+use surefoot_runtime::live::SharedLoader;
+use world::World;
+
+/// Shows a scene until the window is closed; the error is why there is no window.
+pub fn open(scene: &str, log: Log) -> Result<(), String> {
+    let mut options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("Surefoot")
+            .with_inner_size([1280.0, 800.0])
+            .with_min_inner_size([640.0, 400.0]),
+        persist_window: false,
+        ..Default::default()
+    };
+    if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
+        setup.device_descriptor = Arc::new(Gpu::device_descriptor);
+    }
+    let scene = scene.to_owned();
+    let create = move |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
+        let app = App::new(cc, &scene, Arc::new(FileLoader), log)?;
+        Ok(Box::new(app))
+    };
+    eframe::run_native("surefoot", options, Box::new(create)).map_err(|error| error.to_string())
+}
+
+/// The window's program.
+struct App {
+    session: Session,
+    world: World,
+    canvas: Option<Canvas>,
+    /// What the device found wrong outside of anything that listens.
+    uncaught: Arc<Mutex<Option<String>>>,
+    /// When time was last let pass.
+    ticked: Instant,
+    title: String,
+}
+
+impl App {
+    fn new(
+        cc: &eframe::CreationContext<'_>,
+        scene: &str,
+        loader: SharedLoader,
+        log: Log,
+    ) -> Result<Self, String> {
+        theme::apply(&cc.egui_ctx);
+        let uncaught = Arc::<Mutex<Option<String>>>::default();
+        let ctx = cc.egui_ctx.clone();
+        let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(move || ctx.request_repaint());
+        let gpu = cc.wgpu_render_state.as_ref().map(|render| listen(render, &uncaught));
+        let text = loader.read(scene).unwrap_or_default();
+        let document = Document::new(scene, &String::from_utf8_lossy(&text));
+        let mut session = Session::new(document);
+        if let Some(gpu) = &gpu {
+            session.meter.adapter = gpu.name().to_owned();
+            session.meter.software = gpu.is_software();
+        }
+        log.event("opened", json!({ "scene": scene, "adapter": session.meter.adapter }));
+        let world = World::new(scene, loader, gpu.clone(), log.clone(), wake.clone())?;
+        let canvas = gpu
+            .zip(cc.wgpu_render_state.clone())
+            .map(|(gpu, render)| Canvas::new(gpu, render, log, wake));
+        let now = Instant::now();
+        Ok(Self { session, world, canvas, uncaught, ticked: now, title: String::new() })
+    }
+
+    /// What came from outside since the last frame.
+    fn hear(&mut self) {
+        for command in self.world.hear() {
+            apply(&mut self.session, &mut self.world, command);
+        }
+        self.world.lend_edits(&mut self.session);
+        let uncaught = self.uncaught.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(error) = uncaught {
+            self.session.said.failure = Some(error);
+        }
+        if let Some(canvas) = &self.canvas {
+            let timing = canvas.timing();
+            self.session.meter.frame = timing.frame;
+            self.session.meter.size = timing.size;
+            self.session.meter.detail = canvas.detail();
+        }
+    }
+
+    fn let_time_pass(&mut self) {
+        let now = Instant::now();
+        // After a pause (a hidden window, a breakpoint) the scene goes on where it was.
+        let passed = now.duration_since(self.ticked).min(Duration::from_millis(250));
+        self.ticked = now;
+        if self.session.stage.animates() {
+            self.session.stage.advance(passed.as_secs_f64());
+        }
+    }
+
+    /// Everything but the picture; the commands of the panels.
+    fn panels(&self, ui: &mut egui::Ui, commands: &mut Vec<Command>) {
+        let session = &self.session;
+        let bar = Frame::new().fill(theme::PANEL).inner_margin(Margin::symmetric(8, 2));
+        let top = Panel::top("toolbar").frame(bar).exact_size(34.0).resizable(false);
+        top.show(ui, |ui| panels::toolbar::show(ui, session, commands));
+        let bottom = Panel::bottom("status").frame(bar).exact_size(22.0).resizable(false);
+        bottom.show(ui, |ui| panels::status::show(ui, session));
+        let side = Frame::new().fill(theme::PANEL).inner_margin(Margin::same(8));
+        if session.open.source {
+            let left =
+                Panel::left("source").frame(side).default_size(470.0).size_range(220.0..=1600.0);
+            left.show(ui, |ui| {
+                let below = Frame::new().inner_margin(Margin { top: 8, ..Margin::ZERO });
+                let list = Panel::bottom("problems").frame(below).resizable(true);
+                list.default_size(130.0).size_range(40.0..=600.0).show(ui, |ui| {
+                    panels::problems::show(ui, session, commands);
+                });
+                let text = CentralPanel::default().frame(Frame::NONE);
+                text.show(ui, |ui| panels::source::show(ui, session, commands));
+            });
+        }
+        if session.open.parameters {
+            let right = Panel::right("parameters")
+                .frame(side)
+                .default_size(250.0)
+                .size_range(160.0..=600.0);
+            right.show(ui, |ui| panels::parameters::show(ui, session, commands));
+        }
+        panels::picture::keys(ui, session, commands);
+        panels::questions::show(ui, session, commands);
+    }
+
+    /// The picture, drawn where anything changed.
+    fn picture(&mut self, ui: &mut egui::Ui) {
+        let mut commands = Vec::new();
+        let response = panels::picture::sense(ui, &mut commands);
+        self.apply(commands);
+        let rect = response.rect;
+        let scale = ui.ctx().pixels_per_point();
+        let order = self.session.camera().map(|camera| Order {
+            camera,
+            size: [rect.width(), rect.height()].map(|side| (side * scale).round().max(1.0) as u32),
+            interval: f64::from(ui.input(|i| i.stable_dt)),
+            moving: self.session.stage.animates() || moves(ui),
+            swaps: self.session.said.swaps,
+        });
+        let drawn = match (&mut self.canvas, &order) {
+            (Some(canvas), Some(order)) => canvas.draw(&mut self.session.stage, order),
+            _ => Ok(None),
+        };
+        let mut commands = Vec::new();
+        let shown = drawn.as_ref().ok().copied().flatten();
+        commands.push(Command::Drawn(drawn.map(|_| ())));
+        if let Some(again) = shown.and_then(|shown| shown.again) {
+            ui.ctx().request_repaint_after(again);
+        }
+        panels::picture::paint(ui, rect, &self.session, shown);
+        panels::picture::band(ui, rect, &self.session, &mut commands);
+        self.apply(commands);
+    }
+
+    fn apply(&mut self, commands: Vec<Command>) {
+        for command in commands {
+            apply(&mut self.session, &mut self.world, command);
+        }
+    }
+
+    /// What the window system asks: closing, files that are dropped, the title, the next frame.
+    fn around(&mut self, ui: &egui::Ui) {
+        let ctx = ui.ctx();
+        if ctx.input(|i| i.viewport().close_requested()) && !self.world.close {
+            if self.session.is_unsaved() {
+                ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+                self.session.question = Some(Question::Close);
+            } else {
+                self.world.close = true;
+            }
+        }
+        if self.world.close {
+            ctx.send_viewport_cmd(ViewportCommand::Close);
+        }
+        let dropped = ctx.input(|i| i.raw.dropped_files.first().map(|f| f.path().to_owned()));
+        if let Some(path) = dropped {
+            let command = Command::Open(path.to_string_lossy().into_owned());
+            apply(&mut self.session, &mut self.world, command);
+        }
+        let document = self.session.documents.all.first();
+        let name = document.map(Document::short_name).unwrap_or_default();
+        let mark = if self.session.is_unsaved() { "● " } else { "" };
+        let title = format!("{mark}{name} — Surefoot");
+        if title != self.title {
+            ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+        if self.session.stage.animates() {
+            ctx.request_repaint();
+        }
+        let now = Instant::now();
+        let wait = self.session.documents.all.iter().filter_map(|d| d.wait(now)).min();
+        if let Some(wait) = wait {
+            ctx.request_repaint_after(wait);
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.hear();
+        self.let_time_pass();
+        let mut commands = Vec::new();
+        let save = KeyboardShortcut::new(Modifiers::COMMAND, Key::S);
+        if ui.input_mut(|i| i.consume_shortcut(&save)) {
+            commands.push(Command::Save);
+        }
+        self.panels(ui, &mut commands);
+        self.apply(commands);
+        let ground = Frame::new().fill(theme::GROUND);
+        CentralPanel::default().frame(ground).show(ui, |ui| self.picture(ui));
+        self.around(ui);
+    }
+}
+
+/// Whether a hand moves something now.
+fn moves(ui: &egui::Ui) -> bool {
+    ui.ctx().egui_is_using_pointer() || ui.input(|i| i.smooth_scroll_delta != egui::Vec2::ZERO)
+}
+
+/// The window's device. What it finds wrong where nobody listens would end the program; here it becomes words.
+fn listen(render: &RenderState, uncaught: &Arc<Mutex<Option<String>>>) -> Gpu {
+    let words = uncaught.clone();
+    render.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+        *words.lock().unwrap_or_else(PoisonError::into_inner) = Some(error.to_string());
+    }));
+    Gpu::from_parts(render.device.clone(), render.queue.clone())
+}

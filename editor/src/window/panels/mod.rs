@@ -1,0 +1,10 @@
+//! The panels. Each reads the session and pushes commands.
+
+pub mod icons;
+pub mod parameters;
+pub mod picture;
+pub mod problems;
+pub mod questions;
+pub mod source;
+pub mod status;
+pub mod toolbar;

@@ -1,0 +1,122 @@
+//! The picture, the camera that a hand moves, and the band that says why the picture is an older one.
+
+use crate::window::canvas::Shown;
+use crate::window::command::Command;
+use crate::window::panels::icons::{self, Icon};
+use crate::window::session::Session;
+use crate::window::theme;
+use egui::{
+    Color32, CornerRadius, Frame, Key, Margin, PointerButton, Rect, Response, RichText, Sense, Ui,
+    UiBuilder,
+};
+
+/// How much a step of the wheel changes the distance.
+const WHEEL: f64 = 0.0022;
+
+/// Takes the room of the picture, and what a hand does there.
+pub fn sense(ui: &mut Ui, commands: &mut Vec<Command>) -> Response {
+    let response = ui.allocate_response(ui.available_size(), Sense::click_and_drag());
+    let height = f64::from(response.rect.height().max(1.0));
+    let drag = response.drag_delta();
+    if drag != egui::Vec2::ZERO {
+        let (right, down) = (f64::from(drag.x) / height, f64::from(drag.y) / height);
+        let aside = response.dragged_by(PointerButton::Secondary)
+            || response.dragged_by(PointerButton::Middle)
+            || ui.input(|i| i.modifiers.shift);
+        commands.push(if aside { Command::Pan(right, down) } else { Command::Turn(right, down) });
+    }
+    if response.hovered() {
+        let (wheel, pinch) = ui.input(|i| (i.smooth_scroll_delta.y, i.zoom_delta()));
+        if wheel != 0.0 {
+            commands.push(Command::Dolly((-f64::from(wheel) * WHEEL).exp()));
+        } else if pinch != 1.0 {
+            commands.push(Command::Dolly(1.0 / f64::from(pinch)));
+        }
+    }
+    if response.double_clicked() {
+        commands.push(Command::Home);
+    }
+    if response.clicked() || response.drag_started() {
+        // Keys go to the picture again and not to the text.
+        ui.memory_mut(|m| {
+            if let Some(focused) = m.focused() {
+                m.surrender_focus(focused);
+            }
+        });
+    }
+    response
+}
+
+/// Keys that work wherever no text is written.
+pub fn keys(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
+    if ui.ctx().egui_wants_keyboard_input() || session.question.is_some() {
+        return;
+    }
+    if ui.input(|i| i.key_pressed(Key::Home)) {
+        commands.push(Command::Home);
+    }
+    if ui.input(|i| i.key_pressed(Key::Space)) {
+        commands.push(Command::Play(!session.stage.playing));
+    }
+}
+
+/// Shows the picture, or that there is none yet.
+pub fn paint(ui: &mut Ui, rect: Rect, session: &Session, shown: Option<Shown>) {
+    match shown {
+        Some(shown) => {
+            ui.painter().image(shown.texture, rect, shown.uv, Color32::WHITE);
+        }
+        None => {
+            let words = match session.error() {
+                Some(_) => "no picture yet",
+                None => "compiling…",
+            };
+            ui.put(rect, egui::Label::new(RichText::new(words).heading().color(theme::WEAK)));
+        }
+    }
+}
+
+/// Says over the picture why it is not that of the text.
+pub fn band(ui: &mut Ui, rect: Rect, session: &Session, commands: &mut Vec<Command>) {
+    let said = &session.said;
+    let error = session.error();
+    let words = error.map(|problem| problem.message.as_str());
+    let words = words.or(said.failure.as_deref()).or(said.drawing.as_deref());
+    let Some(words) = words else { return };
+    let builder = UiBuilder::new().max_rect(rect.shrink(10.0)).sense(Sense::hover());
+    ui.scope_builder(builder, |ui| {
+        let frame = Frame::new()
+            .fill(Color32::from_rgba_unmultiplied(0x3a, 0x14, 0x14, 0xe8))
+            .stroke(egui::Stroke::new(1.0, theme::ERROR.gamma_multiply(0.6)))
+            .corner_radius(CornerRadius::same(5))
+            .inner_margin(Margin::symmetric(10, 7));
+        let inner = frame.show(ui, |ui| {
+            ui.set_min_width(ui.available_width());
+            ui.horizontal_wrapped(|ui| {
+                ui.spacing_mut().item_spacing.x = 6.0;
+                icons::sign(ui, Icon::Error, theme::ERROR);
+                if let Some(problem) = error {
+                    let (line, column) = problem.place.start;
+                    let at = format!("{}:{line}:{column}", problem.place.file);
+                    ui.label(RichText::new(at).monospace().small().color(theme::WEAK));
+                }
+                // What a device says can be a page long; the list of problems has all of it.
+                let first: String = words.lines().take(3).collect::<Vec<_>>().join("\n");
+                ui.label(RichText::new(first).color(Color32::WHITE));
+            });
+            if let Some(help) = error.map(|e| &e.help).filter(|help| !help.is_empty()) {
+                ui.label(RichText::new(help).small().color(theme::TEXT));
+            }
+            if session.stage.picture().is_some() {
+                let words = "the picture is that of the last text without errors";
+                ui.label(RichText::new(words).small().color(theme::WEAK));
+            }
+        });
+        if let Some(problem) = error {
+            let response = inner.response.interact(Sense::click());
+            if response.on_hover_cursor(egui::CursorIcon::PointingHand).clicked() {
+                commands.push(Command::Jump(problem.place.clone()));
+            }
+        }
+    });
+}

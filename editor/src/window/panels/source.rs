@@ -1,0 +1,333 @@
+//! The text: coloured, with lines' numbers, and problems underlined.
+
+use crate::window::command::Command;
+use crate::window::document::{Document, Resolution};
+use crate::window::panels::icons::{self, Icon};
+use crate::window::panels::problems;
+use crate::window::session::{Place, Problem, Session};
+use crate::window::theme::{self, code};
+use egui::cache::{ComputerMut, FrameCache};
+use egui::text::{CCursor, CCursorRange, LayoutJob, TextFormat};
+use egui::text_edit::{TextEditOutput, TextEditState};
+use egui::{
+    Align, Align2, Button, Color32, Frame, Id, Margin, RichText, ScrollArea, Stroke, TextBuffer,
+    TextEdit, Ui, vec2,
+};
+use std::ops::Range;
+use surefoot_compiler::diagnostic::Severity;
+use surefoot_compiler::syntax::{TokenClass, tokens};
+
+/// Shows the text and what belongs to it.
+pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    files(ui, session, commands);
+    let document = session.documents.current();
+    notes(ui, document, commands);
+    editor(ui, session, document, commands);
+}
+
+/// The files that the scene is made of, and what can be done with the one that is shown.
+fn files(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let document = session.documents.current();
+    ui.horizontal(|ui| {
+        ui.with_layout(egui::Layout::right_to_left(Align::Center), |ui| {
+            let can_save = document.is_unsaved() && !document.read_only && !document.has_conflict();
+            let save = ui.add_enabled(can_save, Button::new("Save"));
+            if save.on_hover_text("Ctrl+S").clicked() {
+                commands.push(Command::Save);
+            }
+            let format = ui.add_enabled(!document.read_only, Button::new("Lay out"));
+            if format.on_hover_text("what `surefoot fmt` does").clicked() {
+                commands.push(Command::Format);
+            }
+            ui.with_layout(egui::Layout::left_to_right(Align::Center), |ui| {
+                let name = RichText::new(document.short_name()).strong();
+                if document.is_unsaved() {
+                    icons::sign(ui, Icon::Dot, theme::ACCENT).on_hover_text("not saved");
+                }
+                let names = names(session);
+                if names.len() < 2 {
+                    ui.label(name).on_hover_text(&document.name);
+                    return;
+                }
+                let list = egui::ComboBox::from_id_salt("file").selected_text(name).width(160.0);
+                let list = list.show_ui(ui, |ui| {
+                    for name in names {
+                        let unsaved = session.documents.find(&name);
+                        let unsaved = unsaved.and_then(|i| session.documents.all.get(i));
+                        let mark =
+                            if unsaved.is_some_and(Document::is_unsaved) { "* " } else { "" };
+                        let chosen = name == document.name;
+                        if ui.selectable_label(chosen, format!("{mark}{name}")).clicked() {
+                            commands.push(Command::Show(name));
+                        }
+                    }
+                });
+                icons::name(ui, list.response.id, "File");
+            });
+        });
+    });
+}
+
+/// The scene's texts, those that are open first.
+fn names(session: &Session) -> Vec<String> {
+    let mut names: Vec<String> = session.documents.all.iter().map(|d| d.name.clone()).collect();
+    for file in &session.said.words.files {
+        if file.ends_with(".sdf") && !names.contains(file) {
+            names.push(file.clone());
+        }
+    }
+    names
+}
+
+/// What a person should know of the file, and decide.
+fn notes(ui: &mut Ui, document: &Document, commands: &mut Vec<Command>) {
+    let bar = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
+        let fill = Color32::from_rgb(0x3a, 0x2c, 0x14);
+        let margin = Margin::symmetric(8, 6);
+        Frame::new().fill(fill).inner_margin(margin).corner_radius(4).show(ui, |ui| {
+            ui.set_min_width(ui.available_width());
+            add(ui);
+        });
+    };
+    if document.has_conflict() {
+        bar(ui, &mut |ui| {
+            ui.label("Another program has changed this file, and there are edits here that are not saved.");
+            ui.horizontal_wrapped(|ui| {
+                for (text, hover, command) in [
+                    (
+                        "Keep both",
+                        "write the edits beside it, as .mine.sdf, and show the file",
+                        Command::KeepBoth,
+                    ),
+                    (
+                        "Show the file",
+                        "undo (Ctrl+Z) brings the edits back",
+                        Command::Resolve(Resolution::TakeFile),
+                    ),
+                    (
+                        "Keep the edits",
+                        "saving them will replace what the file holds now",
+                        Command::Resolve(Resolution::KeepEdits),
+                    ),
+                ] {
+                    if ui.button(text).on_hover_text(hover).clicked() {
+                        commands.push(command);
+                    }
+                }
+            });
+        });
+    } else if document.is_missing() {
+        bar(ui, &mut |ui| {
+            ui.label("The file is gone from the disk. Saving writes it again.");
+        });
+    } else if document.read_only {
+        ui.label(RichText::new("comes with the compiler; it can't be edited").color(theme::WEAK));
+    }
+}
+
+fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Vec<Command>) {
+    let marks = marks(&session.said.problems, document);
+    let lines = document.text.bytes().filter(|b| *b == b'\n').count() + 1;
+    let digits = lines.to_string().len().max(2);
+    let digit = ui.fonts_mut(|f| f.glyph_width(&theme::CODE, '0'));
+    let gutter = (digits as f32 + 2.0) * digit;
+    let room = Margin { left: gutter as i8, right: 6, top: 4, bottom: 4 };
+    let id = Id::unique(("source", &document.name));
+    let mut text = document.text.clone();
+    let mut layouter = |ui: &Ui, buffer: &dyn TextBuffer, _width: f32| {
+        let job = ui.memory_mut(|m| {
+            let cache = m.caches.cache::<FrameCache<LayoutJob, Colours>>();
+            cache.get((buffer.as_str(), &marks)).clone()
+        });
+        ui.fonts_mut(|f| f.layout_job(job))
+    };
+    let area = ScrollArea::both().id_salt(&document.name).auto_shrink([false, false]);
+    Frame::new().fill(theme::WELL).show(ui, |ui| {
+        area.show(ui, |ui| {
+            let output = TextEdit::multiline(&mut text)
+                .id(id)
+                .code_editor()
+                .interactive(!document.read_only)
+                .frame(Frame::new().inner_margin(room))
+                .desired_width(f32::INFINITY)
+                .min_size(ui.available_size())
+                .layouter(&mut layouter)
+                .show(ui);
+            icons::name(ui, id, "Source text");
+            numbers(ui, &output, session, document);
+            if let Some(place) = &session.documents.jump {
+                jump(ui, id, &output, &document.text, place);
+                commands.push(Command::Jumped);
+            }
+            if output.response.changed() {
+                commands.push(Command::Edit(text));
+            }
+        });
+    });
+}
+
+/// Puts the cursor on a place and brings it into view.
+fn jump(ui: &Ui, id: Id, output: &TextEditOutput, text: &str, place: &Place) {
+    let (start, end) = (character(text, place.start), character(text, place.end));
+    let range = CCursorRange::two(CCursor::new(start), CCursor::new(end));
+    let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
+    state.cursor.set_char_range(Some(range));
+    state.store(ui.ctx(), id);
+    ui.memory_mut(|m| m.request_focus(id));
+    let at = output.galley.pos_from_cursor(CCursor::new(start));
+    let rect = at.translate(output.galley_pos.to_vec2());
+    ui.scroll_to_rect(rect.expand2(vec2(40.0, 60.0)), None);
+}
+
+/// The numbers of the lines, and signs at those with problems.
+fn numbers(ui: &Ui, output: &TextEditOutput, session: &Session, document: &Document) {
+    let cursor =
+        output.cursor_range.map(|range| output.galley.pos_from_cursor(range.primary).min.y);
+    let visible = ui.clip_rect();
+    let x = output.galley_pos.x - 10.0;
+    let mut line = 1;
+    let mut starts = true;
+    for row in &output.galley.rows {
+        let rect = row.rect().translate(output.galley_pos.to_vec2());
+        if starts && rect.max.y >= visible.min.y && rect.min.y <= visible.max.y {
+            let here = cursor.is_some_and(|y| (y - row.pos.y).abs() < 1.0);
+            let worst = worst(&session.said.problems, document, line);
+            let color = match worst {
+                Some(severity) => problems::color(severity),
+                None if here => theme::TEXT,
+                None => theme::LINE.gamma_multiply(1.9),
+            };
+            let at = egui::pos2(x, rect.center().y);
+            let painter = ui.painter();
+            painter.text(at, Align2::RIGHT_CENTER, line.to_string(), theme::CODE, color);
+        }
+        starts = row.ends_with_newline;
+        line += u32::from(starts);
+    }
+}
+
+/// The worst problem of a line.
+fn worst(problems: &[Problem], document: &Document, line: u32) -> Option<Severity> {
+    let here = |p: &&Problem| p.place.file == document.name && p.place.start.0 == line;
+    problems.iter().filter(here).map(|p| p.severity).max()
+}
+
+/// The pieces of the text that have a problem, as bytes.
+fn marks(problems: &[Problem], document: &Document) -> Vec<(Range<usize>, Severity)> {
+    let mut marks: Vec<_> = problems
+        .iter()
+        .filter(|p| p.place.file == document.name)
+        .map(|p| {
+            let start = byte(&document.text, p.place.start);
+            let end = byte(&document.text, p.place.end).max(start);
+            (start..end, p.severity)
+        })
+        .collect();
+    // Errors last: they are drawn over warnings.
+    marks.sort_by_key(|(range, severity)| (*severity, range.start));
+    marks
+}
+
+/// The byte of a line and column; the nearest where the text has become another one meanwhile.
+fn byte(text: &str, (line, column): (u32, u32)) -> usize {
+    let start = match line {
+        0 | 1 => 0,
+        n => {
+            let ends = text.match_indices('\n').nth(n as usize - 2);
+            ends.map_or(text.len(), |(at, _)| at + 1)
+        }
+    };
+    let line = text[start..].split('\n').next().unwrap_or_default();
+    let within = line.char_indices().nth(column.max(1) as usize - 1);
+    start + within.map_or(line.len(), |(at, _)| at)
+}
+
+/// The character of a line and column.
+fn character(text: &str, place: (u32, u32)) -> usize {
+    text[..byte(text, place)].chars().count()
+}
+
+/// Turns a text and its marks into a layout. egui keeps the result as long as neither changes.
+#[derive(Default)]
+struct Colours;
+
+impl ComputerMut<(&str, &Vec<(Range<usize>, Severity)>), LayoutJob> for Colours {
+    fn compute(&mut self, (text, marks): (&str, &Vec<(Range<usize>, Severity)>)) -> LayoutJob {
+        let mut job = LayoutJob::default();
+        job.wrap.max_width = f32::INFINITY;
+        let mut at = 0;
+        for (range, class) in tokens(text) {
+            add(&mut job, text, at..range.start, code::NAME, marks);
+            add(&mut job, text, range.clone(), color(class), marks);
+            at = range.end;
+        }
+        add(&mut job, text, at..text.len(), code::NAME, marks);
+        job
+    }
+}
+
+/// Adds a piece in one colour, cut where marks begin and end.
+fn add(
+    job: &mut LayoutJob,
+    text: &str,
+    range: Range<usize>,
+    color: Color32,
+    marks: &[(Range<usize>, Severity)],
+) {
+    let mut cuts = vec![range.start, range.end];
+    for (mark, _) in marks {
+        cuts.extend([mark.start, mark.end].iter().filter(|c| range.contains(c)));
+    }
+    cuts.sort_unstable();
+    cuts.dedup();
+    for pair in cuts.windows(2) {
+        let piece = pair[0]..pair[1];
+        let marked = marks.iter().rev().find(|(m, _)| m.start <= piece.start && piece.end <= m.end);
+        let mut format = TextFormat::simple(theme::CODE, color);
+        format.line_height = Some(17.0);
+        if let Some((_, severity)) = marked {
+            format.underline = Stroke::new(1.5, problems::color(*severity));
+        }
+        job.append(text.get(piece).unwrap_or_default(), 0.0, format);
+    }
+}
+
+fn color(class: TokenClass) -> Color32 {
+    match class {
+        TokenClass::Keyword => code::KEYWORD,
+        TokenClass::Kind => code::KIND,
+        TokenClass::Name => code::NAME,
+        TokenClass::Number | TokenClass::Color => code::NUMBER,
+        TokenClass::Text => code::TEXT,
+        TokenClass::Comment => code::COMMENT,
+        TokenClass::Doc => code::DOC,
+        TokenClass::Operator => code::OPERATOR,
+        TokenClass::Error => theme::ERROR,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_become_bytes_and_characters() {
+        let text = "a é\n\nlast";
+        assert_eq!(byte(text, (1, 1)), 0);
+        assert_eq!(byte(text, (1, 4)), 4);
+        assert_eq!(byte(text, (1, 99)), 4);
+        assert_eq!(byte(text, (2, 1)), 5);
+        assert_eq!(byte(text, (3, 3)), 8);
+        assert_eq!(byte(text, (9, 9)), text.len());
+        assert_eq!(character(text, (3, 1)), 5);
+    }
+
+    #[test]
+    fn a_layout_holds_the_whole_text() {
+        let text = "shape a = sphere(1) // é\n$";
+        let marks = vec![(10..16, Severity::Error), (0..40, Severity::Warning)];
+        let job = Colours.compute((text, &marks));
+        assert_eq!(job.text, text);
+        assert!(job.sections.iter().any(|s| s.format.underline != Stroke::NONE));
+    }
+}

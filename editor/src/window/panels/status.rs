@@ -1,0 +1,87 @@
+//! The bar at the bottom: what the scene costs.
+
+use crate::window::session::Session;
+use crate::window::theme;
+use egui::{RichText, Ui};
+use std::time::Duration;
+use surefoot_compiler::compiled::Compiled;
+
+/// Shows the bar.
+pub fn show(ui: &mut Ui, session: &Session) {
+    ui.horizontal_centered(|ui| {
+        ui.spacing_mut().item_spacing.x = 14.0;
+        ui.style_mut().override_text_style = Some(egui::TextStyle::Small);
+        let meter = &session.meter;
+        if meter.frame > Duration::ZERO {
+            let (width, height) = meter.size;
+            entry(
+                ui,
+                "frame",
+                &milliseconds(meter.frame),
+                "from the order to draw to the picture's end",
+            );
+            let part = match meter.detail < 1.0 {
+                true => "fewer pixels than the panel has, while something moves",
+                false => "the picture's size in pixels",
+            };
+            entry(ui, "", &format!("{width} × {height}"), part);
+        }
+        let times = &session.said.times;
+        if times.compile > Duration::ZERO {
+            entry(ui, "compiled in", &milliseconds(times.compile), "the compiler alone");
+        }
+        if times.pipeline > Duration::ZERO {
+            let hover = "naga, the driver and the first pixel, on another thread";
+            entry(ui, "pipeline", &milliseconds(times.pipeline), hover);
+        }
+        if let Some(scene) = session.scene() {
+            let (field, bound) = scene.module.operations;
+            let hover = format!(
+                "kernel operations in one evaluation of the field; its bound takes {bound}"
+            );
+            entry(ui, "operations", &field.to_string(), &hover);
+            factor(ui, scene);
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let hover = match meter.software {
+                true => "this adapter is a program: its times say nothing about graphics cards",
+                false => "the graphics adapter",
+            };
+            ui.label(RichText::new(&meter.adapter).color(theme::WEAK)).on_hover_text(hover);
+        });
+    });
+}
+
+fn entry(ui: &mut Ui, name: &str, value: &str, hover: &str) {
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        if !name.is_empty() {
+            ui.label(RichText::new(name).color(theme::WEAK)).on_hover_text(hover);
+        }
+        ui.label(value).on_hover_text(hover);
+    });
+}
+
+/// The largest factor; the others and their reasons when the pointer rests on it.
+fn factor(ui: &mut Ui, scene: &Compiled) {
+    let factors = &scene.graph.factors;
+    let largest = factors.iter().map(|f| f.lipschitz).fold(1.0, f64::max);
+    let mut hover =
+        "by how much the field is divided, so that a ray never steps too far".to_owned();
+    for factor in factors.iter().take(12) {
+        hover.push_str(&format!("\n{:.3}  {}", factor.lipschitz, factor.reason));
+    }
+    if factors.len() > 12 {
+        hover.push_str(&format!("\nand {} more", factors.len() - 12));
+    }
+    entry(ui, "factor", &format!("{largest:.2}"), &hover);
+}
+
+fn milliseconds(time: Duration) -> String {
+    let ms = time.as_secs_f64() * 1e3;
+    match ms {
+        ms if ms < 10.0 => format!("{ms:.1} ms"),
+        ms if ms < 1e4 => format!("{ms:.0} ms"),
+        ms => format!("{:.1} s", ms / 1e3),
+    }
+}

@@ -1,0 +1,102 @@
+//! The bar at the top: the file, what the picture shows, and time.
+
+use crate::window::command::Command;
+use crate::window::panels::icons::{self, Icon};
+use crate::window::session::Session;
+use egui::Ui;
+use surefoot_runtime::ViewMode;
+
+const MODES: [(ViewMode, &str, &str); 4] = [
+    (ViewMode::Shaded, "Shaded", "the scene in its light"),
+    (ViewMode::Normals, "Normals", "the surface's normals, as colours"),
+    (ViewMode::Steps, "Steps", "how many steps a ray takes: dark is few"),
+    (ViewMode::Depth, "Depth", "how far the surface is"),
+];
+
+/// Shows the bar.
+pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    ui.horizontal_centered(|ui| {
+        if ui
+            .selectable_label(session.open.source, "Source")
+            .on_hover_text("the text and what the compiler says of it")
+            .clicked()
+        {
+            commands.push(Command::ShowSource(!session.open.source));
+        }
+        ui.separator();
+        modes(ui, session, commands);
+        ui.separator();
+        cameras(ui, session, commands);
+        time(ui, session, commands);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui
+                .selectable_label(session.open.parameters, "Parameters")
+                .on_hover_text("the scene's parameters")
+                .clicked()
+            {
+                commands.push(Command::ShowParameters(!session.open.parameters));
+            }
+        });
+    });
+}
+
+fn modes(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    ui.spacing_mut().item_spacing.x = 2.0;
+    for (mode, name, hover) in MODES {
+        let chosen = session.look.mode == mode;
+        if ui.selectable_label(chosen, name).on_hover_text(hover).clicked() && !chosen {
+            commands.push(Command::Mode(mode));
+        }
+    }
+    ui.spacing_mut().item_spacing.x = 8.0;
+}
+
+fn cameras(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let moved = session.look.orbit.is_some();
+    if icons::button(ui, Icon::Home, "Home", moved)
+        .on_hover_text("back to the scene's camera (Home, or a double click on the picture)")
+        .clicked()
+    {
+        commands.push(Command::Home);
+    }
+    let Some((scene, live)) = session.scene().zip(session.stage.live()) else { return };
+    let cameras = scene.frame(live).cameras;
+    if cameras.len() < 2 {
+        return;
+    }
+    let first = cameras.first().map(|(name, _)| name.as_str()).unwrap_or_default();
+    let current = session.look.camera.as_deref().unwrap_or(first);
+    let list = egui::ComboBox::from_id_salt("camera").selected_text(current).width(90.0);
+    let list = list.show_ui(ui, |ui| {
+        for (name, _) in &cameras {
+            if ui.selectable_label(name == current, name).clicked() {
+                commands.push(Command::Camera(name.clone()));
+            }
+        }
+    });
+    icons::name(ui, list.response.id, "Camera");
+}
+
+fn time(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let stage = &session.stage;
+    if !session.said.reads_time {
+        return;
+    }
+    ui.separator();
+    let rewind = icons::button(ui, Icon::Rewind, "Rewind", true);
+    if rewind.on_hover_text("back to second 0").clicked() {
+        commands.push(Command::Time(0.0));
+    }
+    let (icon, name, hover) = match stage.playing {
+        true => (Icon::Pause, "Pause", "let time stand (space)"),
+        false => (Icon::Play, "Play", "let time run (space)"),
+    };
+    if icons::button(ui, icon, name, true).on_hover_text(hover).clicked() {
+        commands.push(Command::Play(!stage.playing));
+    }
+    let mut seconds = stage.time();
+    let value = egui::DragValue::new(&mut seconds).speed(0.02).fixed_decimals(2).suffix(" s");
+    if ui.add(value).on_hover_text("the scene's `time`: drag, or click to type").changed() {
+        commands.push(Command::Time(seconds));
+    }
+}

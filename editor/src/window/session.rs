@@ -1,0 +1,227 @@
+//! All that the window knows. Panels read it and push [`Command`](super::command::Command)s.
+
+use super::document::Document;
+use super::orbit::Orbit;
+use std::sync::Arc;
+use std::time::Duration;
+use surefoot_compiler::Options;
+use surefoot_compiler::compiled::{Camera, Compiled, Parameter};
+use surefoot_compiler::diagnostic::Severity;
+use surefoot_runtime::live::{Times, Words};
+use surefoot_runtime::{Stage, ViewMode};
+
+/// All that the window knows.
+pub struct Session {
+    /// The texts.
+    pub documents: Documents,
+    /// The scene that is drawn, the values of its parameters, and time.
+    pub stage: Stage,
+    /// What the compiler said last.
+    pub said: Said,
+    /// From where and how the scene is looked at.
+    pub look: Look,
+    /// Which panels are open.
+    pub open: Open,
+    /// What must be answered before anything else, if anything.
+    pub question: Option<Question>,
+    /// Something that went wrong outside of the scene, for a person to read once.
+    pub notice: Option<String>,
+    /// What the compiler is asked for, with the choices that a person made.
+    pub options: Options,
+    /// What drawing takes.
+    pub meter: Meter,
+}
+
+/// The texts: the scene's own first, then those that were opened.
+pub struct Documents {
+    /// All of them; never empty.
+    pub all: Vec<Document>,
+    /// The one that is shown.
+    pub shown: usize,
+    /// Where the cursor shall go in it.
+    pub jump: Option<Place>,
+}
+
+/// A piece of a text, lines and columns from 1, columns in characters.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The file's name, as the compiler calls it.
+    pub file: String,
+    /// Line and column of the first character.
+    pub start: (u32, u32),
+    /// Line and column one past the last character.
+    pub end: (u32, u32),
+}
+
+/// A diagnostic as the window shows it.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// How bad it is.
+    pub severity: Severity,
+    /// Its name: `surefoot explain` knows it.
+    pub code: &'static str,
+    /// What is wrong.
+    pub message: String,
+    /// What to write instead.
+    pub help: String,
+    /// Where.
+    pub place: Place,
+}
+
+/// What the compiler said last.
+#[derive(Default)]
+pub struct Said {
+    /// Its words about the newest text.
+    pub words: Arc<Words>,
+    /// The same, as the window shows it.
+    pub problems: Vec<Problem>,
+    /// What went wrong behind the compiler.
+    pub failure: Option<String>,
+    /// What went wrong when the picture was drawn.
+    pub drawing: Option<String>,
+    /// How long the newest text took.
+    pub times: Times,
+    /// Whether the scene that is drawn changes with time.
+    pub reads_time: bool,
+    /// How many scenes were put on.
+    pub swaps: u64,
+}
+
+/// From where and how the scene is looked at.
+#[derive(Default)]
+pub struct Look {
+    /// The camera that a person moved; none where the scene's is used.
+    pub orbit: Option<Orbit>,
+    /// The name of the scene's camera that is used; its first where there is none.
+    pub camera: Option<String>,
+    /// What the picture shows.
+    pub mode: ViewMode,
+}
+
+/// Which panels are open.
+pub struct Open {
+    /// The text and the problems.
+    pub source: bool,
+    /// The parameters.
+    pub parameters: bool,
+}
+
+/// What must be answered before anything else.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// The window shall close, and there are unsaved edits.
+    Close,
+    /// Another scene shall be opened, and there are unsaved edits.
+    Open(String),
+}
+
+/// What drawing takes.
+#[derive(Clone, Debug, Default)]
+pub struct Meter {
+    /// The last picture's time, from the order to its end.
+    pub frame: Duration,
+    /// Its width and height in pixels.
+    pub size: (u32, u32),
+    /// Which part of the sides' pixels was drawn: below one while something moves that is slow to draw.
+    pub detail: f32,
+    /// The adapter's name.
+    pub adapter: String,
+    /// Whether the adapter is a program.
+    pub software: bool,
+}
+
+impl Session {
+    /// A window on a scene whose text is not known yet.
+    pub fn new(scene: Document) -> Self {
+        let mut stage = Stage::new();
+        stage.playing = true;
+        Self {
+            documents: Documents { all: vec![scene], shown: 0, jump: None },
+            stage,
+            said: Said::default(),
+            look: Look::default(),
+            open: Open { source: true, parameters: true },
+            question: None,
+            notice: None,
+            options: Options::default(),
+            meter: Meter { detail: 1.0, ..Meter::default() },
+        }
+    }
+
+    /// The scene that is drawn.
+    pub fn scene(&self) -> Option<&Arc<Compiled>> {
+        self.stage.scene()
+    }
+
+    /// Where the picture is seen from.
+    pub fn camera(&self) -> Option<Camera> {
+        if let Some(orbit) = &self.look.orbit {
+            return Some(orbit.camera());
+        }
+        let frame = self.scene()?.frame(self.stage.live()?);
+        let named = |name: &String| frame.cameras.iter().find(|(known, _)| known == name);
+        let found = self.look.camera.as_ref().and_then(named).or_else(|| frame.cameras.first());
+        found.map(|(_, camera)| *camera)
+    }
+
+    /// A parameter of the scene that is drawn.
+    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
+        self.scene()?.parameters.iter().find(|p| p.name == name)
+    }
+
+    /// The name that a parameter has chosen.
+    pub fn choice<'a>(&'a self, parameter: &'a Parameter) -> Option<&'a str> {
+        let asked = self.options.choose.iter().find(|(name, _)| *name == parameter.name);
+        let default = || parameter.choices.get(*parameter.default.first()? as usize);
+        asked.map(|(_, choice)| choice).or_else(default).map(String::as_str)
+    }
+
+    /// The first error, if there is one: the picture is then that of an older text.
+    pub fn error(&self) -> Option<&Problem> {
+        self.said.problems.iter().find(|p| p.severity == Severity::Error)
+    }
+
+    /// Whether any text has edits that are not on the disk.
+    pub fn is_unsaved(&self) -> bool {
+        self.documents.all.iter().any(Document::is_unsaved)
+    }
+}
+
+impl Documents {
+    /// The text that is shown.
+    pub fn current(&self) -> &Document {
+        // There is always one, and `shown` is always within.
+        &self.all[self.shown.min(self.all.len() - 1)]
+    }
+
+    /// The same, to change it.
+    pub fn current_mut(&mut self) -> &mut Document {
+        let last = self.all.len() - 1;
+        &mut self.all[self.shown.min(last)]
+    }
+
+    /// A text by its name.
+    pub fn find(&self, name: &str) -> Option<usize> {
+        self.all.iter().position(|d| d.name == name)
+    }
+}
+
+/// The compiler's words as the window shows them.
+pub fn problems(words: &Words) -> Vec<Problem> {
+    let problem = |d: &surefoot_compiler::diagnostic::Diagnostic| {
+        let (file, line, column) = words.sources.position(d.span.file, d.span.start);
+        let (_, end_line, end_column) = words.sources.position(d.span.file, d.span.end);
+        Problem {
+            severity: d.severity,
+            code: d.code.row().name,
+            message: d.message.clone(),
+            help: d.help.clone(),
+            place: Place {
+                file: file.to_owned(),
+                start: (line, column),
+                end: (end_line, end_column),
+            },
+        }
+    };
+    words.diagnostics.iter().map(problem).collect()
+}

@@ -1,0 +1,328 @@
+//! The whole window, without a screen: what it shows, and what a hand does to it. Needs a graphics adapter; a program will do.
+
+use super::*;
+use egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use std::path::{Path, PathBuf};
+use surefoot_compiler::diagnostic::Severity;
+
+const SCENE: &str = "\
+param size = 1 in 0.2..2 \"how large\"
+param turn = 30deg in 0deg..90deg
+param tint = #d02010
+param style = block in [block, ball]
+shape block = box(1)
+shape ball = sphere(0.6)
+material paint { color: tint, roughness: 1 }
+scene = sphere(size).material(paint) | style.rotate(y, turn).translate(3, 0, 0)
+camera { eye: (0, 0, 8), target: (0, 0, 0), fov: 40deg }
+";
+
+/// A folder of its own with a scene in it; gone when it is dropped.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str, text: &str) -> Self {
+        let name = format!("surefoot-window-{}-{test}", std::process::id());
+        let folder = Self(std::env::temp_dir().join(name));
+        std::fs::create_dir_all(&folder.0).unwrap();
+        std::fs::write(folder.scene(), text).unwrap();
+        folder
+    }
+
+    fn scene(&self) -> String {
+        self.0.join("scene.sdf").to_string_lossy().into_owned()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        std::fs::remove_dir_all(&self.0).ok();
+    }
+}
+
+fn window(scene: &str) -> Harness<'static, App> {
+    let scene = scene.to_owned();
+    let builder =
+        Harness::builder().with_size([1100.0, 700.0]).with_max_steps(2).with_step_dt(0.02).wgpu();
+    let mut harness = builder.build_eframe(move |cc| {
+        App::new(cc, &scene, Arc::new(FileLoader), Log::default()).unwrap()
+    });
+    until(&mut harness, |app| app.session.said.words.files.len() == 1);
+    until(&mut harness, |app| app.session.said.failure.is_none());
+    harness
+}
+
+/// Shows frames until something is so.
+fn until(harness: &mut Harness<'_, App>, so: impl Fn(&App) -> bool) {
+    let start = Instant::now();
+    while !so(harness.state()) {
+        assert!(start.elapsed() < Duration::from_secs(30), "waited too long");
+        std::thread::sleep(Duration::from_millis(5));
+        harness.step();
+    }
+    harness.step();
+}
+
+fn ready(harness: &mut Harness<'_, App>) {
+    until(harness, |app| app.session.said.swaps > 0 && frames(app) > 0);
+}
+
+fn frames(app: &App) -> u64 {
+    app.canvas.as_ref().unwrap().frames()
+}
+
+/// Replaces the whole text, as a hand would.
+fn write(harness: &mut Harness<'_, App>, text: &str) {
+    harness.get_by_role(Role::MultilineTextInput).focus();
+    harness.step();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.step();
+    harness.event(egui::Event::Paste(text.to_owned()));
+    harness.step();
+    harness.step();
+    assert_eq!(harness.state().session.documents.current().text, text);
+}
+
+fn drag(harness: &mut Harness<'_, App>, from: egui::Pos2, to: egui::Pos2) {
+    harness.hover_at(from);
+    harness.step();
+    harness.drag_at(from);
+    harness.step();
+    harness.hover_at(from.lerp(to, 0.5));
+    harness.step();
+    harness.hover_at(to);
+    harness.step();
+    harness.drop_at(to);
+    harness.step();
+}
+
+fn double_click(harness: &mut Harness<'_, App>, at: egui::Pos2) {
+    harness.hover_at(at);
+    harness.step();
+    for _ in 0..2 {
+        harness.drag_at(at);
+        harness.step();
+        harness.drop_at(at);
+        harness.step();
+    }
+}
+
+fn value(app: &App, name: &str) -> f64 {
+    let stage = &app.session.stage;
+    stage.value(app.session.parameter(name).unwrap()).unwrap()[0]
+}
+
+/// The picture's colour at a place of the window.
+fn pixel(harness: &mut Harness<'_, App>, at: egui::Pos2) -> [u8; 4] {
+    let image = harness.render().unwrap();
+    if let Ok(folder) = std::env::var("SUREFOOT_SHOTS") {
+        let test = std::thread::current().name().unwrap_or("test").replace("::", "_");
+        image.save(Path::new(&folder).join(format!("{test}.png"))).unwrap();
+    }
+    image.get_pixel(at.x as u32, at.y as u32).0
+}
+
+/// The middle of the picture: between the panels as they open.
+const MIDDLE: egui::Pos2 = egui::pos2(660.0, 355.0);
+
+#[test]
+fn shows_a_scene_and_then_rests() {
+    let folder = Folder::new("shows", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let [r, g, b, _] = pixel(&mut harness, MIDDLE);
+    assert!(r > 60 && r > 2 * g && r > 2 * b, "a red ball: {r} {g} {b}");
+    let drawn = frames(harness.state());
+    harness.run_steps(10);
+    assert_eq!(frames(harness.state()), drawn, "nothing moves, nothing is drawn");
+    harness.get_by_role_and_label(Role::Slider, "size");
+    harness.get_by_label_contains("operations");
+    assert!(!harness.state().session.stage.animates());
+    assert!(!harness.state().session.is_unsaved());
+}
+
+#[test]
+fn a_slider_changes_the_picture_and_builds_nothing() {
+    let folder = Folder::new("slider", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let built = harness.state().world.stats();
+    let drawn = frames(harness.state());
+    let first = harness.get_all_by_role(Role::Slider).next().unwrap().rect();
+    let from = egui::pos2(first.left() + 0.45 * (first.width()), first.center().y);
+    drag(&mut harness, from, egui::pos2(first.left() - 40.0, first.center().y));
+    assert!((value(harness.state(), "size") - 0.2).abs() < 1e-9);
+    until(&mut harness, |app| frames(app) > drawn);
+    assert_eq!(harness.state().world.stats().pipelines, built.pipelines);
+    assert_eq!(harness.state().world.stats().modules, built.modules);
+    let off_the_small_ball = MIDDLE + egui::vec2(60.0, 0.0);
+    let [r, g, b, _] = pixel(&mut harness, off_the_small_ball);
+    assert!(b >= r && g >= r, "the sky where the ball was: {r} {g} {b}");
+
+    double_click(&mut harness, egui::pos2(first.center().x, first.center().y));
+    assert_eq!(value(harness.state(), "size"), 1.0, "a double click gives back the text's value");
+}
+
+#[test]
+fn an_error_keeps_the_picture_and_says_where() {
+    let folder = Folder::new("error", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    write(&mut harness, &SCENE.replace("sphere(size)", "spere(size)"));
+    until(&mut harness, |app| app.session.error().is_some());
+    assert!(harness.state().session.is_unsaved());
+    assert_eq!(harness.state().session.said.swaps, 1);
+    harness.get_by_label_contains("last text without errors");
+    let [r, g, b, _] = pixel(&mut harness, MIDDLE);
+    assert!(r > 60 && r > 2 * g && r > 2 * b, "still the red ball: {r} {g} {b}");
+
+    let error = harness.state().session.error().unwrap().clone();
+    assert_eq!((error.severity, error.place.start), (Severity::Error, (8, 9)));
+    harness.get_all_by_label_contains("nothing is named").last().unwrap().click();
+    harness.run_steps(3);
+    let id = egui::Id::unique(("source", &folder.scene()));
+    let state = egui::text_edit::TextEditState::load(&harness.ctx, id).unwrap();
+    let range = state.cursor.char_range().unwrap();
+    let at = SCENE.find("sphere(size)").unwrap();
+    assert_eq!(range.as_sorted_char_range(), at.into()..(at + 5).into());
+
+    write(&mut harness, SCENE);
+    until(&mut harness, |app| app.session.error().is_none());
+    assert!(!harness.state().session.is_unsaved());
+}
+
+#[test]
+fn edits_compile_and_save() {
+    let folder = Folder::new("save", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let new = SCENE.replace("#d02010", "#2010d0");
+    write(&mut harness, &new);
+    until(&mut harness, |app| app.session.said.swaps == 2);
+    let drawn = frames(harness.state());
+    until(&mut harness, |app| frames(app) >= drawn);
+    let [r, g, b, _] = pixel(&mut harness, MIDDLE);
+    assert!(b > 60 && b > r && b > g, "a blue ball: {r} {g} {b}");
+    assert_eq!(std::fs::read_to_string(folder.scene()).unwrap(), SCENE, "not saved yet");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    harness.run_steps(2);
+    assert_eq!(std::fs::read_to_string(folder.scene()).unwrap(), new);
+    assert!(!harness.state().session.is_unsaved());
+}
+
+#[test]
+fn another_program_saves() {
+    let folder = Folder::new("reload", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let theirs = SCENE.replace("#d02010", "#20d010");
+    std::fs::write(folder.scene(), &theirs).unwrap();
+    until(&mut harness, |app| app.session.documents.current().text == theirs);
+    until(&mut harness, |app| app.session.said.swaps == 2);
+
+    // With unsaved edits a person is asked, and nothing is lost.
+    let mine = theirs.replace("sphere(size)", "sphere(size * 0.5)");
+    write(&mut harness, &mine);
+    let later = theirs.replace("fov: 40deg", "fov: 50deg");
+    std::fs::write(folder.scene(), &later).unwrap();
+    until(&mut harness, |app| app.session.documents.current().has_conflict());
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    harness.run_steps(2);
+    assert_eq!(std::fs::read_to_string(folder.scene()).unwrap(), later, "no save decides it");
+    pixel(&mut harness, MIDDLE);
+    harness.get_by_label("Keep both").click();
+    harness.run_steps(3);
+    let beside = folder.0.join("scene.mine.sdf");
+    assert_eq!(std::fs::read_to_string(beside).unwrap(), mine);
+    assert_eq!(harness.state().session.documents.current().text, later);
+    assert!(!harness.state().session.is_unsaved());
+}
+
+#[test]
+fn the_camera_follows_the_hand_and_comes_home() {
+    let folder = Folder::new("camera", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let home = harness.state().session.camera().unwrap();
+    let drawn = frames(harness.state());
+    drag(&mut harness, MIDDLE, MIDDLE + egui::vec2(80.0, 30.0));
+    let moved = harness.state().session.camera().unwrap();
+    assert!(moved.eye[0] < -0.5 && moved.eye[1] > 0.5, "{moved:?}");
+    assert!(frames(harness.state()) > drawn);
+    harness.key_press(Key::Home);
+    harness.run_steps(2);
+    assert_eq!(harness.state().session.camera().unwrap(), home);
+}
+
+#[test]
+fn a_choice_compiles_again_and_values_stay() {
+    let folder = Folder::new("choice", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let app = harness.state_mut();
+    apply(&mut app.session, &mut app.world, Command::Set("size".to_owned(), vec![0.5]));
+    harness.get_by_role(Role::ComboBox).click();
+    harness.run_steps(3);
+    harness.get_by_label("ball").click();
+    until(&mut harness, |app| app.session.said.swaps == 2);
+    assert_eq!(value(harness.state(), "size"), 0.5);
+    let app = harness.state();
+    assert_eq!(app.session.choice(app.session.parameter("style").unwrap()), Some("ball"));
+}
+
+#[test]
+fn closing_asks_for_unsaved_edits() {
+    let folder = Folder::new("close", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    write(&mut harness, "scene = box(1)\n");
+    let viewport = egui::ViewportId::ROOT;
+    let close = |harness: &mut Harness<'_, App>| {
+        let info = harness.input_mut().viewports.entry(viewport).or_default();
+        info.events.push(egui::ViewportEvent::Close);
+        harness.step();
+        harness.input_mut().viewports.entry(viewport).or_default().events.clear();
+        harness.step();
+    };
+    close(&mut harness);
+    harness.run_steps(2);
+    assert_eq!(harness.state().session.question, Some(Question::Close));
+    harness.get_by_label("Cancel").click();
+    harness.run_steps(3);
+    assert!(!harness.state().world.close && harness.state().session.question.is_none());
+    close(&mut harness);
+    harness.run_steps(2);
+    harness.get_by_label("Throw away").click();
+    harness.run_steps(3);
+    assert!(harness.state().world.close);
+    assert_eq!(std::fs::read_to_string(folder.scene()).unwrap(), SCENE);
+}
+
+#[test]
+fn time_plays_stands_and_goes_back() {
+    let text = "scene = box(1).rotate(y, time)\ncamera { eye: (0, 2, 5), target: (0, 0, 0) }\n";
+    let folder = Folder::new("time", text);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let drawn = frames(harness.state());
+    until(&mut harness, |app| frames(app) > drawn + 2);
+    harness.get_by_label("Pause").click();
+    harness.run_steps(3);
+    let then = harness.state().session.stage.time();
+    assert!(then > 0.0);
+    harness.run_steps(3);
+    assert_eq!(harness.state().session.stage.time(), then);
+    harness.get_by_label("Rewind").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().session.stage.time(), 0.0);
+}
+
+#[test]
+fn a_file_that_is_no_scene_is_shown_with_its_errors() {
+    let folder = Folder::new("nonsense", ") scene = (\n");
+    let mut harness = window(&folder.scene());
+    until(&mut harness, |app| app.session.error().is_some());
+    harness.get_by_label_contains("no picture yet");
+}

@@ -1,0 +1,127 @@
+//! What the session reaches outside of itself: the compiler on its thread, the disk, the log.
+
+use super::command::Command;
+use super::log::Log;
+use super::session::Session;
+use serde_json::json;
+use std::sync::Arc;
+use std::time::Instant;
+use surefoot_compiler::compiled::{Loader, Options, Outcome};
+use surefoot_compiler::source::Sources;
+use surefoot_runtime::live::{LiveScene, Setup, SharedLoader};
+use surefoot_runtime::{Gpu, Stats, ViewMode};
+
+/// What the session reaches outside of itself.
+pub struct World {
+    /// The compiler, which follows the scene's files.
+    pub live: LiveScene,
+    /// What happens, for whoever measures from outside.
+    pub log: Log,
+    /// Whether the window shall close without another question.
+    pub close: bool,
+    /// Files that are shown, each followed on its own: the compiler can't tell what the disk holds where it was lent another text.
+    followed: Vec<(String, LiveScene)>,
+    loader: SharedLoader,
+    gpu: Option<Gpu>,
+    wake: Arc<dyn Fn() + Send + Sync>,
+}
+
+/// What pictures in the window are drawn on: egui takes textures whose colours are encoded.
+pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+impl World {
+    /// Follows a scene. `wake` is called from other threads when there is something to hear.
+    pub fn new(
+        scene: &str,
+        loader: SharedLoader,
+        gpu: Option<Gpu>,
+        log: Log,
+        wake: Arc<dyn Fn() + Send + Sync>,
+    ) -> Result<Self, String> {
+        let live = LiveScene::start(Setup {
+            path: scene.to_owned(),
+            options: Options::default(),
+            loader: loader.clone(),
+            compile: Arc::new(surefoot_compiler::compile),
+            target: gpu.clone().map(|gpu| (gpu, FORMAT)),
+            mode: ViewMode::default(),
+            wake: wake.clone(),
+        })?;
+        let mut world = Self { live, log, close: false, followed: Vec::new(), loader, gpu, wake };
+        world.follow(scene);
+        Ok(world)
+    }
+
+    /// A file's text as the disk holds it.
+    pub fn read_text(&self, path: &str) -> Result<String, String> {
+        let bytes = self.loader.read(path)?;
+        String::from_utf8(bytes).map_err(|_| "the text is not UTF-8".to_owned())
+    }
+
+    /// Tells of changes of a file from now on. A file that can't be followed is only looked at when it is saved.
+    pub fn follow(&mut self, path: &str) {
+        if self.followed.iter().any(|(known, _)| known == path) {
+            return;
+        }
+        // The same thread, events and patience as for scenes, with a compiler that only reads.
+        let started = LiveScene::start(Setup {
+            path: path.to_owned(),
+            options: Options::default(),
+            loader: self.loader.clone(),
+            compile: Arc::new(|loader: &dyn Loader, path: &str, _: &Options| {
+                only_read(loader, path)
+            }),
+            target: None,
+            mode: ViewMode::default(),
+            wake: self.wake.clone(),
+        });
+        if let Ok(follower) = started {
+            self.followed.push((path.to_owned(), follower));
+        }
+    }
+
+    /// Follows another scene, with what the text says instead of what a person chose.
+    pub fn open(&mut self, path: &str, options: &mut Options) {
+        self.followed.clear();
+        self.follow(path);
+        options.choose.clear();
+        self.live.set_options(options.clone());
+        self.live.open(path);
+    }
+
+    /// What came since the last call.
+    pub fn hear(&self) -> Vec<Command> {
+        let updates = self.live.poll().map(|update| Command::Arrived(Box::new(update)));
+        let texts = self.followed.iter().filter_map(|(path, follower)| {
+            let update = follower.poll()?;
+            let read = update.words.sources.iter().next().map(|(_, file)| file.text.to_string());
+            Some(Command::OnDisk(path.clone(), read.ok_or_else(String::new)))
+        });
+        texts.chain(updates).collect()
+    }
+
+    /// Gives the compiler what was edited, after a pause.
+    pub fn lend_edits(&self, session: &mut Session) {
+        for document in &mut session.documents.all {
+            if document.take_edits(Instant::now()) {
+                document.lent = document.is_unsaved();
+                self.live.set_text(&document.name, document.lent.then(|| document.text.clone()));
+                self.log.event("edited", json!({ "file": document.name }));
+            }
+        }
+    }
+
+    /// What was built on the device so far.
+    pub fn stats(&self) -> Stats {
+        self.gpu.as_ref().map(Gpu::stats).unwrap_or_default()
+    }
+}
+
+/// An outcome that holds a file's text, or none where it can't be read as text.
+fn only_read(loader: &dyn Loader, path: &str) -> Outcome {
+    let mut sources = Sources::default();
+    if let Some(text) = loader.read(path).ok().and_then(|bytes| String::from_utf8(bytes).ok()) {
+        sources.add(path, text);
+    }
+    Outcome { sources, diagnostics: Vec::new(), files: vec![path.to_owned()], compiled: None }
+}
