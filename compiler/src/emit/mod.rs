@@ -26,12 +26,13 @@ use crate::graph::{Function, Graph, ShapeId, WORLD};
 use body::{Body, Code, Space, world_count};
 use library::Helpers;
 use names::{Scope, identifier};
-use plan::{Group, Plans, TargetId};
+use plan::{Group, Plan, Plans, TargetId};
 use rustc_hash::FxHashMap;
 use std::borrow::Cow;
 use std::fmt;
 use std::fmt::Write;
 use uniforms::Candidates;
+use write::Context;
 
 /// Why there is no module. The compiler itself is at fault, or the prefix.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +88,7 @@ pub fn emit(
     let mut skipped = Vec::new();
     let exports = exports(options, &plans, root, &mut skipped);
 
-    // Plans: what the exports of this scene compute.
+    // What the exports of this scene compute.
     let mut roots: Vec<(Export, TargetId)> = Vec::new();
     for &export in &exports {
         if let Some(group) = group_of(export) {
@@ -95,14 +96,7 @@ pub fn emit(
             roots.push((export, target));
         }
     }
-    let surface = exports.contains(&Export::Surface).then(|| {
-        let s = &functions.surface;
-        let mut nodes = Vec::from(s.color);
-        nodes.extend(s.emission);
-        nodes.extend([s.roughness, s.metallic, s.reflectivity]);
-        let variables = graph.shape(root).map(|s| s.variables.clone()).unwrap_or_default();
-        plans.plan(&nodes, variables)
-    });
+    let surface = exports.contains(&Export::Surface).then(|| surface_plan(graph, root, functions, &mut plans));
     // Exports that are the same function are computed once.
     let mut counted: Vec<(TargetId, u64)> = Vec::new();
     for &(_, target) in &roots {
@@ -112,169 +106,173 @@ pub fn emit(
     }
     let standing = plans.complete(&counted, surface.as_ref())?;
 
-    // Names: of the exports and the library first, so that none is taken from them.
-    let mut module_names = Scope::default();
-    let name = |text: &str| format!("{prefix}{text}");
-    for export in Export::ALL {
-        module_names.reserve(&name(export.name()));
-    }
-    for text in library::STRUCTURES.into_iter().chain(library::HELPERS.iter().map(|h| h.name)) {
-        module_names.reserve(&name(text));
-    }
-    for text in ["extent", "vertex", "fragment", "Uniforms", "uniforms"] {
-        module_names.reserve(&name(text));
-    }
-    let uniform_name = name("uniforms");
-    let names = function_names(graph, root, &plans, &standing, prefix, &mut module_names);
-
-    // Functions of shapes, callees first, then the exports.
-    let mut uniforms = Candidates::new(graph, parameters);
-    let mut helpers = Helpers::default();
-    let mut operations: FxHashMap<TargetId, usize> = FxHashMap::default();
-    let mut shapes_text = String::with_capacity(64 * graph.len().min(100_000));
+    let mut module = reserved_names(prefix);
+    let mut context = Context {
+        graph,
+        plans: &plans,
+        functions: function_names(graph, root, &plans, &standing, prefix, &mut module),
+        operations: FxHashMap::default(),
+        module,
+        prefix,
+        uniform_name: format!("{prefix}uniforms"),
+        uniforms: Candidates::new(graph, parameters),
+        helpers: Helpers::default(),
+    };
+    let mut texts = String::with_capacity(64 * graph.len().min(100_000));
     for &id in &standing {
-        let Some(target) = plans.get(id) else { continue };
-        let variables = &target.plan.variables;
-        let dimensions = graph.shape(target.shape).map_or(3, |s| s.dimensions);
-        let mut body = Body::with_capacity(2 * target.plan.steps.len());
-        let (space, arguments) = own_space(&mut body, dimensions, variables);
-        let results = body.open(&plans, graph, &target.plan, &space, &uniforms)?;
-        let gradient = target.group == Group::Gradient;
-        let result = if gradient { body.gradient(&results) } else { results.first().copied().unwrap_or(0) };
-        let text = &mut shapes_text;
-        let function_name = names.get(&id).map_or("", |n| n.as_str());
-        let _ = write!(text, "\nfn {function_name}({})", arguments.join(", "));
-        let _ = writeln!(text, " -> {} {{", if gradient { "vec4f" } else { "f32" });
-        let words: Vec<&str> = arguments.iter().filter_map(|a| a.split(':').next()).collect();
-        let mut context = write::Context {
-            graph,
-            plans: &plans,
-            functions: &names,
-            operations: &operations,
-            module: &module_names,
-            prefix,
-            uniform_name: &uniform_name,
-            uniforms: &mut uniforms,
-            helpers: &mut helpers,
-        };
-        let count = write::write(&mut context, &mut body, result, &words, text);
-        text.push_str("}\n");
-        operations.insert(id, count);
+        shape_function(&mut context, id, &mut texts)?;
     }
-
-    let mut exports_text = String::with_capacity(16_384);
-    let mut written: Vec<(TargetId, Export, usize)> = Vec::new();
-    let mut counts = [0usize; 2];
-    for &export in &exports {
-        let text = &mut exports_text;
-        let signature = prefixed(library::signature(export), prefix);
-        if let Some(function) = library::function(export) {
-            let _ = write!(text, "\n// {}\n{}", library::purpose(export), prefixed(function, prefix));
-            continue;
-        }
-        let _ = write!(text, "\n// {}\nfn {signature} {{\n", library::purpose(export));
-        let target = roots.iter().find(|r| r.0 == export).map(|r| r.1);
-        let same = written.iter().find(|w| Some(w.0) == target).copied();
-        let count = match same {
-            Some((_, other, count)) => {
-                let _ = writeln!(text, "  return {prefix}{}(p);", other.name());
-                count
-            }
-            None => {
-                let _ = writeln!(text, "  let q = p + {uniform_name}.origin;");
-                uniforms.read(UniformSource::Origin);
-                let mut body = Body::with_capacity(256);
-                let space = scene_space(graph, root, &mut body, target.is_none());
-                let result = match (target, &surface) {
-                    (Some(target), _) => body.whole(&plans, graph, target, &space, &uniforms)?,
-                    (None, Some(plan)) => {
-                        let results = body.open(&plans, graph, plan, &space, &uniforms)?;
-                        surface_struct(&mut body, &results)
-                    }
-                    (None, None) => body.constant(0.0),
-                };
-                let mut context = write::Context {
-                    graph,
-                    plans: &plans,
-                    functions: &names,
-                    operations: &operations,
-                    module: &module_names,
-                    prefix,
-                    uniform_name: &uniform_name,
-                    uniforms: &mut uniforms,
-                    helpers: &mut helpers,
-                };
-                write::write(&mut context, &mut body, result, &["p", "q", "normal"], text)
-            }
-        };
-        text.push_str("}\n");
-        if let Some(target) = target {
-            written.push((target, export, count));
-        }
-        match export {
-            Export::Field => counts[0] = count,
-            Export::Bound => counts[1] = count,
-            _ => {}
-        }
-    }
+    let operations = export_functions(&mut context, root, &exports, &roots, surface.as_ref(), &mut texts)?;
 
     // What the library reads.
-    let traces = exports.iter().any(|e| matches!(e, Export::Trace | Export::Shadow));
-    if traces {
-        helpers.need("clip");
+    if exports.iter().any(|e| matches!(e, Export::Trace | Export::Shadow)) {
+        context.helpers.need("clip");
     }
     if exports.contains(&Export::Occlusion) {
-        uniforms.read(UniformSource::OcclusionReach);
-        uniforms.read(UniformSource::OcclusionStrength);
+        context.uniforms.read(UniformSource::OcclusionReach);
+        context.uniforms.read(UniformSource::OcclusionStrength);
     }
-    let (fields, size) = uniforms.layout();
-    skipped.extend(header::unread(parameters, &uniforms));
+    skipped.extend(header::unread(parameters, &context.uniforms));
+    let (fields, size) = context.uniforms.layout();
     let facts = header::Facts {
         graph,
         exports: &exports,
         options,
-        uniforms: &uniforms,
+        uniforms: &context.uniforms,
         fields: &fields,
         size,
         parameters,
         extent: blocks.extent,
     };
     let mut wgsl = header::write(&facts);
-    if !fields.is_empty() {
-        let _ = write!(wgsl, "\nstruct {prefix}Uniforms {{\n");
-        for field in &fields {
-            let ty = write::vector_type(field.components as u8);
-            let _ = writeln!(wgsl, "  {}: {ty},", field.name);
-        }
-        let (group, binding) = (options.group, options.binding);
-        let _ = write!(
-            wgsl,
-            "}}\n\n@group({group}) @binding({binding}) var<uniform> {uniform_name}: {prefix}Uniforms;\n"
-        );
-    }
-    for &export in &exports {
-        if let Some(text) = library::structure(export) {
-            let _ = write!(wgsl, "\n{}", prefixed(text, prefix));
-        }
-    }
-    if traces {
-        let extent = (blocks.extent as f32).clamp(f32::MIN_POSITIVE, 1e18);
-        let _ = write!(wgsl, "\nconst {prefix}extent: f32 = {extent:?};\n");
-    }
-    for piece in helpers.pieces() {
-        let _ = write!(wgsl, "\n{}", prefixed(piece.text, prefix));
-    }
-    wgsl.push_str(&shapes_text);
-    wgsl.push_str(&exports_text);
+    declarations(&context, &facts, &mut wgsl);
+    wgsl.push_str(&texts);
     Ok(Module {
         wgsl,
         exports,
-        uniform_name: if fields.is_empty() { String::new() } else { uniform_name },
+        uniform_name: if fields.is_empty() { String::new() } else { context.uniform_name },
         uniforms: fields,
         uniform_size: size,
-        operations: (counts[0], counts[1]),
+        operations,
         skipped,
     })
+}
+
+/// Names of the exports and of the library, before any other is given.
+fn reserved_names(prefix: &str) -> Scope {
+    let mut names = Scope::default();
+    let exports = Export::ALL.iter().map(|e| e.name());
+    let helpers = library::HELPERS.iter().map(|h| h.name);
+    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms"];
+    for text in exports.chain(helpers).chain(library::STRUCTURES).chain(others) {
+        names.reserve(&format!("{prefix}{text}"));
+    }
+    names
+}
+
+fn surface_plan(graph: &Graph, root: ShapeId, functions: &Functions, plans: &mut Plans) -> Plan {
+    let s = &functions.surface;
+    let mut nodes = Vec::from(s.color);
+    nodes.extend(s.emission);
+    nodes.extend([s.roughness, s.metallic, s.reflectivity]);
+    let variables = graph.shape(root).map(|s| s.variables.clone()).unwrap_or_default();
+    plans.plan(&nodes, variables)
+}
+
+/// Writes a function of a shape.
+fn shape_function(context: &mut Context, id: TargetId, text: &mut String) -> Result<(), EmitError> {
+    let plans = context.plans;
+    let Some(target) = plans.get(id) else { return Ok(()) };
+    let dimensions = context.graph.shape(target.shape).map_or(3, |s| s.dimensions);
+    let mut body = Body::with_capacity(2 * target.plan.steps.len());
+    let (space, arguments) = own_space(&mut body, dimensions, &target.plan.variables);
+    let results = body.open(plans, context.graph, &target.plan, &space, &context.uniforms)?;
+    let (result, ty) = match target.group {
+        Group::Gradient => (body.gradient(&results), "vec4f"),
+        _ => (results.first().copied().unwrap_or(0), "f32"),
+    };
+    let name = context.functions.get(&id).map_or("", |n| n.as_str());
+    let _ = writeln!(text, "\nfn {name}({}) -> {ty} {{", arguments.join(", "));
+    let words: Vec<&str> = arguments.iter().filter_map(|a| a.split(':').next()).collect();
+    let count = write::write(context, &mut body, result, &words, text);
+    text.push_str("}\n");
+    context.operations.insert(id, count);
+    Ok(())
+}
+
+/// Writes the exports. The answer: operations of the field and of the bound.
+fn export_functions(
+    context: &mut Context,
+    root: ShapeId,
+    exports: &[Export],
+    roots: &[(Export, TargetId)],
+    surface: Option<&Plan>,
+    text: &mut String,
+) -> Result<(usize, usize), EmitError> {
+    let (graph, plans, prefix) = (context.graph, context.plans, context.prefix);
+    let mut written: Vec<(TargetId, Export, usize)> = Vec::new();
+    for &export in exports {
+        let _ = writeln!(text, "\n// {}", library::purpose(export));
+        if let Some(function) = library::function(export) {
+            text.push_str(&prefixed(function, prefix));
+            continue;
+        }
+        let _ = writeln!(text, "fn {} {{", prefixed(library::signature(export), prefix));
+        let target = roots.iter().find(|r| r.0 == export).map(|r| r.1);
+        let same = written.iter().find(|w| Some(w.0) == target).copied();
+        let count = if let Some((_, other, count)) = same {
+            let _ = writeln!(text, "  return {prefix}{}(p);", other.name());
+            count
+        } else {
+            let _ = writeln!(text, "  let q = p + {}.origin;", context.uniform_name);
+            context.uniforms.read(UniformSource::Origin);
+            let mut body = Body::with_capacity(256);
+            let space = scene_space(graph, root, &mut body, target.is_none());
+            let result = match (target, surface) {
+                (Some(target), _) => body.whole(plans, graph, target, &space, &context.uniforms)?,
+                (None, Some(plan)) => {
+                    let results = body.open(plans, graph, plan, &space, &context.uniforms)?;
+                    surface_struct(&mut body, &results)
+                }
+                (None, None) => body.constant(0.0),
+            };
+            write::write(context, &mut body, result, &["p", "q", "normal"], text)
+        };
+        text.push_str("}\n");
+        if let Some(target) = target {
+            written.push((target, export, count));
+        }
+    }
+    let count = |export| written.iter().find(|w| w.1 == export).map_or(0, |w| w.2);
+    Ok((count(Export::Field), count(Export::Bound)))
+}
+
+/// Writes the uniform block, structs, constants and helpers.
+fn declarations(context: &Context, facts: &header::Facts, wgsl: &mut String) {
+    let prefix = context.prefix;
+    if !facts.fields.is_empty() {
+        let _ = write!(wgsl, "\nstruct {prefix}Uniforms {{\n");
+        for field in facts.fields {
+            let ty = write::vector_type(field.components as u8);
+            let _ = writeln!(wgsl, "  {}: {ty},", field.name);
+        }
+        let Options { group, binding, .. } = facts.options;
+        let name = &context.uniform_name;
+        let _ = write!(
+            wgsl,
+            "}}\n\n@group({group}) @binding({binding}) var<uniform> {name}: {prefix}Uniforms;\n"
+        );
+    }
+    for text in facts.exports.iter().filter_map(|e| library::structure(*e)) {
+        let _ = write!(wgsl, "\n{}", prefixed(text, prefix));
+    }
+    if context.helpers.pieces().any(|p| p.name == "clip") {
+        let extent = (facts.extent as f32).clamp(f32::MIN_POSITIVE, 1e18);
+        let _ = write!(wgsl, "\nconst {prefix}extent: f32 = {extent:?};\n");
+    }
+    for piece in context.helpers.pieces() {
+        let _ = write!(wgsl, "\n{}", prefixed(piece.text, prefix));
+    }
 }
 
 /// Text of the library under the prefix of a module.

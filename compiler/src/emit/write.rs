@@ -18,19 +18,19 @@ pub struct Context<'a> {
     /// The functions of shapes.
     pub plans: &'a Plans<'a>,
     /// Name of each function that stands alone, by target.
-    pub functions: &'a FxHashMap<TargetId, String>,
-    /// Operations in one call of each.
-    pub operations: &'a FxHashMap<TargetId, usize>,
+    pub functions: FxHashMap<TargetId, String>,
+    /// Operations in one call of each, as far as they are written.
+    pub operations: FxHashMap<TargetId, usize>,
     /// Names of the module.
-    pub module: &'a Scope,
+    pub module: Scope,
     /// Before every name of the module.
     pub prefix: &'a str,
     /// Name of the uniform block's variable.
-    pub uniform_name: &'a str,
+    pub uniform_name: String,
     /// Live values; those that are read are marked.
-    pub uniforms: &'a mut Candidates,
+    pub uniforms: Candidates,
     /// Helpers; those that are called are marked.
-    pub helpers: &'a mut Helpers,
+    pub helpers: Helpers,
 }
 
 /// Text of an expression, in the scratch of its writer.
@@ -237,7 +237,7 @@ impl Writer<'_, '_> {
         };
         let start = self.scratch.len();
         let prefix = self.context.prefix;
-        let module = Some(self.context.module);
+        let module = Some(&self.context.module);
         match source {
             Some(source) => {
                 let name = identifier(source);
@@ -453,7 +453,7 @@ impl Writer<'_, '_> {
             }
             Code::Uniform(index, _) => {
                 self.context.uniforms.mark(index);
-                self.scratch.push_str(self.context.uniform_name);
+                self.scratch.push_str(&self.context.uniform_name);
                 self.scratch.push('.');
                 if let Some(field) = self.context.uniforms.get(index) {
                     self.scratch.push_str(&field.name);
