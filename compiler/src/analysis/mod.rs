@@ -158,6 +158,8 @@ pub struct Facts {
     regions: FxHashMap<(NodeId, Vec<u64>, u64), Box3>,
     constants: FxHashMap<(NodeId, Vec<u64>), Constant>,
     maps: FxHashMap<(Vec<NodeId>, Vec<u64>), Constant>,
+    /// Boxes that hold all points at which a node is at most zero, where whoever made the node knows.
+    solids: FxHashMap<NodeId, Box3>,
     /// How many more shapes the contraction at hand may enter.
     entries: u32,
     /// How many more unions may be looked at part by part for the region at hand.
@@ -169,6 +171,16 @@ pub struct Facts {
 }
 
 impl Facts {
+    /// Remembers a box that holds every point at which a node is at most zero.
+    pub fn know_solid(&mut self, node: NodeId, solid: Box3) {
+        self.solids.insert(node, solid);
+    }
+
+    /// Such a box, where one is known.
+    pub fn known_solid(&self, node: NodeId) -> Option<Box3> {
+        self.solids.get(&node).copied()
+    }
+
     /// The steps that compute a node.
     pub fn tape(&mut self, graph: &Graph, node: NodeId) -> Rc<Tape> {
         if let Some(tape) = self.tapes.get(&node) {

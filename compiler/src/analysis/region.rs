@@ -61,6 +61,9 @@ impl Facts {
         domain: &Domain,
         level: f64,
     ) -> Option<Box3> {
+        if let (Some(solid), true) = (self.known_solid(node), level <= 0.0) {
+            return Some(solid.intersect(&domain.point));
+        }
         match graph.node(node) {
             Node::Op(Op::Min, args) => {
                 let mut hull = Box3::EMPTY;
@@ -308,6 +311,11 @@ impl Walk<'_> {
             return region;
         }
         *self.visits -= 1;
+        if target.hi <= 0.0
+            && let Some(solid) = self.tape.nodes.get(step).and_then(|&n| self.facts.known_solid(n))
+        {
+            return region.intersect(&solid);
+        }
         let Some(kind) = self.tape.steps.get(step) else { return region };
         match kind {
             Step::Constant(_) => region,

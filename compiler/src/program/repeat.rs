@@ -7,6 +7,7 @@ use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::analysis::Box3;
 use crate::diagnostic::Code;
+use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Leaf, Node, NodeId, ShapeId, FAR};
 use crate::source::Span;
@@ -146,7 +147,24 @@ impl Elaborator<'_> {
                 "make the cells larger, or the body smaller",
             ));
         }
-        Ok(Value::Shape(self.place_cells(&axes, &variables, body, dimensions, span)))
+        let id = self.place_cells(&axes, &variables, body, dimensions, span);
+        // All cells together: those of a counted axis reach so far, those of an endless one everywhere.
+        let mut around = region;
+        for axis in &axes {
+            let side = match axis.count {
+                Some((_, most)) => {
+                    let widest = self.facts.live_range(&self.graph, axis.size).hi;
+                    let far = (most - 1.0) / 2.0 * widest + axis.reach;
+                    Interval::new(-far.next_up(), far.next_up())
+                }
+                None => Interval::ALL,
+            };
+            around = around.with_axis(axis.index, side);
+        }
+        if let Some(value) = self.graph.shape(id).map(|s| s.value) {
+            self.facts.know_solid(value, around);
+        }
+        Ok(Value::Shape(id))
     }
 
     fn place_cells(
@@ -344,7 +362,11 @@ impl Elaborator<'_> {
         let id = match (rings, plane) {
             (Some((n, rings, half)), Some((u, v, sign))) => {
                 let inner = region.axis(u).mignitude().hypot(region.axis(v).mignitude());
-                let sectors = Sectors { n, rings, half, inner };
+                // Turned about the axis, the body stays within the circle through its farthest point.
+                let outer = region.axis(u).magnitude().hypot(region.axis(v).magnitude()).next_up();
+                let disc = Interval::new(-outer, outer);
+                let around = region.with_axis(u, disc).with_axis(v, disc);
+                let sectors = Sectors { n, rings, half, inner, around };
                 self.place_sectors(body, variable, (u, v, sign), sectors, dimensions, span)
             }
             _ => {
@@ -358,7 +380,13 @@ impl Elaborator<'_> {
                         "move the body away from the axis with `.translate(…)` inside the braces, or make it smaller",
                     ));
                 }
-                self.place_all(body, variable, axis_value, count_node, most, dimensions, span)?
+                let id = self.place_all(body, variable, axis_value, count_node, most, dimensions, span)?;
+                if let (Some((u, v, _)), Some(value)) = (plane, self.graph.shape(id).map(|s| s.value)) {
+                    let outer = region.axis(u).magnitude().hypot(region.axis(v).magnitude()).next_up();
+                    let disc = Interval::new(-outer, outer);
+                    self.facts.know_solid(value, region.with_axis(u, disc).with_axis(v, disc));
+                }
+                id
             }
         };
         Ok(Value::Shape(id))
@@ -370,7 +398,7 @@ impl Elaborator<'_> {
         body: ShapeId,
         variable: u32,
         (u, v, sign): (usize, usize, f64),
-        Sectors { n, rings, half, inner }: Sectors,
+        Sectors { n, rings, half, inner, around }: Sectors,
         dimensions: u8,
         span: Span,
     ) -> ShapeId {
@@ -430,6 +458,7 @@ impl Elaborator<'_> {
         let cap = self.graph.op(Op::Max, &[cap, inner]);
         let value = self.graph.op(Op::Min, &[nearest, cap]);
         let value = self.graph.intern(Node::Claim([value].into(), Claim::Continuous));
+        self.facts.know_solid(value, around);
         self.make_shape(dimensions, value, span)
     }
 
@@ -496,6 +525,8 @@ struct Sectors {
     half: f64,
     /// How near the body comes to the axis.
     inner: f64,
+    /// A box that holds all copies.
+    around: Box3,
 }
 
 /// One axis of a grid.
