@@ -157,6 +157,25 @@ pub struct Live {
 }
 
 impl Live {
+    /// Time zero and every parameter of a graph at its default.
+    pub fn start(graph: &Graph) -> Self {
+        Self { time: 0.0, components: graph.parameters.iter().map(|p| p.default).collect() }
+    }
+
+    /// Values of nodes that read nothing but parameters and time.
+    pub fn values(&self, graph: &Graph, nodes: &[NodeId]) -> Vec<f64> {
+        graph.evaluate(
+            &mut Reals,
+            nodes,
+            |_, leaf| match leaf {
+                Leaf::Time => self.time,
+                Leaf::Parameter(i) => self.component(graph, i),
+                _ => 0.0,
+            },
+            |_, _, _, _| 0.0,
+        )
+    }
+
     /// A component of a parameter, clamped to its range; its default where there is none.
     pub fn component(&self, graph: &Graph, index: u32) -> f64 {
         let Some(known) = graph.parameters.get(index as usize) else { return 0.0 };
@@ -311,6 +330,15 @@ pub struct SceneBlocks {
     pub exposure: Option<NodeId>,
 }
 
+impl SceneBlocks {
+    /// How far occlusion reaches and how strong it is.
+    pub fn occlusion(&self, graph: &Graph, live: &Live) -> (f64, f64) {
+        let Some((reach, strength)) = self.ambient_occlusion else { return (0.5, 1.0) };
+        let value = |node| live.values(graph, &[node]).first().copied().unwrap_or(0.0);
+        (value(reach).max(0.0), value(strength).clamp(0.0, 1.0))
+    }
+}
+
 /// A light's entries as nodes.
 #[derive(Clone, Debug)]
 pub struct LightNodes {
@@ -370,21 +398,12 @@ impl Outcome {
 impl Compiled {
     /// Time zero and every parameter at its default.
     pub fn live(&self) -> Live {
-        Live { time: 0.0, components: self.graph.parameters.iter().map(|p| p.default).collect() }
+        Live::start(&self.graph)
     }
 
     /// Values of nodes that read nothing but parameters and time.
     pub fn values(&self, live: &Live, nodes: &[NodeId]) -> Vec<f64> {
-        self.graph.evaluate(
-            &mut Reals,
-            nodes,
-            |_, leaf| match leaf {
-                Leaf::Time => live.time,
-                Leaf::Parameter(i) => live.component(&self.graph, i),
-                _ => 0.0,
-            },
-            |_, _, _, _| 0.0,
-        )
+        live.values(&self.graph, nodes)
     }
 
     /// The uniform block's bytes. `origin` is the scene's point at which the module's `p` is zero.
@@ -465,9 +484,7 @@ impl Compiled {
             cameras,
             lights,
             sky,
-            ambient_occlusion: blocks.ambient_occlusion.map_or((0.5, 1.0), |(reach, strength)| {
-                (one(reach).max(0.0), one(strength).clamp(0.0, 1.0))
-            }),
+            ambient_occlusion: blocks.occlusion(&self.graph, live),
             shadows: blocks.shadows.is_none_or(|s| one(s) != 0.0),
             max_distance: blocks.max_distance.map_or(100.0, |d| one(d).max(1e-3)),
             extent: blocks.extent,

@@ -1,1 +1,4 @@
-#![doc = "x"]
+//! What the end-to-end tests share.
+
+pub mod mutations;
+pub mod programs;

@@ -23,6 +23,8 @@ pub struct Facts<'a> {
     pub size: u32,
     /// Defaults, ranges and descriptions.
     pub parameters: &'a [Parameter],
+    /// Reach and strength of occlusion at the start.
+    pub occlusion: (f64, f64),
     /// Radius of the scene.
     pub extent: f64,
 }
@@ -118,11 +120,11 @@ fn row(facts: &Facts, field: &Uniform) -> [String; 5] {
             }
             None => Default::default(),
         },
-        UniformSource::OcclusionReach => (String::new(), "0 or more".to_owned()),
-        UniformSource::OcclusionStrength => (String::new(), "0..1".to_owned()),
+        UniformSource::OcclusionReach => (number(facts.occlusion.0), "0 or more".to_owned()),
+        UniformSource::OcclusionStrength => (number(facts.occlusion.1), "0..1".to_owned()),
         UniformSource::Factor(i) => {
             let factor = facts.graph.factors.get(i as usize);
-            (factor.map_or(String::new(), |f| number(1.0 / f.lipschitz)), String::new())
+            (factor.map_or(String::new(), |f| f.multiple().to_string()), String::new())
         }
     };
     let ty = vector_type(field.components as u8).to_owned();

@@ -19,7 +19,7 @@ mod tests;
 
 pub use translate::{Target, translate, validate};
 
-use crate::compiled::{Export, Module, Options, Parameter, SceneBlocks, UniformSource};
+use crate::compiled::{Export, Live, Module, Options, Parameter, SceneBlocks, UniformSource};
 use crate::functions::Functions;
 use crate::graph::kernel::Terms;
 use crate::graph::{Function, Graph, ShapeId, WORLD};
@@ -142,6 +142,7 @@ pub fn emit(
         fields: &fields,
         size,
         parameters,
+        occlusion: blocks.occlusion(graph, &Live::start(graph)),
         extent: blocks.extent,
     };
     let mut wgsl = header::write(&facts);

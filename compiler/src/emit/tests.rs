@@ -1,3 +1,5 @@
+//! What modules look like, and that naga takes them.
+
 use super::*;
 use crate::compiled::UniformSource;
 use crate::graph::kernel::{self, Op};

@@ -270,7 +270,8 @@ impl Body {
     }
 
     fn combine(&mut self, op: Op, count: usize, args: &[Joined]) -> Option<Joined> {
-        let gathers: u32 = args.iter().map(|a| a.gathers).sum();
+        // What is shared counts each time, so towers of sums leave every range.
+        let gathers = args.iter().fold(0, |sum: u32, a| sum.saturating_add(a.gathers));
         // Vectors written out, and components in an odd order, have nothing in common that an operation would show.
         let odd = |a: &&Joined| match self.code(a.id) {
             Code::Vector(_) => a.gathers > 0,

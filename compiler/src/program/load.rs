@@ -179,7 +179,8 @@ impl Reader<'_> {
                     self.broken = true;
                     self.diagnostics.push(Diagnostic::new(
                         Code::Encoding,
-                        Span::new(id, valid, valid + 1),
+                        // There the text that is shown has a replacement character.
+                        Span::new(id, valid, valid + char::REPLACEMENT_CHARACTER.len_utf8()),
                         "this text is not UTF-8",
                         "save the file as UTF-8",
                     ));

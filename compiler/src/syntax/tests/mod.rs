@@ -1,3 +1,5 @@
+//! What is read, what is said of what can't be, and how it is laid out.
+
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 mod formatting;

@@ -1,0 +1,124 @@
+"""Draws a module that `surefoot compile` wrote into a PNG file. Nothing else of Surefoot is needed.
+
+    python host.py ../scene.wgsl picture.png --eye 4 3 6 --target 0 0 0 --fov 40 --set melt 0.5
+"""
+
+import argparse
+import math
+import pathlib
+import re
+import struct
+import zlib
+
+import wgpu
+
+HERE = pathlib.Path(__file__).parent
+
+
+def live_values(wgsl):
+    """The module's head has a table of its live values: offset in bytes, type, name, value at the start, range."""
+    lines = wgsl.splitlines()
+    top = next((i for i, line in enumerate(lines) if re.fullmatch("// +offset +type +name +default +range", line)), None)
+    if top is None:
+        return
+    name, start, end = (lines[top].index(word) for word in ("name", "default", "range"))
+    for row in lines[top + 1 : lines.index("//", top)]:
+        offset = int(row[2:].split()[0])
+        yield offset, row[name:start].strip(), [float(value) for value in row[start:end].split(", ")]
+
+
+def block(wgsl, changed):
+    """The bytes of the module's uniform block."""
+    live = list(live_values(wgsl))
+    unknown = set(changed) - {name for _, name, _ in live}
+    if unknown:
+        raise SystemExit(f"the module has no live value {', '.join(sorted(unknown))}")
+    end = max((offset + 4 * len(start) for offset, _, start in live), default=0)
+    data = bytearray(-(-end // 16) * 16)
+    for offset, name, start in live:
+        values = changed.get(name, start)
+        struct.pack_into(f"<{len(values)}f", data, offset, *values)
+    return data
+
+
+def camera(eye, target, fov, width, height):
+    """The bytes of `View` in picture.wgsl."""
+    back = [e - t for e, t in zip(eye, target)]
+    distance = math.hypot(*back)
+    x, y, z = (b / distance for b in back)
+    level = math.hypot(x, z)
+    half = math.tan(math.radians(fov) / 2)
+    right = (z / level, 0, -x / level)
+    up = (-x * y / level, level, -z * y / level)
+    scaled = [[half * c for c in axis] for axis in (right, up)]
+    rows = (*eye, 2 * half / height), (*scaled[0], width), (*scaled[1], height), (-x, -y, -z, 100)
+    return struct.pack("<16f", *(value for row in rows for value in row))
+
+
+def draw(wgsl, uniforms, entry_point, width, height):
+    """The picture's pixels, four bytes each, rows from the top."""
+    device = wgpu.gpu.request_adapter_sync(power_preference="high-performance").request_device_sync()
+    module = device.create_shader_module(code=wgsl)
+    texture = device.create_texture(
+        size=(width, height, 1),
+        format="rgba8unorm",
+        usage=wgpu.TextureUsage.RENDER_ATTACHMENT | wgpu.TextureUsage.COPY_SRC,
+    )
+    pipeline = device.create_render_pipeline(
+        layout="auto",
+        vertex={"module": module, "entry_point": "corner"},
+        primitive={"topology": "triangle-list"},
+        fragment={"module": module, "entry_point": entry_point, "targets": [{"format": "rgba8unorm"}]},
+    )
+    encoder = device.create_command_encoder()
+    target = {"view": texture.create_view(), "load_op": "clear", "store_op": "store"}
+    rendering = encoder.begin_render_pass(color_attachments=[target])
+    rendering.set_pipeline(pipeline)
+    for group, data in enumerate(uniforms):
+        # A module without live values has no group 0.
+        if data:
+            buffer = device.create_buffer_with_data(data=data, usage=wgpu.BufferUsage.UNIFORM)
+            entry = {"binding": 0, "resource": {"buffer": buffer}}
+            layout = pipeline.get_bind_group_layout(group)
+            rendering.set_bind_group(group, device.create_bind_group(layout=layout, entries=[entry]))
+    rendering.draw(3)
+    rendering.end()
+    device.queue.submit([encoder.finish()])
+    return device.queue.read_texture(
+        {"texture": texture},
+        {"bytes_per_row": 4 * width, "rows_per_image": height},
+        (width, height, 1),
+    )
+
+
+def png(pixels, width, height):
+    """A PNG file (RFC 2083)."""
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows = b"".join(b"\0" + pixels[4 * width * y : 4 * width * (y + 1)] for y in range(height))
+    header = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Draws a module that `surefoot compile` wrote into a PNG file.")
+    parser.add_argument("module", type=pathlib.Path)
+    parser.add_argument("picture", type=pathlib.Path)
+    parser.add_argument("--eye", nargs=3, type=float, default=(4, 3, 6))
+    parser.add_argument("--target", nargs=3, type=float, default=(0, 0, 0))
+    parser.add_argument("--fov", type=float, default=40, help="degrees from the bottom to the top")
+    parser.add_argument("--size", nargs=2, type=int, default=(960, 540))
+    parser.add_argument("--view", choices=["picture", "normals"], default="picture")
+    parser.add_argument("--set", nargs="+", action="append", default=[], metavar=("NAME", "NUMBER"))
+    options = parser.parse_args()
+    scene = options.module.read_text()
+    changed = {name: [float(value) for value in values] for name, *values in options.set}
+    wgsl = scene + (HERE.parent / "picture.wgsl").read_text()
+    uniforms = block(scene, changed), camera(options.eye, options.target, options.fov, *options.size)
+    pixels = bytes(draw(wgsl, uniforms, options.view, *options.size))
+    options.picture.write_bytes(png(pixels, *options.size))
+
+
+main()

@@ -1,0 +1,84 @@
+//! What holds for every text of the language in the repository: examples, prelude, and the programs that are right.
+
+mod common;
+
+use common::{Disk, examples, root};
+use std::path::PathBuf;
+use surefoot_compiler::diagnostic::{self, Code};
+use surefoot_compiler::{MemoryLoader, Options, compile, syntax};
+
+/// Files of the language below a folder, in order.
+fn files(folder: &str) -> Vec<PathBuf> {
+    let mut found: Vec<PathBuf> = Vec::new();
+    let mut folders = vec![root().join(folder)];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display())) {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "sdf") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    assert!(!found.is_empty(), "{folder} is empty");
+    found
+}
+
+/// The text of a scene's module.
+fn module(path: &str) -> String {
+    let outcome = compile(&Disk, path, &Options::default());
+    let words = diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
+    outcome.compiled.unwrap_or_else(|| panic!("{path} does not compile:\n{words}")).module.wgsl
+}
+
+#[test]
+fn every_example_is_free_of_errors_and_warnings() {
+    let mut wrong = String::new();
+    for (_, path) in examples() {
+        let mut outcome = compile(&Disk, &path, &Options::default());
+        // What is not drawn yet is no fault of the scene.
+        outcome.diagnostics.retain(|d| d.code != Code::NotDrawn);
+        wrong += &diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+#[test]
+fn the_same_text_gives_the_same_bytes() {
+    for (name, path) in examples() {
+        assert!(module(&path) == module(&path), "{name} gives two modules");
+    }
+}
+
+#[test]
+fn texts_that_are_laid_out_stay_as_they_are() {
+    let folders = ["examples", "compiler/prelude", "tests/corpus/right"];
+    for path in folders.iter().flat_map(|folder| files(folder)) {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let laid_out = |text: &str| {
+            syntax::format(text).unwrap_or_else(|found| panic!("{}: {} diagnostics", path.display(), found.len()))
+        };
+        let once = laid_out(&text);
+        assert!(laid_out(&once) == once, "{} changes when it is laid out again", path.display());
+    }
+}
+
+#[test]
+fn laying_out_does_not_change_a_scene() {
+    let path_of = |path: &PathBuf| path.strip_prefix(root().join("examples")).unwrap().to_str().unwrap().to_owned();
+    let (mut before, mut after) = (MemoryLoader::new(), MemoryLoader::new());
+    let all = files("examples");
+    for path in &all {
+        let text = std::fs::read_to_string(path).unwrap();
+        after = after.with(&path_of(path), syntax::format(&text).unwrap());
+        before = before.with(&path_of(path), text);
+    }
+    for path in all.iter().map(path_of).filter(|path| !path.contains('/')) {
+        let wgsl = |loader| compile(loader, &path, &Options::default()).compiled.map(|c| c.module.wgsl);
+        let (before, after) = (wgsl(&before), wgsl(&after));
+        assert!(before.is_some(), "{path} does not compile");
+        assert!(before == after, "{path} is another scene when it is laid out");
+    }
+}

@@ -1,0 +1,126 @@
+//! The rules of the house, as far as a program can see them.
+
+mod common;
+
+use common::root;
+use std::path::{Path, PathBuf};
+
+/// All texts of the repository, in order, with their paths from its top.
+fn texts() -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    walk(&root(), &mut found);
+    let top = root();
+    let named = |path: PathBuf| {
+        let name = path.strip_prefix(&top).unwrap().to_str().unwrap().to_owned();
+        std::fs::read_to_string(path).ok().map(|text| (name, text))
+    };
+    let mut texts: Vec<(String, String)> = found.into_iter().filter_map(named).collect();
+    texts.sort();
+    assert!(texts.len() > 50);
+    texts
+}
+
+fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
+    // What is built, installed or made by the version control is not the repository's.
+    const OTHERS: [&str; 5] = [".git", "target", "node_modules", "out", "__pycache__"];
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        if OTHERS.contains(&name) {
+            continue;
+        }
+        if path.is_dir() { walk(&path, found) } else { found.push(path) }
+    }
+}
+
+/// Files of more than 600 lines of which it was asked whether they are two rooms, and why they are one.
+const LONG: &[(&str, &str)] = &[
+    ("compiler/src/graph/kernel.rs", "a table of one row for each operation, and what walks it"),
+    ("compiler/src/emit/write.rs", "one writer of expressions"),
+    ("compiler/src/functions.rs", "field, bound, distance and gradient are made in one walk"),
+    ("compiler/src/program/blocks.rs", "one function for each key of each block"),
+    ("compiler/src/program/call.rs", "one function for each kind of declaration that can be called"),
+    ("compiler/src/program/expression.rs", "one function for each kind of expression"),
+];
+
+#[test]
+fn a_long_file_has_a_reason() {
+    let mut wrong = Vec::new();
+    for (name, text) in texts().iter().filter(|(name, _)| name.ends_with(".rs")) {
+        let lines = text.lines().count();
+        let known = LONG.iter().any(|(long, _)| long == name);
+        if lines > 600 && !known {
+            wrong.push(format!("{name} has {lines} lines: is it two rooms? If not, say why in tests/tests/house.rs"));
+        }
+        if lines <= 600 && known {
+            wrong.push(format!("{name} has only {lines} lines and needs no reason any more in tests/tests/house.rs"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_dependency_says_what_it_is_for() {
+    let mut wrong = Vec::new();
+    for (name, text) in texts().iter().filter(|(name, _)| name.ends_with("Cargo.toml")) {
+        let mut dependencies = false;
+        let mut commented = false;
+        for line in text.lines() {
+            if line.starts_with('[') {
+                dependencies = line.contains("dependencies]");
+            } else if dependencies && line.contains('=') && !line.starts_with('#') {
+                // What the workspace declares has its comment there, and its own crates need none.
+                let ours = line.contains("workspace = true") || line.contains("path = \"compiler\"") || line.contains("path = \"runtime\"");
+                if !commented && !ours {
+                    wrong.push(format!("{name}: {line}"));
+                }
+            }
+            // A comment holds for the lines below it, until an empty one or one that is no dependency.
+            commented = line.starts_with('#') || commented && line.contains('=');
+        }
+    }
+    assert!(wrong.is_empty(), "dependencies without a comment:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_folder_and_crate_starts_with_what_it_is() {
+    let mut wrong = Vec::new();
+    for (name, text) in texts() {
+        let speaks = match name.rsplit('.').next() {
+            Some("rs") => text.starts_with("//! "),
+            Some("sdf") if name.starts_with("examples") || name.starts_with("compiler/prelude") => text.starts_with("//! "),
+            Some("wgsl") => text.starts_with("// "),
+            _ => true,
+        };
+        if !speaks {
+            wrong.push(name);
+        }
+    }
+    assert!(wrong.is_empty(), "files whose first line does not say what they are:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn nothing_depends_on_where_it_was_written() {
+    let mut wrong = Vec::new();
+    for (name, text) in texts() {
+        for (number, line) in text.lines().enumerate() {
+            let mut place = |what: &str| wrong.push(format!("{name}:{}: {what}", number + 1));
+            let folders = [["/ho", "me/"].concat(), ["/ro", "ot/"].concat(), ["/Us", "ers/"].concat()];
+            if folders.iter().any(|f| line.contains(f.as_str())) {
+                place("a person's folder");
+            }
+            // A lock may name the registries that everybody has.
+            let locked = name.ends_with("Cargo.lock") || name.ends_with("package-lock.json");
+            let source = line.split('"').find(|part| part.contains("://"));
+            let public = ["registry+https://github.com/rust-lang/crates.io-index", "https://registry.npmjs.org/"];
+            let private = |source: &&str| !public.iter().any(|p| source.starts_with(p));
+            if let Some(source) = source.filter(private).filter(|_| locked && !line.contains("\"url\"")) {
+                place(source);
+            }
+            if line.contains('\r') || line.ends_with(char::is_whitespace) && !name.ends_with(".md") && !name.contains("corpus/") {
+                place("white space at the end of the line");
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
