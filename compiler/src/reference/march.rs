@@ -146,12 +146,7 @@ struct Turns<'a, W, T> {
 impl<W: FnMut(&Look) -> bool, T: FnMut(&Look, Option<f64>) -> Option<f64>> Turns<'_, W, T> {
     /// Leads rays through a slab over tapes that are shortened for it; where they still are long, the rays go in two halves, or
     /// the slab is crossed in two.
-    fn lead_short(
-        &mut self,
-        tape: &Tape,
-        near: Vec<Walker>,
-        (start, end): (f64, f64),
-    ) {
+    fn lead_short(&mut self, tape: &Tape, near: Vec<Walker>, (start, end): (f64, f64)) {
         if tape.operations() <= SHORT || near.len() < FEW {
             return self.lead(tape, near, end);
         }

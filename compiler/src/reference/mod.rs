@@ -152,7 +152,8 @@ impl Reference {
     /// nothing.
     pub fn trace(&self, rays: &[Ray], footprint: f64, extent: f64) -> Vec<Hit> {
         let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
-        let mut hits: Vec<Hit> = rays.iter().map(|r| Hit { t: r.t_max, ..Hit::default() }).collect();
+        let mut hits: Vec<Hit> =
+            rays.iter().map(|r| Hit { t: r.t_max, ..Hit::default() }).collect();
         let tolerance = |p: Vec3, t: f64| (0.5 * footprint * t).max(4e-7 * (length(p) + 1.0));
         // Only a hit asks for the distance; where it costs next to nothing it comes along.
         let scene = match self.both.operations() * 5 <= self.bound.operations() * 6 {
@@ -272,8 +273,9 @@ impl Reference {
             for left in (0..area.width).step_by(BLOCK as usize) {
                 let width = BLOCK.min(area.width - left);
                 let height = BLOCK.min(area.height - top);
-                let places: Vec<(u32, u32)> =
-                    (0..height).flat_map(|y| (0..width).map(move |x| (left + x, top + y))).collect();
+                let places: Vec<(u32, u32)> = (0..height)
+                    .flat_map(|y| (0..width).map(move |x| (left + x, top + y)))
+                    .collect();
                 let rays: Vec<Ray> = places
                     .iter()
                     .map(|&(x, y)| {
@@ -371,7 +373,9 @@ impl Reference {
             let mut rays = Vec::new();
             let mut of = Vec::new();
             for (i, seen) in places.iter().enumerate() {
-                let Some(arriving) = shading.arriving(lamp, seen.point, seen.normal) else { continue };
+                let Some(arriving) = shading.arriving(lamp, seen.point, seen.normal) else {
+                    continue;
+                };
                 let off = shade::shadow_offset(seen.point, seen.t, footprint);
                 rays.push(Ray {
                     origin: add(seen.point, scale(seen.normal, off)),
@@ -401,5 +405,8 @@ impl Reference {
 
 /// Colours as bytes: red, green, blue of each pixel.
 pub fn rgb8(pixels: &[[f32; 4]]) -> Vec<u8> {
-    pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b].map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)).collect()
+    pixels
+        .iter()
+        .flat_map(|&[r, g, b, _]| [r, g, b].map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8))
+        .collect()
 }
