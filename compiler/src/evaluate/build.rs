@@ -225,20 +225,43 @@ impl Values {
         }
     }
 
-    /// An operation, or a simpler value that is equal to it.
+    /// An operation, or a simpler value that is equal to it; one that is there already is found.
     pub(super) fn op(&mut self, op: Op, arguments: &[ValueId]) -> ValueId {
-        let constants: Vec<f64> = arguments.iter().filter_map(|&a| self.as_constant(a)).collect();
-        if constants.len() == arguments.len() {
-            // By the interpreter, so that a value does not change when it is found to be constant.
-            return self.constant(run::value(op, &constants));
-        }
         let mut from = [0; 4];
         for (slot, &argument) in from.iter_mut().zip(arguments) {
             *slot = argument;
         }
+        match self.simpler(op, from) {
+            Some(simpler) => simpler,
+            None => self.add(Value::Op(op, from)),
+        }
+    }
+
+    /// The same for values that were told apart before: no search.
+    pub(super) fn op_again(&mut self, op: Op, from: [ValueId; 4]) -> ValueId {
+        self.simpler(op, from).unwrap_or_else(|| {
+            self.all.push(Value::Op(op, from));
+            self.all.len() as u32 - 1
+        })
+    }
+
+    fn simpler(&mut self, op: Op, from: [ValueId; 4]) -> Option<ValueId> {
+        let arity = usize::from(op.row().arity);
+        let mut constants = [0.0; 4];
+        let mut all_constant = true;
+        for (slot, &argument) in constants.iter_mut().zip(&from).take(arity) {
+            match self.as_constant(argument) {
+                Some(c) => *slot = c,
+                None => all_constant = false,
+            }
+        }
+        if all_constant {
+            // By the interpreter, so that a value does not change when it is found to be constant.
+            return Some(self.constant(run::value(op, constants)));
+        }
         let [a, b, c, _] = from;
         let (ca, cb) = (self.as_constant(a), self.as_constant(b));
-        match op {
+        Some(match op {
             // A turn is written out, so that sine and cosine are shared by its two coordinates and by all that turn alike.
             Op::TurnU | Op::TurnV => {
                 let (cosine, sine) = (self.op(Op::Cos, &[c]), self.op(Op::Sin, &[c]));
@@ -265,8 +288,8 @@ impl Values {
                     b
                 }
             }
-            _ => self.add(Value::Op(op, from)),
-        }
+            _ => return None,
+        })
     }
 
     /// What the outputs need, in registers that are used again as soon as what they hold is not needed any more.

@@ -37,7 +37,7 @@ impl Tape {
             let result =
                 kernel::interval(instruction.op, intervals.get(..arity).unwrap_or(&intervals));
             let id = shorter(&mut values, instruction.op, &intervals, from, result)
-                .unwrap_or_else(|| values.op(instruction.op, from.get(..arity).unwrap_or(&from)));
+                .unwrap_or_else(|| values.op_again(instruction.op, from));
             if let Some(slot) = known.get_mut(instruction.to as usize) {
                 *slot = (result, id);
             }

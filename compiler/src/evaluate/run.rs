@@ -69,9 +69,9 @@ impl<'t> Evaluator<'t> {
 }
 
 /// The value of an operation as the interpreter computes it.
-pub(super) fn value(op: Op, arguments: &[f64]) -> f64 {
+pub(super) fn value(op: Op, arguments: [f64; 4]) -> f64 {
     let mut registers = [[0.0; LANES]; 5];
-    for (register, &argument) in registers.iter_mut().zip(arguments) {
+    for (register, argument) in registers.iter_mut().zip(arguments) {
         *register = [argument; LANES];
     }
     execute(&mut registers, &Instruction { op, to: 4, from: [0, 1, 2, 3] });

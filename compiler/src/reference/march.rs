@@ -4,7 +4,7 @@
 //! What a ray meets does not depend on the others: slabs say only when its turn comes and which tape serves it.
 
 use super::vector::{Vec3, along, dot, length};
-use crate::evaluate::{Evaluator, LANES, Tape, lanes};
+use crate::evaluate::{LANES, Tape, lanes};
 use crate::graph::interval::Interval;
 
 /// A ray, and the part of it that is looked at.
@@ -57,12 +57,22 @@ pub struct Look {
 const SHORT: usize = 48;
 /// Fewer rays than these are not worth shortening a tape for.
 const FEW: usize = 48;
+/// A tape that keeps more than this share of its operations was not worth shortening, and half of its rays would not be either.
+const KEPT: f64 = 0.8;
+
+/// What rays look at.
+#[derive(Clone, Copy, Debug)]
+pub enum Scene<'t> {
+    /// Bound and distance, both at each look: the two formulas of one tape.
+    Both(&'t Tape),
+    /// The bound at each look, the distance where it is asked for.
+    Apart(&'t Tape, &'t Tape),
+}
 
 /// Leads rays, each from its `t_min`, until `turn` ends them. `turn` is told what a ray finds, with the distance where `wants` asked
 /// for it, and answers how far along the ray to look next, or nothing.
 pub fn march(
-    bound: &Tape,
-    distance: &Tape,
+    scene: Scene<'_>,
     rays: &[Option<Ray>],
     mut wants: impl FnMut(&Look) -> bool,
     mut turn: impl FnMut(&Look, Option<f64>) -> Option<f64>,
@@ -72,24 +82,25 @@ pub fn march(
         .enumerate()
         .filter_map(|(index, ray)| ray.map(|ray| Walker { index, ray, t: ray.t_min }))
         .collect();
-    let mut full = (bound.evaluator(), distance.evaluator());
+    let (tape, distance) = match scene {
+        Scene::Both(tape) => (tape, None),
+        Scene::Apart(bound, distance) => (bound, Some(distance)),
+    };
     while !under_way.is_empty() {
         let start = under_way.iter().fold(f64::INFINITY, |t, w| t.min(w.t));
         let end = start + slab(&under_way, start);
-        // Those of this slab to the front.
-        under_way.sort_by_key(|w| w.t >= end);
-        let count = under_way.partition_point(|w| w.t < end);
-        let mut near: Vec<Walker> = under_way.drain(..count).collect();
-        let worth = bound.operations() > SHORT && near.len() >= FEW;
-        if worth {
-            let region = region(&near, end);
-            let short = (bound.narrow(region), distance.narrow(region));
-            let mut tapes = (short.0.evaluator(), short.1.evaluator());
-            lead(&mut tapes, &mut near, &mut under_way, end, &mut wants, &mut turn);
-        } else {
-            lead(&mut full, &mut near, &mut under_way, end, &mut wants, &mut turn);
-        }
+        let near = take_before(&mut under_way, end);
+        let mut turns =
+            Turns { distance, wants: &mut wants, turn: &mut turn, beyond: &mut under_way };
+        turns.lead_short(tape, near, (start, end));
     }
+}
+
+/// Those that are before a place on their way.
+fn take_before(walkers: &mut Vec<Walker>, end: f64) -> Vec<Walker> {
+    let (near, far) = walkers.drain(..).partition(|w| w.t < end);
+    *walkers = far;
+    near
 }
 
 /// A ray on its way.
@@ -123,47 +134,108 @@ fn bounds(points: impl Iterator<Item = Vec3>) -> [Interval; 3] {
     sides.map(|side| side.grow(1e-12 * (1.0 + side.magnitude())))
 }
 
-/// Leads the rays `near` until they end or are past `end`; those go to `beyond`.
-fn lead(
-    (bound, distance): &mut (Evaluator<'_>, Evaluator<'_>),
-    near: &mut Vec<Walker>,
-    beyond: &mut Vec<Walker>,
-    end: f64,
-    wants: &mut impl FnMut(&Look) -> bool,
-    turn: &mut impl FnMut(&Look, Option<f64>) -> Option<f64>,
-) {
-    let mut still = Vec::with_capacity(near.len());
-    while !near.is_empty() {
-        for batch in near.chunks(LANES) {
-            let mut points = [[0.0; 3]; LANES];
-            for (point, walker) in points.iter_mut().zip(batch) {
-                *point = walker.ray.at(walker.t);
-            }
-            let place = lanes(points.get(..batch.len()).unwrap_or(&points));
-            bound.run(&place);
-            let looks: [Look; LANES] = std::array::from_fn(|lane| {
-                let (ray, t) = batch.get(lane).map_or((0, 0.0), |w| (w.index, w.t));
-                let point = points.get(lane).copied().unwrap_or_default();
-                Look { ray, point, t, free: bound.output(0).get(lane).copied().unwrap_or(0.0) }
-            });
-            let mut wanted = [false; LANES];
-            for (wanted, look) in wanted.iter_mut().zip(&looks).take(batch.len()) {
-                *wanted = wants(look);
-            }
-            if wanted.contains(&true) {
-                distance.run(&place);
-            }
-            for (lane, (walker, look)) in batch.iter().zip(&looks).enumerate() {
-                let asked = wanted.get(lane) == Some(&true);
-                let far = distance.output(0).get(lane).copied().filter(|_| asked);
-                if let Some(t) = turn(look, far) {
-                    let walker = Walker { t, ..*walker };
-                    if t < end { still.push(walker) } else { beyond.push(walker) }
+/// What is done at each look, and where rays go that leave a slab.
+struct Turns<'a, W, T> {
+    /// Where it does not come with the bound.
+    distance: Option<&'a Tape>,
+    wants: &'a mut W,
+    turn: &'a mut T,
+    beyond: &'a mut Vec<Walker>,
+}
+
+impl<W: FnMut(&Look) -> bool, T: FnMut(&Look, Option<f64>) -> Option<f64>> Turns<'_, W, T> {
+    /// Leads rays through a slab over tapes that are shortened for it; where they still are long, the rays go in two halves, or
+    /// the slab is crossed in two.
+    fn lead_short(&mut self, tape: &Tape, near: Vec<Walker>, (start, end): (f64, f64)) {
+        if tape.operations() <= SHORT || near.len() < FEW {
+            return self.lead(tape, near, end);
+        }
+        let short = &tape.narrow(region(&near, end));
+        let kept = short.operations() as f64 / tape.operations() as f64;
+        if short.operations() <= SHORT || kept > KEPT && near.len() < 8 * FEW {
+            return self.lead(short, near, end);
+        }
+        let across = bounds(near.iter().map(|w| w.ray.at(start)));
+        let widths = across.map(Interval::width);
+        if length(widths) < end - start {
+            let middle = start + 0.5 * (end - start);
+            let mut near = near;
+            let first = take_before(&mut near, middle);
+            let beyond = std::mem::replace(self.beyond, near);
+            self.lead_short(short, first, (start, middle));
+            let second = std::mem::replace(self.beyond, beyond);
+            let mut second = second;
+            let rest = take_before(&mut second, end);
+            self.beyond.append(&mut second);
+            return self.lead_short(short, rest, (middle, end));
+        }
+        if near.len() < 2 * FEW {
+            return self.lead(short, near, end);
+        }
+        let axis = (0..3).max_by(|&a: &usize, &b| {
+            let width = |i: usize| widths.get(i).copied().unwrap_or(0.0);
+            width(a).total_cmp(&width(b))
+        });
+        let axis = axis.unwrap_or(0);
+        let mut near = near;
+        let place = |w: &Walker| w.ray.at(start).get(axis).copied().unwrap_or(0.0);
+        near.sort_by(|a, b| place(a).total_cmp(&place(b)));
+        let other = near.split_off(near.len() / 2);
+        self.lead_short(short, near, (start, end));
+        self.lead_short(short, other, (start, end));
+    }
+
+    /// Leads the rays `near` until they end or are past `end`.
+    fn lead(&mut self, tape: &Tape, mut near: Vec<Walker>, end: f64) {
+        let mut bound = tape.evaluator();
+        let mut still = Vec::with_capacity(near.len());
+        while !near.is_empty() {
+            let mut asking = Vec::new();
+            for batch in near.chunks(LANES) {
+                let mut points = [[0.0; 3]; LANES];
+                for (point, walker) in points.iter_mut().zip(batch) {
+                    *point = walker.ray.at(walker.t);
+                }
+                bound.run(&lanes(points.get(..batch.len()).unwrap_or(&points)));
+                let (frees, distances) = (bound.output(0), bound.output(1));
+                let found = points.iter().zip(frees).zip(distances);
+                for (walker, ((&point, &free), &distance)) in batch.iter().zip(found) {
+                    let look = Look { ray: walker.index, point, t: walker.t, free };
+                    if !(self.wants)(&look) {
+                        self.go_on(walker, &look, None, end, &mut still);
+                    } else if self.distance.is_none() {
+                        self.go_on(walker, &look, Some(distance), end, &mut still);
+                    } else {
+                        asking.push((*walker, look));
+                    }
                 }
             }
+            if let Some(distance) = self.distance.filter(|_| !asking.is_empty()) {
+                let points: Vec<Vec3> = asking.iter().map(|(_, look)| look.point).collect();
+                at_points(distance, &points, &[], |i, values| {
+                    if let Some((walker, look)) = asking.get(i) {
+                        self.go_on(walker, look, values.first().copied(), end, &mut still);
+                    }
+                });
+            }
+            near.clear();
+            std::mem::swap(&mut near, &mut still);
         }
-        near.clear();
-        std::mem::swap(near, &mut still);
+    }
+
+    /// Tells a ray what it found, and keeps it where it goes on.
+    fn go_on(
+        &mut self,
+        walker: &Walker,
+        look: &Look,
+        distance: Option<f64>,
+        end: f64,
+        still: &mut Vec<Walker>,
+    ) {
+        if let Some(t) = (self.turn)(look, distance) {
+            let walker = Walker { t, ..*walker };
+            if t < end { still.push(walker) } else { self.beyond.push(walker) }
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::compiled::{Camera, Compiled, Frame, Live};
 use crate::evaluate::{Tape, TooLarge};
 use crate::graph::{Function, NodeId};
 use camera::Basis;
-use march::{Ray, at_points, march};
+use march::{Ray, Scene, at_points, march};
 use shade::{Seen, Shading, SurfaceValues};
 use vector::{Vec3, add, along, length, scale, unit};
 
@@ -68,6 +68,8 @@ pub struct Reference {
     field: Tape,
     bound: Tape,
     distance: Tape,
+    /// Bound and distance.
+    both: Tape,
     gradient: Option<Tape>,
     surface: Tape,
 }
@@ -79,6 +81,8 @@ impl Reference {
         let own = |f: Function| functions.formulas.get(&(compiled.root, f)).copied();
         let value = compiled.graph.shape(compiled.root).map_or(NodeId(0), |s| s.value);
         let field = own(Function::Field).unwrap_or(value);
+        let bound = own(Function::Bound).unwrap_or(field);
+        let distance = own(Function::Distance).unwrap_or(field);
         let tape = |roots: &[NodeId]| Tape::new(&compiled.graph, functions, roots, live, LIMIT);
         let slopes: Option<Vec<NodeId>> = (0..3).map(|i| own(Function::Gradient(i))).collect();
         let s = &functions.surface;
@@ -86,8 +90,9 @@ impl Reference {
         let [er, eg, eb] = s.emission;
         Ok(Self {
             field: tape(&[field])?,
-            bound: tape(&[own(Function::Bound).unwrap_or(field)])?,
-            distance: tape(&[own(Function::Distance).unwrap_or(field)])?,
+            bound: tape(&[bound])?,
+            distance: tape(&[distance])?,
+            both: tape(&[bound, distance])?,
             gradient: slopes.map(|slopes| tape(&slopes)).transpose()?,
             surface: tape(&[r, g, b, er, eg, eb, s.roughness, s.metallic, s.reflectivity])?,
         })
@@ -147,11 +152,16 @@ impl Reference {
     /// nothing.
     pub fn trace(&self, rays: &[Ray], footprint: f64, extent: f64) -> Vec<Hit> {
         let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
-        let mut hits: Vec<Hit> = rays.iter().map(|r| Hit { t: r.t_max, ..Hit::default() }).collect();
+        let mut hits: Vec<Hit> =
+            rays.iter().map(|r| Hit { t: r.t_max, ..Hit::default() }).collect();
         let tolerance = |p: Vec3, t: f64| (0.5 * footprint * t).max(4e-7 * (length(p) + 1.0));
+        // Only a hit asks for the distance; where it costs next to nothing it comes along.
+        let scene = match self.both.operations() * 5 <= self.bound.operations() * 6 {
+            true => Scene::Both(&self.both),
+            false => Scene::Apart(&self.bound, &self.distance),
+        };
         march(
-            &self.bound,
-            &self.distance,
+            scene,
             &clipped,
             |look| look.free <= tolerance(look.point, look.t),
             |look, distance| {
@@ -176,9 +186,12 @@ impl Reference {
         let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
         let mut lit: Vec<(f64, u32)> = vec![(1.0, 0); rays.len()];
         let tolerance = |p: Vec3| 2e-6 * (length(p) + 1.0);
+        let scene = match softness > 0.0 {
+            true => Scene::Both(&self.both),
+            false => Scene::Apart(&self.bound, &self.distance),
+        };
         march(
-            &self.bound,
-            &self.distance,
+            scene,
             &clipped,
             |look| softness > 0.0 && look.free > tolerance(look.point),
             |look, distance| {
@@ -260,8 +273,9 @@ impl Reference {
             for left in (0..area.width).step_by(BLOCK as usize) {
                 let width = BLOCK.min(area.width - left);
                 let height = BLOCK.min(area.height - top);
-                let places: Vec<(u32, u32)> =
-                    (0..height).flat_map(|y| (0..width).map(move |x| (left + x, top + y))).collect();
+                let places: Vec<(u32, u32)> = (0..height)
+                    .flat_map(|y| (0..width).map(move |x| (left + x, top + y)))
+                    .collect();
                 let rays: Vec<Ray> = places
                     .iter()
                     .map(|&(x, y)| {
@@ -359,7 +373,9 @@ impl Reference {
             let mut rays = Vec::new();
             let mut of = Vec::new();
             for (i, seen) in places.iter().enumerate() {
-                let Some(arriving) = shading.arriving(lamp, seen.point, seen.normal) else { continue };
+                let Some(arriving) = shading.arriving(lamp, seen.point, seen.normal) else {
+                    continue;
+                };
                 let off = shade::shadow_offset(seen.point, seen.t, footprint);
                 rays.push(Ray {
                     origin: add(seen.point, scale(seen.normal, off)),
@@ -389,5 +405,8 @@ impl Reference {
 
 /// Colours as bytes: red, green, blue of each pixel.
 pub fn rgb8(pixels: &[[f32; 4]]) -> Vec<u8> {
-    pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b].map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)).collect()
+    pixels
+        .iter()
+        .flat_map(|&[r, g, b, _]| [r, g, b].map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8))
+        .collect()
 }
