@@ -547,8 +547,9 @@ impl Axis {
     /// Looks for the number of neighbours: what is not looked at shall begin a quarter of a cell away at least.
     fn fit(&mut self) -> bool {
         let needed = self.reach / self.least + 0.25 - 1.0;
-        self.rings = needed.max(0.0).ceil() as usize;
-        2 * self.rings + 2 <= MOST_CELLS
+        let rings = needed.max(0.0).ceil();
+        self.rings = rings as usize;
+        2.0 * rings + 2.0 <= MOST_CELLS as f64
     }
 }
 
