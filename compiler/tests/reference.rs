@@ -1,5 +1,7 @@
 //! Pictures in 64 bits: a sphere has a closed form, and what a pixel shows does not depend on its neighbours.
 
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing)]
+
 use surefoot_compiler::compiled::{Camera, Compiled, MemoryLoader};
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::march::Ray;

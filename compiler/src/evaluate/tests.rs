@@ -1,5 +1,7 @@
 //! The tape computes what the graph says.
 
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+
 use super::*;
 use crate::graph::algebra::Reals;
 use crate::graph::interval::Interval;
