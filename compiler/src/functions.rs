@@ -82,6 +82,9 @@ struct Treatment {
     region: Option<(Box3, f64)>,
 }
 
+/// The domain that the parts of a formula with a region need, the region, and how far beyond it the formula is trusted.
+type Narrowed = (Domain, Box3, f64);
+
 /// What is made on the way from graph to functions.
 pub struct Builder<'a> {
     graph: &'a mut Graph,
@@ -90,7 +93,7 @@ pub struct Builder<'a> {
     extent: f64,
     domains: FxHashMap<ShapeId, Domain>,
     treatments: FxHashMap<(ShapeId, NodeId, Vec<u64>, bool), Option<Treatment>>,
-    regions: FxHashMap<(NodeId, Vec<u64>, bool), Option<(Domain, Box3, f64)>>,
+    regions: FxHashMap<(NodeId, Vec<u64>, bool), Option<Narrowed>>,
     built: Functions,
     /// What was found on the way.
     pub diagnostics: Vec<Diagnostic>,
@@ -295,7 +298,7 @@ impl Builder<'_> {
 
     /// For an intersection or a moved shape that has no constant over all space: its region, how far beyond it is trusted, and the domain
     /// that its parts then need. None where it needs no region.
-    fn narrowed(&mut self, node: NodeId, domain: &Domain) -> Option<(Domain, Box3, f64)> {
+    fn narrowed(&mut self, node: NodeId, domain: &Domain) -> Option<Narrowed> {
         let key = (node, domain.key(), domain.narrowed);
         if let Some(known) = self.regions.get(&key) {
             return known.clone();
@@ -305,7 +308,7 @@ impl Builder<'_> {
         found
     }
 
-    fn find_narrowed(&mut self, node: NodeId, domain: &Domain) -> Option<(Domain, Box3, f64)> {
+    fn find_narrowed(&mut self, node: NodeId, domain: &Domain) -> Option<Narrowed> {
         let everywhere = domain.at(Box3::ALL);
         let unbounded = match self.graph.node(node).clone() {
             Node::Call(_, _, args) => {

@@ -200,7 +200,7 @@ fn nearest(x: f64) -> f64 {
 /// polynomials of FreeBSD's msun (k_sin.c, k_cos.c). Large angles go to the library.
 fn sine(angles: &Lanes, quarter: f64) -> Lanes {
     const LIMIT: f64 = 1e5;
-    if angles.iter().any(|x| !(x.abs() < LIMIT)) {
+    if !angles.iter().all(|x| x.abs() < LIMIT) {
         return angles.map(|x| if quarter == 0.0 { x.sin() } else { x.cos() });
     }
     std::array::from_fn(|i| {

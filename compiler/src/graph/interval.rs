@@ -12,6 +12,8 @@ pub struct Interval {
 /// How far the results of the mathematics library may be from the true value, relative to one.
 const LIBM: f64 = 4.0 * f64::EPSILON;
 
+// Named as the operations of the kernel are; an interval is no number, so the operators stay free.
+#[allow(clippy::should_implement_trait)]
 impl Interval {
     /// All numbers.
     pub const ALL: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
@@ -176,7 +178,7 @@ impl Interval {
             // One side only: the quotient keeps its sign; zero itself answers 0.
             let toward = if b.hi > 0.0 { b.hi } else { b.lo };
             let quotient = |x: f64| {
-                if x == 0.0 { 0.0 } else if toward.is_infinite() { 0.0 } else { x / toward }
+                if x == 0.0 || toward.is_infinite() { 0.0 } else { x / toward }
             };
             let far = |x: f64| if x == 0.0 { 0.0 } else { x * toward.signum() * f64::INFINITY };
             let ends = [quotient(self.lo), quotient(self.hi), far(self.lo), far(self.hi), 0.0];

@@ -366,8 +366,8 @@ pub fn partials<A: Algebra>(
             vec![algebra.op(Op::Div, &[one, below])]
         }
         Op::Atan2 => {
-            let aa = algebra.op(Op::Square, &[a.clone()]);
-            let bb = algebra.op(Op::Square, &[b.clone()]);
+            let aa = algebra.op(Op::Square, std::slice::from_ref(&a));
+            let bb = algebra.op(Op::Square, std::slice::from_ref(&b));
             let square = algebra.op(Op::Add, &[aa, bb]);
             let by_a = algebra.op(Op::Div, &[b, square.clone()]);
             let slope = algebra.op(Op::Div, &[a, square]);

@@ -127,7 +127,7 @@ impl Elaborator<'_> {
         if items.is_empty() {
             return Err(self.unknown_in(module, alias, name));
         }
-        self.call_items_with(&items[..1], known, args, span, env)
+        self.call_items_with(items.get(..1).unwrap_or(&[]), known, args, span, env)
     }
 
     fn unknown_in(&mut self, module: usize, alias: &str, name: &Name) -> Stop {
@@ -284,8 +284,8 @@ impl Elaborator<'_> {
                 return Err(self.unknown_in(module, alias, name));
             }
             return match args {
-                Some(args) => self.call_items_with(&items[..1], Vec::new(), args, span, env),
-                None => self.item_value(&items[..1], span, env),
+                Some(args) => self.call_items_with(items.get(..1).unwrap_or(&[]), Vec::new(), args, span, env),
+                None => self.item_value(items.get(..1).unwrap_or(&[]), span, env),
             };
         }
         // `s.sky.arch(2)`: a function behind an import's name, after a dot.
@@ -1330,12 +1330,10 @@ impl Elaborator<'_> {
                     Ok(())
                 }),
                 _ => {
-                    let fits = match (key, &value) {
-                        ("texture", Value::Text(_)) => true,
-                        ("bump", Value::Text(_) | Value::Number(..)) => true,
-                        ("texture_scale", Value::Number(..)) => true,
-                        _ => false,
-                    };
+                    let fits = matches!(
+                        (key, &value),
+                        ("texture" | "bump", Value::Text(_)) | ("bump" | "texture_scale", Value::Number(..))
+                    );
                     if fits {
                         self.warn(
                             Code::NotDrawn,

@@ -229,7 +229,8 @@ impl Elaborator<'_> {
             .diagnostics
             .iter()
             .any(|d| d.code == diagnostic.code && d.span == diagnostic.span);
-        if !known && !(self.trial && caused_by_values) {
+        let stands = !self.trial || !caused_by_values;
+        if stands && !known {
             self.diagnostics.push(diagnostic);
         }
         Stop

@@ -56,7 +56,7 @@ impl Elaborator<'_> {
         let cell_leaves: Vec<NodeId> =
             variables.iter().map(|&v| self.graph.leaf(Leaf::Variable(v))).collect();
         let inner = env
-            .with(&each.index.text, Value::Vector(cell_leaves[..dimensions].to_vec().into()))
+            .with(&each.index.text, Value::Vector(cell_leaves.iter().take(dimensions).copied().collect()))
             .at(None);
         let body = self.expression(&each.body, &inner)?;
         if matches!(body, Value::Nothing) {
