@@ -119,7 +119,8 @@ impl Body {
         self.joined.insert(key, joined);
         if matches!(self.code(joined.id), Code::VectorOp(..)) {
             for (i, &part) in parts.iter().enumerate() {
-                if part > joined.newest {
+                // A constant is never read from a vector: it is as good where it stands, and the vector may hold it itself.
+                if part > joined.newest && self.as_constant(part).is_none() {
                     let (vector, index, plain) = (joined.id, i as u8, joined.gathers == 0);
                     self.set_part(part, Part { vector, index, plain });
                 }
