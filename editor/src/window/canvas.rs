@@ -1,60 +1,54 @@
 //! The picture as a texture: drawn only where something changed, shown as an image.
 //!
-//! - While something moves that is slow to draw, fewer pixels are drawn, so that it can be followed; once it rests, all of them.
-//! - How long a picture takes is known only when it is done, and waiting for it would stop the window; a thread waits.
+//! - What is quick to draw is drawn at once, all its pixels.
+//! - What is slow is drawn with fewer pixels first, so that a hand can be followed. Once it rests, all pixels are drawn beside it,
+//!   band after band, and shown when they are there: no single piece of work holds the device so long that the window stops, or
+//!   that a driver gives up.
 
 use super::log::Log;
+use super::meter::{Finished, Meter, Piece, Timing};
 use super::world::FORMAT;
 use eframe::egui_wgpu::RenderState;
-use serde_json::json;
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::Camera;
 use surefoot_runtime::{Gpu, Stage, View};
 
-/// How long a picture may take while something moves: at least the first, and as long as the window takes for all else, up to the second.
+/// How long a picture may take while something moves, in seconds: at least the first, and as long as the window takes for all else, up
+/// to the second.
 const PATIENCE: (f64, f64) = (0.033, 0.1);
+/// How long a picture of something that rests may take in one piece, and how long each band of it, in seconds.
+const AT_ONCE: f64 = 0.06;
+const BAND: f64 = 0.04;
 /// How long nothing must move before all pixels are drawn.
 const REST: Duration = Duration::from_millis(150);
 /// Parts of the sides' pixels that are drawn.
 const DETAILS: [f32; 6] = [1.0, 0.75, 0.5, 0.35, 0.25, 0.18];
+/// The part that is drawn where nothing is known yet.
+const UNKNOWN: f32 = 0.25;
 
-/// The texture that the picture is drawn on.
+/// The textures that the picture is drawn on.
 pub struct Canvas {
     gpu: Gpu,
     render: RenderState,
-    target: Option<Target>,
+    /// What is shown.
+    front: Option<Target>,
+    /// All pixels of it, where they are being drawn.
+    back: Option<Target>,
+    /// How many rows of the back are drawn; none where there is nothing to do there.
+    rows: Option<u32>,
+    /// Which part of the front's sides is drawn.
+    part: [f32; 2],
     detail: f32,
     moved: Option<Instant>,
-    meter: Arc<Mutex<Timing>>,
-    probes: Sender<Probe>,
+    meter: Meter,
     frames: u64,
+    error: Option<String>,
 }
 
 struct Target {
     texture: wgpu::Texture,
     id: egui::TextureId,
-}
-
-/// How long pictures took.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Timing {
-    /// The last one.
-    pub frame: Duration,
-    /// Its width and height in pixels.
-    pub size: (u32, u32),
-    /// A pixel of the last ones, in seconds.
-    per_pixel: f64,
-}
-
-/// A picture that is being drawn.
-struct Probe {
-    submission: wgpu::SubmissionIndex,
-    ordered: Instant,
-    size: (u32, u32),
-    frame: u64,
-    swaps: u64,
 }
 
 /// A picture to be shown.
@@ -85,40 +79,34 @@ pub struct Order {
 impl Canvas {
     /// A canvas on the window's device. `wake` is called when a picture is done.
     pub fn new(gpu: Gpu, render: RenderState, log: Log, wake: Arc<dyn Fn() + Send + Sync>) -> Self {
-        let meter = Arc::<Mutex<Timing>>::default();
-        let (probes, received) = channel();
-        let (device, timing, stats) = (gpu.clone(), meter.clone(), gpu.clone());
-        let waiter = move || {
-            measure(&device, &received, &timing, &|probe, took| {
-                let built = stats.stats();
-                log.event(
-                    "frame",
-                    json!({
-                        "frame": probe.frame,
-                        "swaps": probe.swaps,
-                        "ms": took.as_secs_f64() * 1e3,
-                        "width": probe.size.0,
-                        "height": probe.size.1,
-                        "pipelines": built.pipelines,
-                        "modules": built.modules,
-                    }),
-                );
-                wake();
-            })
-        };
-        // Without the thread nothing is measured; the pictures come all the same.
-        std::thread::Builder::new().name("surefoot meter".to_owned()).spawn(waiter).ok();
-        Self { gpu, render, target: None, detail: 1.0, moved: None, meter, probes, frames: 0 }
+        Self {
+            meter: Meter::start(gpu.clone(), log, wake),
+            gpu,
+            render,
+            front: None,
+            back: None,
+            rows: None,
+            part: [0.0; 2],
+            detail: 1.0,
+            moved: None,
+            frames: 0,
+            error: None,
+        }
     }
 
     /// How long pictures took.
     pub fn timing(&self) -> Timing {
-        *lock(&self.meter)
+        self.meter.timing()
     }
 
-    /// Which part of the sides' pixels was drawn last.
-    pub fn detail(&self) -> f32 {
-        self.detail
+    /// What went wrong when the newest picture was drawn.
+    pub fn error(&self) -> Option<&str> {
+        self.error.as_deref()
+    }
+
+    /// Whether all pixels of the newest picture are shown.
+    pub fn is_sharp(&self) -> bool {
+        self.detail == 1.0 && self.rows.is_none()
     }
 
     /// How many pictures were drawn.
@@ -128,67 +116,178 @@ impl Canvas {
     }
 
     /// Draws if anything changed, and answers what to show.
-    pub fn draw(&mut self, stage: &mut Stage, order: &Order) -> Result<Option<Shown>, String> {
-        if stage.picture().is_none() {
-            return Ok(None);
-        }
+    pub fn draw(&mut self, stage: &mut Stage, order: &Order) -> Option<Shown> {
+        stage.picture()?;
         let limit = self.gpu.device().limits().max_texture_dimension_2d;
-        let full = order.size.map(|side| side.clamp(1, limit));
-        let again = self.choose_detail(order, full);
-        let size = full.map(|side| ((side as f32 * self.detail).round() as u32).max(1));
-        let fresh = self.fit(full)?;
-        let Some(target) = &self.target else { return Ok(None) };
-        let view =
-            View { camera: order.camera, size: size.map(|side| side as f32), corner: [0.0; 2] };
-        if stage.update(self.gpu.queue(), &view) || fresh {
-            let ordered = Instant::now();
-            let submission = self.gpu.catch(|| submit(&self.gpu, stage, &target.texture, size))?;
-            self.frames += 1;
-            let probe = Probe {
-                submission,
-                ordered,
-                size: (size[0], size[1]),
-                frame: self.frames,
-                swaps: order.swaps,
-            };
-            // Where the thread is gone, nothing is measured.
-            self.probes.send(probe).ok();
+        let size = order.size.map(|side| side.clamp(1, limit));
+        match self.draw_or_fail(stage, order, size) {
+            Ok(again) => self.shown(again),
+            Err(error) => {
+                self.error = Some(error);
+                self.rows = None;
+                self.shown(None)
+            }
         }
-        let part = egui::vec2(size[0] as f32 / full[0] as f32, size[1] as f32 / full[1] as f32);
-        let uv = egui::Rect::from_min_size(egui::Pos2::ZERO, part);
-        Ok(Some(Shown { texture: target.id, uv, again }))
     }
 
-    /// Decides how many pixels are drawn; answers when to decide again, where it is not all of them.
-    fn choose_detail(&mut self, order: &Order, full: [u32; 2]) -> Option<Duration> {
+    fn shown(&self, again: Option<Duration>) -> Option<Shown> {
+        let front = self.front.as_ref()?;
+        let uv = egui::Rect::from_min_size(egui::Pos2::ZERO, self.part.into());
+        // A part of nothing was never drawn.
+        (self.part != [0.0; 2]).then_some(Shown { texture: front.id, uv, again })
+    }
+
+    fn draw_or_fail(
+        &mut self,
+        stage: &mut Stage,
+        order: &Order,
+        size: [u32; 2],
+    ) -> Result<Option<Duration>, String> {
         let now = Instant::now();
         if order.moving {
             self.moved = Some(now);
         }
-        let rest = self.moved.map_or(REST, |moved| now.duration_since(moved));
-        if rest >= REST {
-            self.detail = 1.0;
-            return None;
+        let moved = self.moved.map_or(REST, |moved| now.duration_since(moved));
+        let rests = moved >= REST;
+        let fits = |t: &Target| [t.texture.width(), t.texture.height()] == size;
+        let resized = !self.front.as_ref().is_some_and(fits);
+        if resized {
+            let texture = self.texture(size)?;
+            self.front = Some(self.register(texture, self.front.as_ref()));
         }
-        let whole = self.timing().per_pixel * f64::from(full[0]) * f64::from(full[1]);
+        // With all pixels, to learn whether anything changed; fewer are asked for below.
+        let changed = stage.update(self.gpu.queue(), &view(order, size)) || resized;
+        if changed {
+            self.rows = None;
+            self.error = None;
+            self.choose_detail(order, size, rests);
+            self.draw_whole(stage, order, size)?;
+        }
+        if self.is_sharp() {
+            return Ok(None);
+        }
+        if !rests {
+            return Ok(Some(REST - moved));
+        }
+        // The device is given a band when it is done with the one before; the meter wakes the window then.
+        if self.timing().in_flight == 0 {
+            self.draw_band(stage, order, size)?;
+        }
+        Ok(None)
+    }
+
+    /// Decides how many pixels are drawn at once.
+    fn choose_detail(&mut self, order: &Order, size: [u32; 2], rests: bool) {
+        let per_pixel = self.timing().per_pixel;
+        if per_pixel == 0.0 {
+            self.detail = UNKNOWN;
+            return;
+        }
+        let whole = per_pixel * f64::from(size[0]) * f64::from(size[1]);
+        if rests && whole <= AT_ONCE {
+            self.detail = 1.0;
+            return;
+        }
         let expected = |detail: f32| whole * f64::from(detail * detail);
         let patience = (0.5 * order.interval).clamp(PATIENCE.0, PATIENCE.1);
         // What is not far off stays, so that the picture does not flicker between two.
-        let (now_takes, largest) = (expected(self.detail), self.detail == 1.0);
-        if now_takes > 1.4 * patience || (now_takes < 0.5 * patience && !largest) {
+        let (takes, largest) = (expected(self.detail), self.detail == 1.0);
+        if takes > 1.4 * patience || (takes < 0.5 * patience && !largest) {
             let fits = |detail: &&f32| expected(**detail) <= patience;
             self.detail = *DETAILS.iter().find(fits).unwrap_or(&0.18);
         }
-        (self.detail < 1.0).then(|| REST - rest)
     }
 
-    /// Makes the texture as large as the panel; answers whether it is a new one.
-    fn fit(&mut self, size: [u32; 2]) -> Result<bool, String> {
-        let known = self.target.as_ref().map(|t| [t.texture.width(), t.texture.height()]);
-        if known == Some(size) {
-            return Ok(false);
+    /// Draws the picture as far as the detail goes, and shows it.
+    fn draw_whole(&mut self, stage: &mut Stage, order: &Order, size: [u32; 2]) -> Result<(), String> {
+        let Some(front) = &self.front else { return Ok(()) };
+        let fewer = size.map(|side| ((side as f32 * self.detail).round() as u32).max(1));
+        let queue = self.gpu.queue();
+        if fewer != size {
+            stage.update(queue, &view(order, fewer));
         }
-        let texture = self.gpu.catch(|| {
+        let piece = self.submit(stage, &front.texture, fewer, 0..fewer[1])?;
+        if fewer != size {
+            stage.update(queue, &view(order, size));
+        }
+        self.part = [0, 1].map(|i| fewer[i] as f32 / size[i] as f32);
+        self.frames += 1;
+        let finishes = Some(self.finished(order, fewer));
+        self.meter.add(Piece { finishes, ..piece });
+        Ok(())
+    }
+
+    /// Draws the next rows of all pixels; with the last of them the back comes to the front.
+    fn draw_band(&mut self, stage: &Stage, order: &Order, size: [u32; 2]) -> Result<(), String> {
+        let first = match self.rows {
+            Some(rows) => rows,
+            None => {
+                let texture = self.texture(size)?;
+                self.back = Some(self.register(texture, self.back.as_ref()));
+                0
+            }
+        };
+        let Some(back) = &self.back else { return Ok(()) };
+        let row = self.timing().per_pixel * f64::from(size[0]);
+        let rows = if row > 0.0 { (BAND / row) as u32 } else { size[1] / 16 };
+        let end = (first + rows.max(4)).min(size[1]);
+        let piece = self.submit(stage, &back.texture, size, first..end)?;
+        if end < size[1] {
+            self.rows = Some(end);
+            self.meter.add(piece);
+            return Ok(());
+        }
+        std::mem::swap(&mut self.front, &mut self.back);
+        self.rows = None;
+        self.part = [1.0; 2];
+        self.detail = 1.0;
+        self.frames += 1;
+        let finishes = Some(self.finished(order, size));
+        self.meter.add(Piece { finishes, ..piece });
+        Ok(())
+    }
+
+    fn finished(&self, order: &Order, size: [u32; 2]) -> Finished {
+        Finished { frame: self.frames, size: size.into(), swaps: order.swaps }
+    }
+
+    /// Orders some rows of a picture that has `size` pixels.
+    fn submit(
+        &self,
+        stage: &Stage,
+        texture: &wgpu::Texture,
+        size: [u32; 2],
+        rows: std::ops::Range<u32>,
+    ) -> Result<Piece, String> {
+        let ordered = Instant::now();
+        let height = rows.end.saturating_sub(rows.start);
+        let submission = self.gpu.catch(|| {
+            let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
+            let view = texture.create_view(&Default::default());
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("surefoot"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+                })],
+                ..Default::default()
+            });
+            pass.set_viewport(0.0, 0.0, size[0] as f32, size[1] as f32, 0.0, 1.0);
+            pass.set_scissor_rect(0, rows.start, size[0], height);
+            if let Some(picture) = stage.picture() {
+                picture.draw(&mut pass);
+            }
+            drop(pass);
+            self.gpu.queue().submit([encoder.finish()])
+        })?;
+        let pixels = u64::from(size[0]) * u64::from(height);
+        Ok(Piece { submission, ordered, pixels, finishes: None })
+    }
+
+    fn texture(&self, size: [u32; 2]) -> Result<wgpu::Texture, String> {
+        self.gpu.catch(|| {
             self.gpu.device().create_texture(&wgpu::TextureDescriptor {
                 label: Some("surefoot picture"),
                 size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
@@ -200,86 +299,26 @@ impl Canvas {
                     | wgpu::TextureUsages::TEXTURE_BINDING,
                 view_formats: &[],
             })
-        })?;
+        })
+    }
+
+    /// Makes a texture known to egui, under the name of an old one where there is one.
+    fn register(&self, texture: wgpu::Texture, old: Option<&Target>) -> Target {
         let view = texture.create_view(&Default::default());
         let device = self.gpu.device();
-        let mut renderer = self.render.renderer.write();
         let filter = wgpu::FilterMode::Linear;
-        let id = match &self.target {
+        let mut renderer = self.render.renderer.write();
+        let id = match old {
             Some(old) => {
                 renderer.update_egui_texture_from_wgpu_texture(device, &view, filter, old.id);
                 old.id
             }
             None => renderer.register_native_texture(device, &view, filter),
         };
-        drop(renderer);
-        self.target = Some(Target { texture, id });
-        Ok(true)
+        Target { texture, id }
     }
 }
 
-fn submit(
-    gpu: &Gpu,
-    stage: &Stage,
-    texture: &wgpu::Texture,
-    size: [u32; 2],
-) -> wgpu::SubmissionIndex {
-    let mut encoder = gpu.device().create_command_encoder(&Default::default());
-    let view = texture.create_view(&Default::default());
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("surefoot"),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                store: wgpu::StoreOp::Store,
-            },
-        })],
-        ..Default::default()
-    });
-    pass.set_viewport(0.0, 0.0, size[0] as f32, size[1] as f32, 0.0, 1.0);
-    if let Some(picture) = stage.picture() {
-        picture.draw(&mut pass);
-    }
-    drop(pass);
-    gpu.queue().submit([encoder.finish()])
-}
-
-/// Waits for one picture after another until there is no canvas any more.
-fn measure(
-    gpu: &Gpu,
-    probes: &Receiver<Probe>,
-    timing: &Mutex<Timing>,
-    done: &dyn Fn(&Probe, Duration),
-) {
-    let mut before: Option<Instant> = None;
-    while let Ok(probe) = probes.recv() {
-        let wait = wgpu::PollType::Wait {
-            submission_index: Some(probe.submission.clone()),
-            timeout: None,
-        };
-        if gpu.device().poll(wait).is_err() {
-            continue;
-        }
-        let now = Instant::now();
-        // A picture that had to wait for the one before it began when that one was done.
-        let began = before.map_or(probe.ordered, |before| before.max(probe.ordered));
-        let took = now.duration_since(began);
-        before = Some(now);
-        let mut timing_now = lock(timing);
-        let pixels = f64::from(probe.size.0) * f64::from(probe.size.1);
-        let per_pixel = took.as_secs_f64() / pixels.max(1.0);
-        let old = timing_now.per_pixel;
-        timing_now.per_pixel = if old == 0.0 { per_pixel } else { 0.5 * (old + per_pixel) };
-        timing_now.frame = took;
-        timing_now.size = probe.size;
-        drop(timing_now);
-        done(&probe, took);
-    }
-}
-
-fn lock(timing: &Mutex<Timing>) -> MutexGuard<'_, Timing> {
-    timing.lock().unwrap_or_else(PoisonError::into_inner)
+fn view(order: &Order, size: [u32; 2]) -> View {
+    View { camera: order.camera, size: size.map(|side| side as f32), corner: [0.0; 2] }
 }

@@ -70,8 +70,8 @@ pub enum Command {
     Arrived(Box<Update>),
     /// What the disk holds of a file.
     OnDisk(String, Result<String, String>),
-    /// The picture could not be drawn, or could be again.
-    Drawn(Result<(), String>),
+    /// What went wrong when the picture was drawn, if anything.
+    Drawn(Option<String>),
 }
 
 /// Answers to a [`Question`].
@@ -151,7 +151,7 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::Dismiss => session.notice = None,
         Command::Arrived(update) => arrived(session, world, *update),
         Command::OnDisk(name, text) => on_disk(session, world, &name, text),
-        Command::Drawn(result) => session.said.drawing = result.err(),
+        Command::Drawn(error) => session.said.drawing = error,
     }
 }
 

@@ -5,6 +5,7 @@ mod canvas;
 mod command;
 mod document;
 mod log;
+mod meter;
 mod orbit;
 mod panels;
 mod session;
@@ -105,7 +106,7 @@ impl App {
             let timing = canvas.timing();
             self.session.meter.frame = timing.frame;
             self.session.meter.size = timing.size;
-            self.session.meter.detail = canvas.detail();
+            self.session.meter.sharp = canvas.is_sharp();
         }
     }
 
@@ -166,13 +167,14 @@ impl App {
             moving: self.session.stage.animates() || moves(ui),
             swaps: self.session.said.swaps,
         });
-        let drawn = match (&mut self.canvas, &order) {
+        let shown = match (&mut self.canvas, &order) {
             (Some(canvas), Some(order)) => canvas.draw(&mut self.session.stage, order),
-            _ => Ok(None),
+            _ => None,
         };
         let mut commands = Vec::new();
-        let shown = drawn.as_ref().ok().copied().flatten();
-        commands.push(Command::Drawn(drawn.map(|_| ())));
+        if let Some(canvas) = &self.canvas {
+            commands.push(Command::Drawn(canvas.error().map(str::to_owned)));
+        }
         if let Some(again) = shown.and_then(|shown| shown.again) {
             ui.ctx().request_repaint_after(again);
         }

@@ -122,8 +122,8 @@ pub struct Meter {
     pub frame: Duration,
     /// Its width and height in pixels.
     pub size: (u32, u32),
-    /// Which part of the sides' pixels was drawn: below one while something moves that is slow to draw.
-    pub detail: f32,
+    /// Whether all pixels are drawn: not while something moves that is slow to draw.
+    pub sharp: bool,
     /// The adapter's name.
     pub adapter: String,
     /// Whether the adapter is a program.
@@ -144,7 +144,7 @@ impl Session {
             question: None,
             notice: None,
             options: Options::default(),
-            meter: Meter { detail: 1.0, ..Meter::default() },
+            meter: Meter::default(),
         }
     }
 

@@ -67,6 +67,12 @@ fn until(harness: &mut Harness<'_, App>, so: impl Fn(&App) -> bool) {
 
 fn ready(harness: &mut Harness<'_, App>) {
     until(harness, |app| app.session.said.swaps > 0 && frames(app) > 0);
+    sharp(harness);
+}
+
+/// Waits until all pixels are drawn.
+fn sharp(harness: &mut Harness<'_, App>) {
+    until(harness, |app| app.canvas.as_ref().unwrap().is_sharp());
 }
 
 fn frames(app: &App) -> u64 {
@@ -116,6 +122,7 @@ fn value(app: &App, name: &str) -> f64 {
 
 /// The picture's colour at a place of the window.
 fn pixel(harness: &mut Harness<'_, App>, at: egui::Pos2) -> [u8; 4] {
+    sharp(harness);
     let image = harness.render().unwrap();
     if let Ok(folder) = std::env::var("SUREFOOT_SHOTS") {
         let test = std::thread::current().name().unwrap_or("test").replace("::", "_");

@@ -20,9 +20,9 @@ pub fn show(ui: &mut Ui, session: &Session) {
                 &milliseconds(meter.frame),
                 "from the order to draw to the picture's end",
             );
-            let part = match meter.detail < 1.0 {
-                true => "fewer pixels than the panel has, while something moves",
-                false => "the picture's size in pixels",
+            let part = match meter.sharp {
+                false => "fewer pixels than the panel has, while something moves",
+                true => "the picture's size in pixels",
             };
             entry(ui, "", &format!("{width} × {height}"), part);
         }
