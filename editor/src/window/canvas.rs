@@ -17,9 +17,11 @@ use surefoot_runtime::{Gpu, Stage, View};
 /// How long a picture may take while something moves, in seconds: at least the first, and as long as the window takes for all else, up
 /// to the second.
 const PATIENCE: (f64, f64) = (0.033, 0.1);
-/// How long a picture of something that rests may take in one piece, and how long each band of it, in seconds.
+/// How long a picture of something that rests may take in one piece, in seconds.
 const AT_ONCE: f64 = 0.06;
-const BAND: f64 = 0.04;
+/// How long the first band of all pixels may take, in seconds, and the longest. Each is twice as long as the one before: with each the
+/// whole window is drawn once more, and who has waited so long does not touch it.
+const BANDS: (f64, f64) = (0.04, 0.25);
 /// How long nothing must move before all pixels are drawn.
 const REST: Duration = Duration::from_millis(150);
 /// Parts of the sides' pixels that are drawn.
@@ -35,8 +37,8 @@ pub struct Canvas {
     front: Option<Target>,
     /// All pixels of it, where they are being drawn.
     back: Option<Target>,
-    /// How many rows of the back are drawn; none where there is nothing to do there.
-    rows: Option<u32>,
+    /// How far the back is drawn; none where there is nothing to do there.
+    progress: Option<Progress>,
     /// Which part of the front's sides is drawn.
     part: [f32; 2],
     detail: f32,
@@ -44,6 +46,13 @@ pub struct Canvas {
     meter: Meter,
     frames: u64,
     error: Option<String>,
+}
+
+/// Rows and bands that are drawn.
+#[derive(Clone, Copy, Debug, Default)]
+struct Progress {
+    rows: u32,
+    bands: u32,
 }
 
 struct Target {
@@ -85,7 +94,7 @@ impl Canvas {
             render,
             front: None,
             back: None,
-            rows: None,
+            progress: None,
             part: [0.0; 2],
             detail: 1.0,
             moved: None,
@@ -106,7 +115,7 @@ impl Canvas {
 
     /// Whether all pixels of the newest picture are shown.
     pub fn is_sharp(&self) -> bool {
-        self.detail == 1.0 && self.rows.is_none()
+        self.detail == 1.0 && self.progress.is_none()
     }
 
     /// How many pictures were drawn.
@@ -124,7 +133,7 @@ impl Canvas {
             Ok(again) => self.shown(again),
             Err(error) => {
                 self.error = Some(error);
-                self.rows = None;
+                self.progress = None;
                 self.shown(None)
             }
         }
@@ -158,7 +167,7 @@ impl Canvas {
         // With all pixels, to learn whether anything changed; fewer are asked for below.
         let changed = stage.update(self.gpu.queue(), &view(order, size)) || resized;
         if changed {
-            self.rows = None;
+            self.progress = None;
             self.error = None;
             self.choose_detail(order, size, rests);
             self.draw_whole(stage, order, size)?;
@@ -199,7 +208,12 @@ impl Canvas {
     }
 
     /// Draws the picture as far as the detail goes, and shows it.
-    fn draw_whole(&mut self, stage: &mut Stage, order: &Order, size: [u32; 2]) -> Result<(), String> {
+    fn draw_whole(
+        &mut self,
+        stage: &mut Stage,
+        order: &Order,
+        size: [u32; 2],
+    ) -> Result<(), String> {
         let Some(front) = &self.front else { return Ok(()) };
         let fewer = size.map(|side| ((side as f32 * self.detail).round() as u32).max(1));
         let queue = self.gpu.queue();
@@ -219,26 +233,27 @@ impl Canvas {
 
     /// Draws the next rows of all pixels; with the last of them the back comes to the front.
     fn draw_band(&mut self, stage: &Stage, order: &Order, size: [u32; 2]) -> Result<(), String> {
-        let first = match self.rows {
-            Some(rows) => rows,
+        let Progress { rows: first, bands } = match self.progress {
+            Some(progress) => progress,
             None => {
                 let texture = self.texture(size)?;
                 self.back = Some(self.register(texture, self.back.as_ref()));
-                0
+                Progress::default()
             }
         };
         let Some(back) = &self.back else { return Ok(()) };
         let row = self.timing().per_pixel * f64::from(size[0]);
-        let rows = if row > 0.0 { (BAND / row) as u32 } else { size[1] / 16 };
+        let band = (BANDS.0 * f64::from(1 << bands.min(10))).min(BANDS.1);
+        let rows = if row > 0.0 { (band / row) as u32 } else { size[1] / 16 };
         let end = (first + rows.max(4)).min(size[1]);
         let piece = self.submit(stage, &back.texture, size, first..end)?;
         if end < size[1] {
-            self.rows = Some(end);
+            self.progress = Some(Progress { rows: end, bands: bands + 1 });
             self.meter.add(piece);
             return Ok(());
         }
         std::mem::swap(&mut self.front, &mut self.back);
-        self.rows = None;
+        self.progress = None;
         self.part = [1.0; 2];
         self.detail = 1.0;
         self.frames += 1;

@@ -1,0 +1,265 @@
+//! The command line as a shell sees it: what it prints and writes, and with which code it ends.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+const GOOD: &str = "\
+param size = 1 in 0.2..2 \"how large\"
+param style = block in [block, ball]
+shape block = box(1)
+shape ball = sphere(0.6)
+scene = sphere(size) | style.translate(2, 0, 0)
+camera front { eye: (0, 0, 6), target: (0, 0, 0) }
+camera top { eye: (0, 6, 0.1), target: (0, 0, 0) }
+";
+const BAD: &str = "scene = spere(1) | box(-1)\n";
+
+/// A folder of its own.
+fn folder(test: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("commands").join(test);
+    std::fs::remove_dir_all(&folder).ok();
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("good.sdf"), GOOD).unwrap();
+    std::fs::write(folder.join("bad.sdf"), BAD).unwrap();
+    folder
+}
+
+fn command(folder: &Path, args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_surefoot"));
+    command.current_dir(folder).args(args).stdin(Stdio::null());
+    command
+}
+
+fn run(folder: &Path, args: &[&str]) -> (i32, String, String) {
+    texts(command(folder, args).output().unwrap())
+}
+
+fn texts(output: Output) -> (i32, String, String) {
+    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+    (output.status.code().unwrap_or(-1), text(output.stdout), text(output.stderr))
+}
+
+fn size(path: &Path) -> (u32, u32) {
+    image::image_dimensions(path).unwrap()
+}
+
+#[test]
+fn check_says_what_is_wrong_and_ends_with_a_code() {
+    let folder = folder("check");
+    let (code, out, _) = run(&folder, &["check", "good.sdf"]);
+    assert_eq!((code, out.as_str()), (0, "good.sdf: fine\n"));
+    let (code, out, _) = run(&folder, &["check", "bad.sdf"]);
+    assert_eq!(code, 1);
+    assert!(out.contains("error[unknown-name]") && out.contains("bad.sdf:1:9"), "{out}");
+    assert!(!out.contains('\u{1b}'), "no colours where nobody sees them");
+    let (code, _, _) = run(&folder, &["check", "nowhere.sdf"]);
+    assert_eq!(code, 2);
+    let (code, _, _) = run(&folder, &["check"]);
+    assert_eq!(code, 2);
+}
+
+#[test]
+fn check_tells_a_machine_everything() {
+    let folder = folder("json");
+    let (code, out, _) = run(&folder, &["check", "--json", "good.sdf", "bad.sdf", "nowhere.sdf"]);
+    assert_eq!(code, 2);
+    let lines: Vec<Value> = out.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    let [good, bad, nowhere] = lines.as_slice() else { panic!("{out}") };
+    assert_eq!(good["ok"], true);
+    assert_eq!(good["scene"]["primitives"], 2);
+    assert!(good["scene"]["nodes"].as_u64().unwrap() > 0);
+    assert_eq!(good["scene"]["factor"], 1.0);
+    assert!(good["scene"]["kind"].is_string());
+    assert!(good["scene"]["bounds"]["max"][0].as_f64().unwrap() >= 2.5);
+    assert_eq!(good["parameters"][0]["name"], "size");
+    assert_eq!(good["parameters"][0]["max"], 2.0);
+    assert_eq!(good["parameters"][1]["choices"][1], "ball");
+    assert_eq!(good["functions"].as_array().unwrap().len(), 9);
+    assert!(good["skipped"][0].as_str().unwrap().contains("style"), "no module can hold a choice");
+    assert_eq!(bad["ok"], false);
+    assert_eq!(bad["scene"], Value::Null);
+    let first = &bad["diagnostics"][0];
+    assert_eq!(first["severity"], "error");
+    assert_eq!(first["code"], "unknown-name");
+    assert_eq!(first["file"], "bad.sdf");
+    assert_eq!((&first["line"], &first["column"]), (&1.into(), &9.into()));
+    assert_eq!((&first["end_line"], &first["end_column"]), (&1.into(), &14.into()));
+    assert!(first["help"].as_str().unwrap().contains("sphere"));
+    assert_eq!(nowhere["ok"], false);
+}
+
+#[test]
+fn compile_writes_every_language_and_nothing_on_an_error() {
+    let folder = folder("compile");
+    for target in ["wgsl", "glsl", "hlsl", "msl", "spirv"] {
+        let args = ["compile", "good.sdf", "-o", target, "--target", target];
+        let (code, out, err) = run(&folder, &args);
+        assert_eq!((code, out.as_str()), (0, ""), "{target}: {err}");
+        assert!(std::fs::metadata(folder.join(target)).unwrap().len() > 100, "{target}");
+    }
+    let spirv = std::fs::read(folder.join("spirv")).unwrap();
+    assert_eq!(spirv[..4], [3, 2, 35, 7]);
+
+    let args = ["compile", "good.sdf", "--functions", "bound", "--prefix", "my_", "--group", "2"];
+    let (code, text, _) = run(&folder, &args);
+    assert_eq!(code, 0);
+    assert!(text.contains("fn my_bound(") && !text.contains("fn my_trace("), "{text}");
+    assert!(text.contains("@group(2) @binding(0)") && !text.contains("sf_"));
+    let (_, dash, _) = run(&folder, &[&args[..], &["-o", "-"]].concat());
+    assert_eq!(dash, text, "the same source gives the same bytes");
+
+    let (code, out, err) = run(&folder, &["compile", "bad.sdf", "-o", "out.wgsl"]);
+    assert_eq!((code, out.as_str()), (1, ""));
+    assert!(err.contains("unknown-name"), "{err}");
+    assert!(!folder.join("out.wgsl").exists());
+    for wrong in [["--functions", "tracer"], ["--prefix", "a__b"], ["--target", "metal"]] {
+        let (code, _, _) = run(&folder, &[&["compile", "good.sdf"], &wrong[..]].concat());
+        assert_eq!(code, 2, "{wrong:?}");
+    }
+}
+
+#[test]
+fn fmt_lays_out_in_place_and_only_asks_with_check() {
+    let folder = folder("fmt");
+    let path = folder.join("loose.sdf");
+    let loose = "scene=sphere( 1 )|box(2)   // both\n";
+    std::fs::write(&path, loose).unwrap();
+    let (code, out, _) = run(&folder, &["fmt", "--check", "loose.sdf"]);
+    assert_eq!((code, out.as_str()), (1, "loose.sdf\n"));
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), loose);
+    let (code, _, _) = run(&folder, &["fmt", "loose.sdf"]);
+    assert_eq!(code, 0);
+    let laid_out = std::fs::read_to_string(&path).unwrap();
+    assert!(laid_out.starts_with("scene = sphere(1) | box(2)"), "{laid_out}");
+    let (code, _, _) = run(&folder, &["fmt", "--check", "loose.sdf"]);
+    assert_eq!(code, 0);
+
+    let stdin = std::fs::File::open(folder.join("loose.sdf")).unwrap();
+    let (code, out, _) = texts(command(&folder, &["fmt", "-"]).stdin(stdin).output().unwrap());
+    assert_eq!((code, out), (0, laid_out));
+
+    std::fs::write(&path, "scene = (\n").unwrap();
+    let (code, _, err) = run(&folder, &["fmt", "loose.sdf"]);
+    assert!(code == 1 && err.contains("error["), "{err}");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "scene = (\n");
+    let (code, _, _) = run(&folder, &["fmt", "nowhere.sdf"]);
+    assert_eq!(code, 2);
+}
+
+#[test]
+fn render_writes_pictures_without_graphics() {
+    let folder = folder("render");
+    let small = ["--size=48x32", "--device=cpu"];
+    let render = |more: &[&str]| {
+        let (code, _, err) =
+            run(&folder, &[&["render", "good.sdf", "-o", "a.png"], &small[..], more].concat());
+        (code, err)
+    };
+    assert_eq!(render(&[]), (0, String::new()));
+    assert_eq!(size(&folder.join("a.png")), (48, 32));
+    let picture = || image::open(folder.join("a.png")).unwrap().to_rgb8();
+    let first = picture();
+    assert_eq!(render(&["--set", "size=0.3"]).0, 0);
+    assert_ne!(picture(), first);
+    assert_eq!(render(&["--set", "style=ball"]).0, 0);
+    assert_ne!(picture(), first);
+    assert_eq!(render(&["--camera", "top"]).0, 0);
+    assert_ne!(picture(), first);
+    assert_eq!(render(&["--view", "normals"]).0, 0);
+    assert_ne!(picture(), first);
+
+    assert_eq!(render(&["--frames", "3..5"]), (0, String::new()));
+    assert!(folder.join("a_0003.png").exists() && folder.join("a_0004.png").exists());
+    assert!(!folder.join("a_0005.png").exists());
+
+    for (wrong, words) in [
+        (["--set", "sise=1"], "no such parameter"),
+        (["--set", "size=5"], "outside of 0.2 to 2"),
+        (["--set", "size=1,2"], "1 number"),
+        (["--set", "style=round"], "block, ball"),
+        (["--camera", "side"], "front, top"),
+        (["--frames", "5..3"], "not above"),
+    ] {
+        let (code, err) = render(&wrong);
+        assert!(code == 1 || code == 2, "{wrong:?}: {code}");
+        assert!(err.contains(words), "{wrong:?}: {err}");
+    }
+    let (code, _, err) = run(&folder, &["render", "good.sdf", "-o", "b.png", "--size", "0x0"]);
+    assert!(code == 2 && err.contains("from 1 to 16384"), "{err}");
+    let (code, _, _) = run(&folder, &["render", "bad.sdf", "-o", "b.png"]);
+    assert_eq!(code, 1);
+    assert!(!folder.join("b.png").exists());
+}
+
+#[test]
+fn without_an_adapter_the_processor_draws_unless_graphics_were_asked_for() {
+    let folder = folder("adapter");
+    let render = |device: &str| {
+        let args = ["render", "good.sdf", "-o", "a.png", "--size", "32x32", "--device", device];
+        // No machine that runs these tests has this one.
+        let backend = if cfg!(windows) { "metal" } else { "dx12" };
+        texts(command(&folder, &args).env("WGPU_BACKEND", backend).output().unwrap())
+    };
+    let (code, _, err) = render("gpu");
+    assert_eq!(code, 3, "{err}");
+    assert!(!folder.join("a.png").exists());
+    let (code, _, err) = render("auto");
+    assert_eq!(code, 0, "{err}");
+    assert!(err.contains("processor") && err.contains("triangles and balls"), "{err}");
+    assert!(folder.join("a.png").exists());
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn both_devices_draw_the_same_picture() {
+    let folder = folder("devices");
+    for device in ["gpu", "cpu"] {
+        let out = format!("{device}.png");
+        let args = ["render", "good.sdf", "-o", &out, "--size", "96x64", "--device", device];
+        let (code, _, err) = run(&folder, &args);
+        assert_eq!(code, 0, "{device}: {err}");
+    }
+    let open = |name: &str| image::open(folder.join(name)).unwrap().to_rgb8().into_raw();
+    let (gpu, cpu) = (open("gpu.png"), open("cpu.png"));
+    let apart = gpu.iter().zip(&cpu).filter(|(a, b)| a.abs_diff(**b) > 8).count();
+    assert!(apart * 100 < gpu.len(), "{apart} of {} values differ", gpu.len());
+}
+
+#[test]
+fn without_a_display_a_view_becomes_a_picture() {
+    let folder = folder("view");
+    let mut command = command(&folder, &["good.sdf"]);
+    for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+        command.env_remove(name);
+    }
+    let (code, _, err) = texts(command.output().unwrap());
+    assert_eq!(code, 0, "{err}");
+    assert!(err.contains("no window") && err.contains("good.png"), "{err}");
+    assert_eq!(size(&folder.join("good.png")), (1280, 720));
+}
+
+#[test]
+fn explain_knows_every_code() {
+    let folder = folder("explain");
+    let (code, all, _) = run(&folder, &["explain"]);
+    assert_eq!(code, 0);
+    for line in all.lines() {
+        let name = line.split_whitespace().next().unwrap();
+        let (code, text, _) = run(&folder, &["explain", name]);
+        assert!(code == 0 && text.contains(&format!("[{name}]")), "{name}");
+    }
+    let (code, _, _) = run(&folder, &["explain", "nonsense"]);
+    assert_eq!(code, 2);
+}
+
+#[test]
+fn bench_measures_each_stage() {
+    let folder = folder("bench");
+    let args = ["bench", "--compile", "good.sdf", "--runs", "3", "--json"];
+    let (code, out, err) = run(&folder, &args);
+    assert_eq!(code, 0, "{err}");
+    let report: Value = serde_json::from_str(&out).unwrap();
+    let names: Vec<_> = report["stages"].as_array().unwrap().iter().map(|s| &s["name"]).collect();
+    assert!(names.len() >= 5 && names.contains(&&Value::from("naga's check")), "{names:?}");
+}
