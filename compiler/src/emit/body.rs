@@ -2,10 +2,11 @@
 
 use super::EmitError;
 use super::plan::{Action, Plan, Plans, TargetId};
-use super::vector::{Joined, Part};
+use super::vector::{JoinedVectors, Part};
+use crate::graph::index::Index;
 use crate::graph::kernel::{self, Kind, Op, Terms};
 use crate::graph::{Graph, Leaf, NodeId};
-use rustc_hash::{FxHashMap, FxHasher};
+use rustc_hash::FxHasher;
 use std::hash::Hasher;
 
 /// Index of an expression in a [`Body`]. Arguments have smaller indices.
@@ -75,25 +76,27 @@ struct Expr {
     code: Code,
     start: u32,
     count: u32,
-    next: u32,
     named: Option<NodeId>,
     /// Where else a number stands: a component of a vector that was made of it.
     part: Option<Part>,
 }
 
-const NONE: u32 = u32::MAX;
+impl Expr {
+    fn arguments<'p>(&self, pool: &'p [ExprId]) -> &'p [ExprId] {
+        pool.get(self.start as usize..(self.start + self.count) as usize).unwrap_or(&[])
+    }
+}
 
 /// The expressions of one function.
 #[derive(Debug, Default)]
 pub struct Body {
     exprs: Vec<Expr>,
     pool: Vec<ExprId>,
-    /// Last expression with this hash; the others follow by [`Expr::next`].
-    index: FxHashMap<u64, u32>,
+    index: Index,
     /// Fields of shapes at arguments where a gradient, if it is called there, gives them too.
     fields: Vec<(ExprId, TargetId, Vec<ExprId>)>,
     /// Vectors that were made of numbers.
-    pub(super) joined: FxHashMap<[ExprId; 4], Joined>,
+    pub(super) joined: JoinedVectors,
     /// Whether a number is a component of a vector that was made of it.
     has_parts: bool,
 }
@@ -137,10 +140,14 @@ struct Frame<'p> {
 }
 
 impl Body {
-    /// Room for so many expressions.
-    pub fn with_capacity(count: usize) -> Self {
-        let index = FxHashMap::with_capacity_and_hasher(count, Default::default());
-        Self { exprs: Vec::with_capacity(count), pool: Vec::with_capacity(2 * count), index, ..Self::default() }
+    /// Forgets all, and keeps the room: for the next function.
+    pub fn clear(&mut self) {
+        self.exprs.clear();
+        self.pool.clear();
+        self.index.clear();
+        self.fields.clear();
+        self.joined.clear();
+        self.has_parts = false;
     }
 
     /// What an expression is.
@@ -150,10 +157,7 @@ impl Body {
 
     /// Arguments of an expression.
     pub fn arguments(&self, id: ExprId) -> &[ExprId] {
-        self.exprs
-            .get(id as usize)
-            .and_then(|e| self.pool.get(e.start as usize..(e.start + e.count) as usize))
-            .unwrap_or(&[])
+        self.exprs.get(id as usize).map_or(&[], |e| e.arguments(&self.pool))
     }
 
     /// The node of the graph that gives an expression its name.
@@ -175,33 +179,24 @@ impl Body {
 
     /// Adds an expression, or finds it.
     pub fn add(&mut self, code: Code, args: &[ExprId]) -> ExprId {
-        let (hash, found) = self.look_up(code, args);
-        if let Some(id) = found {
-            return id;
-        }
-        let id = self.exprs.len() as u32;
-        let next = self.index.insert(hash, id).unwrap_or(NONE);
-        let start = self.pool.len() as u32;
-        self.pool.extend_from_slice(args);
-        self.exprs.push(Expr { code, start, count: args.len() as u32, next, named: None, part: None });
-        id
-    }
-
-    fn look_up(&self, code: Code, args: &[ExprId]) -> (u64, Option<ExprId>) {
         let mut hasher = FxHasher::default();
         hasher.write_u64(code.key());
         for &arg in args {
             hasher.write_u32(arg);
         }
-        let hash = hasher.finish();
-        let mut at = self.index.get(&hash).copied().unwrap_or(NONE);
-        while let Some(expr) = self.exprs.get(at as usize) {
-            if expr.code == code && self.arguments(at).iter().eq(args) {
-                return (hash, Some(at));
-            }
-            at = expr.next;
-        }
-        (hash, None)
+        let new = self.exprs.len() as u32;
+        let (exprs, pool) = (&self.exprs, &self.pool);
+        let found = self.index.find_or_add(hasher.finish(), new, |id| {
+            let known = exprs.get(id as usize).filter(|e| e.code == code);
+            // The lists are too short for what compares them as bytes.
+            known.is_some_and(|e| e.arguments(pool).iter().eq(args))
+        });
+        found.unwrap_or_else(|| {
+            let start = self.pool.len() as u32;
+            self.pool.extend_from_slice(args);
+            self.exprs.push(Expr { code, start, count: args.len() as u32, named: None, part: None });
+            new
+        })
     }
 
     /// Whether an expression is a condition.
@@ -449,7 +444,8 @@ impl Body {
         let count = self.exprs.len();
         let mut shared: Vec<ExprId> = (0..count as ExprId).collect();
         let mut live = vec![false; count];
-        self.mark(root, &mut live);
+        let mut stack = Vec::new();
+        self.mark(root, &mut live, &mut stack);
         // A field is the fourth component of a gradient's call at the same place.
         for (field, gradient, args) in std::mem::take(&mut self.fields) {
             // Only what was computed from the arguments may be read from their call: else it would wait for itself.
@@ -483,7 +479,7 @@ impl Body {
                 continue;
             }
             if is_live(&live, part.vector) || wanted.get(part.vector as usize).is_some_and(|n| *n > 1) {
-                self.mark(part.vector, &mut live);
+                self.mark(part.vector, &mut live, &mut stack);
                 let component = self.component(part.vector, part.index);
                 if let Some(slot) = shared.get_mut(id as usize) {
                     *slot = component;
@@ -495,8 +491,8 @@ impl Body {
         shared
     }
 
-    fn mark(&self, root: ExprId, live: &mut [bool]) {
-        let mut stack = vec![root];
+    fn mark(&self, root: ExprId, live: &mut [bool], stack: &mut Vec<ExprId>) {
+        stack.push(root);
         while let Some(id) = stack.pop() {
             if let Some(live) = live.get_mut(id as usize).filter(|l| !**l) {
                 *live = true;

@@ -32,7 +32,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::fmt::Write;
 use uniforms::Candidates;
-use write::Context;
+use write::{Context, Room};
 
 /// Why there is no module. The compiler itself is at fault, or the prefix.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,12 +117,14 @@ pub fn emit(
         uniform_name: format!("{prefix}uniforms"),
         uniforms: Candidates::new(graph, parameters),
         helpers: Helpers::default(),
+        room: Room::default(),
     };
     let mut texts = String::with_capacity(64 * graph.len().min(100_000));
+    let mut body = Body::default();
     for &id in &standing {
-        shape_function(&mut context, id, &mut texts)?;
+        shape_function(&mut context, id, &mut body, &mut texts)?;
     }
-    let operations = export_functions(&mut context, root, &exports, &roots, surface.as_ref(), &mut texts)?;
+    let operations = export_functions(&mut context, root, &exports, &roots, surface.as_ref(), &mut body, &mut texts)?;
 
     // What the library reads.
     if exports.iter().any(|e| matches!(e, Export::Trace | Export::Shadow)) {
@@ -181,12 +183,17 @@ fn surface_plan(graph: &Graph, root: ShapeId, functions: &Functions, plans: &mut
 }
 
 /// Writes a function of a shape.
-fn shape_function(context: &mut Context, id: TargetId, text: &mut String) -> Result<(), EmitError> {
+fn shape_function(
+    context: &mut Context,
+    id: TargetId,
+    body: &mut Body,
+    text: &mut String,
+) -> Result<(), EmitError> {
     let plans = context.plans;
     let Some(target) = plans.get(id) else { return Ok(()) };
     let dimensions = context.graph.shape(target.shape).map_or(3, |s| s.dimensions);
-    let mut body = Body::with_capacity(2 * target.plan.steps.len());
-    let (space, arguments) = own_space(&mut body, dimensions, &target.plan.variables);
+    body.clear();
+    let (space, arguments) = own_space(body, dimensions, &target.plan.variables);
     let results = body.open(plans, context.graph, &target.plan, &space, &context.uniforms)?;
     let (result, ty) = match target.group {
         Group::Gradient => (body.gradient(&results), "vec4f"),
@@ -195,7 +202,7 @@ fn shape_function(context: &mut Context, id: TargetId, text: &mut String) -> Res
     let name = context.functions.get(&id).map_or("", |n| n.as_str());
     let _ = writeln!(text, "\nfn {name}({}) -> {ty} {{", arguments.join(", "));
     let words: Vec<&str> = arguments.iter().filter_map(|a| a.split(':').next()).collect();
-    let count = write::write(context, &mut body, result, &words, text);
+    let count = write::write(context, body, result, &words, text);
     text.push_str("}\n");
     context.operations.insert(id, count);
     Ok(())
@@ -208,6 +215,7 @@ fn export_functions(
     exports: &[Export],
     roots: &[(Export, TargetId)],
     surface: Option<&Plan>,
+    body: &mut Body,
     text: &mut String,
 ) -> Result<(usize, usize), EmitError> {
     let (graph, plans, prefix) = (context.graph, context.plans, context.prefix);
@@ -227,17 +235,17 @@ fn export_functions(
         } else {
             let _ = writeln!(text, "  let q = p + {}.origin;", context.uniform_name);
             context.uniforms.read(UniformSource::Origin);
-            let mut body = Body::with_capacity(256);
-            let space = scene_space(graph, root, &mut body, target.is_none());
+            body.clear();
+            let space = scene_space(graph, root, body, target.is_none());
             let result = match (target, surface) {
                 (Some(target), _) => body.whole(plans, graph, target, &space, &context.uniforms)?,
                 (None, Some(plan)) => {
                     let results = body.open(plans, graph, plan, &space, &context.uniforms)?;
-                    surface_struct(&mut body, &results)
+                    surface_struct(body, &results)
                 }
                 (None, None) => body.constant(0.0),
             };
-            write::write(context, &mut body, result, &["p", "q", "normal"], text)
+            write::write(context, body, result, &["p", "q", "normal"], text)
         };
         text.push_str("}\n");
         if let Some(target) = target {

@@ -45,6 +45,11 @@ impl Scope {
         self.given.entry(hash(name)).or_insert(1);
     }
 
+    /// Forgets all names.
+    pub fn clear(&mut self) {
+        self.given.clear();
+    }
+
     /// Writes the name itself where it is free, else the name with a number after it. `outer` holds names that must stay visible.
     pub fn write(&mut self, name: &str, outer: Option<&Scope>, to: &mut String) {
         let hidden = |n: &str| outer.is_some_and(|o| o.given.contains_key(&hash(n))) || is_taken(n);

@@ -182,13 +182,16 @@ pub struct Plans<'a> {
     /// For each node, the step that computes it in the plan that is being made, and the plan's number.
     seen: Vec<(u32, u32)>,
     round: u32,
+    /// The nodes of the plan that is being made; room that is kept.
+    nodes: Vec<NodeId>,
 }
 
 impl<'a> Plans<'a> {
     /// No function yet.
     pub fn new(graph: &'a Graph, functions: &'a Functions) -> Self {
         let seen = vec![(0, 0); graph.len()];
-        Self { graph, functions, targets: Vec::new(), index: FxHashMap::default(), seen, round: 0 }
+        let (targets, index, nodes) = (Vec::new(), FxHashMap::default(), Vec::new());
+        Self { graph, functions, targets, index, seen, round: 0, nodes }
     }
 
     /// Whether a shape has the formulas of a group.
@@ -243,14 +246,15 @@ impl<'a> Plans<'a> {
         let mut at = 0;
         while let Some(target) = self.targets.get(at) {
             let (shape, group) = (target.shape, target.group);
-            let mut formulas = Vec::with_capacity(4);
-            for &function in group.functions() {
+            let mut formulas = [NodeId::default(); 4];
+            for (slot, &function) in formulas.iter_mut().zip(group.functions()) {
                 let formula = self.functions.formulas.get(&(shape, function));
-                formulas.push(*formula.ok_or(EmitError::NoFormula(shape, function))?);
+                *slot = *formula.ok_or(EmitError::NoFormula(shape, function))?;
             }
+            let formulas = formulas.get(..group.functions().len()).unwrap_or(&formulas);
             let variables =
                 self.graph.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
-            let plan = self.plan(&formulas, variables);
+            let plan = self.plan(formulas, variables);
             if let Some(target) = self.targets.get_mut(at) {
                 target.plan = plan;
             }
@@ -405,18 +409,24 @@ impl<'a> Plans<'a> {
             Node::Claim(args, _) => args.get(..1).unwrap_or(&[]),
             _ => graph.arguments(id),
         };
-        let mut nodes: Vec<NodeId> = Vec::with_capacity(roots.len() * 8);
-        let mut stack: Vec<NodeId> = roots.to_vec();
-        while let Some(id) = stack.pop() {
+        let mut nodes = std::mem::take(&mut self.nodes);
+        nodes.clear();
+        let mut visit = |id: NodeId, nodes: &mut Vec<NodeId>| {
             if let Some(seen) = seen.get_mut(id.0 as usize).filter(|s| s.0 != round) {
                 *seen = (round, 0);
                 nodes.push(id);
-                stack.extend_from_slice(arguments(id));
             }
+        };
+        roots.iter().for_each(|&root| visit(root, &mut nodes));
+        let mut at = 0;
+        while let Some(&id) = nodes.get(at) {
+            at += 1;
+            arguments(id).iter().for_each(|&arg| visit(arg, &mut nodes));
         }
         nodes.sort_unstable();
         let mut plan = Plan { variables, ..Plan::default() };
         plan.steps.reserve(nodes.len());
+        plan.arguments.reserve(2 * nodes.len());
         // Calls of a gradient at the same arguments are one step.
         let mut gradients: FxHashMap<(TargetId, &[NodeId]), u32> = FxHashMap::default();
         for &id in &nodes {
@@ -464,6 +474,7 @@ impl<'a> Plans<'a> {
             .map(|r| seen.get(r.0 as usize).map_or(0, |s| s.1))
             .collect();
         self.seen = seen;
+        self.nodes = nodes;
         plan
     }
 }

@@ -4,7 +4,10 @@
 //! Where such a number is used by itself too, it is read from the vector.
 
 use super::body::{Body, Code, ExprId};
+use crate::graph::index::Index;
 use crate::graph::kernel::{Op, Terms};
+use rustc_hash::FxHasher;
+use std::hash::Hasher;
 
 /// A vector made of numbers.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +18,39 @@ pub struct Joined {
     gathers: u32,
     /// The newest number inside; numbers that are newer may be read from the vector.
     newest: ExprId,
+}
+
+/// The vectors that were made, by the numbers of which they were made.
+#[derive(Debug, Default)]
+pub struct JoinedVectors {
+    all: Vec<([ExprId; 4], Joined)>,
+    index: Index,
+}
+
+impl JoinedVectors {
+    fn hash(key: [ExprId; 4]) -> u64 {
+        let mut hasher = FxHasher::default();
+        key.iter().for_each(|&id| hasher.write_u32(id));
+        hasher.finish()
+    }
+
+    fn get(&self, key: [ExprId; 4]) -> Option<Joined> {
+        let of = |at: u32| self.all.get(at as usize);
+        let at = self.index.find(Self::hash(key), |at| of(at).is_some_and(|v| v.0 == key))?;
+        of(at).map(|v| v.1)
+    }
+
+    /// Adds a vector that is not there.
+    fn add(&mut self, key: [ExprId; 4], joined: Joined) {
+        self.index.find_or_add(Self::hash(key), self.all.len() as u32, |_| false);
+        self.all.push((key, joined));
+    }
+
+    /// Forgets all, and keeps the room.
+    pub fn clear(&mut self) {
+        self.all.clear();
+        self.index.clear();
+    }
 }
 
 /// Where else a number stands.
@@ -107,8 +143,8 @@ impl Body {
         for (slot, &part) in key.iter_mut().zip(parts) {
             *slot = part;
         }
-        if let Some(known) = self.joined.get(&key) {
-            return *known;
+        if let Some(known) = self.joined.get(key) {
+            return known;
         }
         let joined = self.find(parts, depth).unwrap_or_else(|| {
             let constant = parts.iter().all(|&p| self.as_constant(p).is_some());
@@ -116,7 +152,7 @@ impl Body {
             let id = self.add(Code::Vector(parts.len() as u8), parts);
             Joined { id, gathers: u32::from(!constant), newest: if constant { 0 } else { newest } }
         });
-        self.joined.insert(key, joined);
+        self.joined.add(key, joined);
         if matches!(self.code(joined.id), Code::VectorOp(..)) {
             for (i, &part) in parts.iter().enumerate() {
                 // A constant is never read from a vector: it is as good where it stands, and the vector may hold it itself.

@@ -10,6 +10,7 @@ use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op, Terms};
 use rustc_hash::FxHashMap;
 use std::fmt::Write;
+use std::ops::Range;
 
 /// What writing a function needs to know of the module.
 pub struct Context<'a> {
@@ -31,6 +32,31 @@ pub struct Context<'a> {
     pub uniforms: Candidates,
     /// Helpers; those that are called are marked.
     pub helpers: Helpers,
+    /// Room that each function is written with.
+    pub room: Room,
+}
+
+/// What is written of a function so far. It is kept for the next one's sake, empty.
+#[derive(Debug, Default)]
+pub struct Room {
+    scratch: String,
+    states: Vec<State>,
+    ranges: Vec<Interval>,
+    order: Vec<ExprId>,
+    stack: Vec<(ExprId, usize)>,
+    locals: Scope,
+}
+
+/// What is known of an expression while its function is written.
+#[derive(Clone, Copy, Debug, Default)]
+struct State {
+    text: Text,
+    /// How often it is used.
+    uses: u32,
+    /// Whether it can't be negative, however it is rounded.
+    not_negative: bool,
+    /// Whether it is a vector of which components are read.
+    taken_apart: bool,
 }
 
 /// Text of an expression, in the scratch of its writer.
@@ -44,6 +70,12 @@ struct Text {
     atom: bool,
 }
 
+impl Text {
+    fn range(self) -> Range<usize> {
+        self.start as usize..(self.start + self.length) as usize
+    }
+}
+
 /// A nested expression longer than this is split.
 const LONGEST: u32 = 78;
 
@@ -54,14 +86,10 @@ struct Writer<'c, 'a> {
     shared: Vec<ExprId>,
     out: &'c mut String,
     scratch: String,
-    texts: Vec<Text>,
-    /// Whether a value can't be negative, however it is rounded.
-    not_negative: Vec<bool>,
+    states: Vec<State>,
     /// All values, where a division needs to know; else empty.
     ranges: Vec<Interval>,
     locals: Scope,
-    /// Vectors of which components are read.
-    taken_apart: Vec<bool>,
     operations: usize,
 }
 
@@ -75,7 +103,7 @@ pub fn write(
     out: &mut String,
 ) -> usize {
     let shared = body.shared(context.graph, context.plans, root);
-    let mut locals = Scope::default();
+    let Room { scratch, mut states, mut ranges, mut order, mut stack, mut locals } = std::mem::take(&mut context.room);
     for name in arguments {
         locals.reserve(name);
     }
@@ -84,37 +112,34 @@ pub fn write(
         body.code(e) == Code::Op(Op::Div)
             && body.arguments(e).get(1).is_some_and(|&b| body.as_constant(b).is_none())
     });
-    let mut writer = Writer {
-        context,
-        body,
-        shared,
-        out,
-        scratch: String::with_capacity(16 * count),
-        texts: vec![Text::default(); count],
-        not_negative: vec![false; count],
-        ranges: if divides { vec![Interval::ALL; count] } else { Vec::new() },
-        locals,
-        taken_apart: vec![false; count],
-        operations: 0,
-    };
+    states.resize(count, State::default());
+    ranges.resize(if divides { count } else { 0 }, Interval::ALL);
+    let mut writer = Writer { context, body, shared, out, scratch, states, ranges, locals, operations: 0 };
     let root = writer.resolve(root);
-    let (order, uses) = writer.order(root);
+    writer.order(root, &mut order, &mut stack);
     for &id in &order {
         if let Code::Component(_) | Code::Swizzle(..) = writer.body.code(id) {
             let vector = writer.argument(id, 0);
-            if let Some(slot) = writer.taken_apart.get_mut(vector as usize) {
-                *slot = true;
+            if let Some(state) = writer.states.get_mut(vector as usize) {
+                state.taken_apart = true;
             }
         }
     }
     for &id in &order {
-        writer.expression(id, uses.get(id as usize).copied().unwrap_or(0), id == root);
+        writer.expression(id, id == root);
     }
-    let text = writer.text(root);
-    let range = text.start as usize..(text.start + text.length) as usize;
-    let result = writer.scratch.get(range).unwrap_or("0.0");
-    let _ = writeln!(writer.out, "  return {result};");
-    writer.operations
+    let result = writer.text(root);
+    let Writer { mut scratch, mut states, mut ranges, mut locals, operations, out, .. } = writer;
+    out.push_str("  return ");
+    out.push_str(scratch.get(result.range()).unwrap_or("0.0"));
+    out.push_str(";\n");
+    scratch.clear();
+    states.clear();
+    ranges.clear();
+    order.clear();
+    locals.clear();
+    context.room = Room { scratch, states, ranges, order, stack, locals };
+    operations
 }
 
 impl Writer<'_, '_> {
@@ -122,13 +147,11 @@ impl Writer<'_, '_> {
         self.shared.get(id as usize).copied().unwrap_or(id)
     }
 
-    /// What the root needs, arguments first, and how often each is used.
-    fn order(&self, root: ExprId) -> (Vec<ExprId>, Vec<u32>) {
-        let mut uses = vec![0u32; self.body.len()];
-        let mut order = Vec::new();
-        let mut stack = vec![(self.resolve(root), 0usize)];
-        if let Some(count) = uses.get_mut(self.resolve(root) as usize) {
-            *count = 1;
+    /// What the root needs, arguments first, into `order`; and how often each is used.
+    fn order(&mut self, root: ExprId, order: &mut Vec<ExprId>, stack: &mut Vec<(ExprId, usize)>) {
+        stack.push((root, 0));
+        if let Some(state) = self.states.get_mut(root as usize) {
+            state.uses = 1;
         }
         while let Some((id, at)) = stack.pop() {
             match self.body.arguments(id).get(at) {
@@ -136,20 +159,28 @@ impl Writer<'_, '_> {
                 Some(&next) => {
                     stack.push((id, at + 1));
                     let next = self.resolve(next);
-                    if let Some(count) = uses.get_mut(next as usize) {
-                        *count += 1;
-                        if *count == 1 {
+                    if let Some(state) = self.states.get_mut(next as usize) {
+                        state.uses += 1;
+                        if state.uses == 1 {
                             stack.push((next, 0));
                         }
                     }
                 }
             }
         }
-        (order, uses)
+    }
+
+    fn state(&self, id: ExprId) -> State {
+        self.states.get(id as usize).copied().unwrap_or_default()
     }
 
     fn text(&self, id: ExprId) -> Text {
-        self.texts.get(self.resolve(id) as usize).copied().unwrap_or_default()
+        self.state(self.resolve(id)).text
+    }
+
+    /// The bytes of a text.
+    fn written(&self, text: Text) -> &str {
+        self.scratch.get(text.range()).unwrap_or("0.0")
     }
 
     fn as_number(&self, id: ExprId) -> Option<f64> {
@@ -161,7 +192,7 @@ impl Writer<'_, '_> {
     }
 
     /// Writes an expression into the scratch, and as a `let` where that is better.
-    fn expression(&mut self, id: ExprId, uses: u32, is_root: bool) {
+    fn expression(&mut self, id: ExprId, is_root: bool) {
         self.learn(id);
         self.shorten(id);
         let start = self.scratch.len() as u32;
@@ -183,8 +214,8 @@ impl Writer<'_, '_> {
                     | Code::Swizzle(..)
             ),
         };
-        if let Some(slot) = self.texts.get_mut(id as usize) {
-            *slot = text;
+        if let Some(state) = self.states.get_mut(id as usize) {
+            state.text = text;
         }
         if text.atom || is_root {
             return;
@@ -194,7 +225,8 @@ impl Writer<'_, '_> {
         let named = self.body.named(id).is_some();
         // Components are taken of names only.
         let code = self.body.code(id);
-        let whole = matches!(code, Code::Call(_) | Code::VectorOp(..)) && self.taken_apart.get(id as usize) == Some(&true);
+        let State { uses, taken_apart, .. } = self.state(id);
+        let whole = matches!(code, Code::Call(_) | Code::VectorOp(..)) && taken_apart;
         if uses > 1 && !short || named || whole {
             self.bind(id);
         }
@@ -255,16 +287,15 @@ impl Writer<'_, '_> {
             }
         }
         let name = self.scratch.get(start..).unwrap_or_default();
-        let range = text.start as usize..(text.start + text.length) as usize;
-        let value = self.scratch.get(range).unwrap_or("0.0");
+        let value = self.scratch.get(text.range()).unwrap_or("0.0");
         self.out.push_str("  let ");
         self.out.push_str(name);
         self.out.push_str(" = ");
         self.out.push_str(value);
         self.out.push_str(";\n");
         let (start, length) = (start as u32, name.len() as u32);
-        if let Some(slot) = self.texts.get_mut(id as usize) {
-            *slot = Text { start, length, strength: 9, atom: true };
+        if let Some(state) = self.states.get_mut(id as usize) {
+            state.text = Text { start, length, strength: 9, atom: true };
         }
     }
 
@@ -294,9 +325,7 @@ impl Writer<'_, '_> {
     /// Notes what is known of an expression's value.
     fn learn(&mut self, id: ExprId) {
         let args = self.body.arguments(id);
-        let known = |a: ExprId| {
-            self.not_negative.get(self.resolve(a) as usize).copied().unwrap_or(false)
-        };
+        let known = |a: ExprId| self.state(self.resolve(a)).not_negative;
         let not_negative = match self.body.code(id) {
             Code::Constant(bits) => f64::from_bits(bits) >= 0.0,
             Code::Uniform(index, 1) => {
@@ -313,8 +342,8 @@ impl Writer<'_, '_> {
             },
             _ => false,
         };
-        if let Some(slot) = self.not_negative.get_mut(id as usize) {
-            *slot = not_negative;
+        if let Some(state) = self.states.get_mut(id as usize) {
+            state.not_negative = not_negative;
         }
         if !self.ranges.is_empty() {
             let range = self.range(id);
@@ -384,12 +413,11 @@ impl Writer<'_, '_> {
     /// An argument's text, in parentheses where it binds less than `least`.
     fn put_argument(&mut self, id: ExprId, least: u8) {
         let text = self.text(id);
-        let range = text.start as usize..(text.start + text.length) as usize;
         let parentheses = text.strength < least;
         if parentheses {
             self.scratch.push('(');
         }
-        self.scratch.extend_from_within(range);
+        self.scratch.extend_from_within(text.range());
         if parentheses {
             self.scratch.push(')');
         }
@@ -428,7 +456,12 @@ impl Writer<'_, '_> {
                 let value = f64::from_bits(bits) as f32;
                 // What 32 bits can't hold in full is zero to many a GPU.
                 let value = if value.is_normal() { value } else { 0.0 };
-                let _ = write!(self.scratch, "{value:?}");
+                if value.fract() == 0.0 && value.abs() < 1e6 {
+                    // The same text, found sooner.
+                    let _ = write!(self.scratch, "{}.0", value as i32);
+                } else {
+                    let _ = write!(self.scratch, "{value:?}");
+                }
                 if value < 0.0 { 8 } else { 9 }
             }
             Code::Point(_) => {
@@ -529,14 +562,13 @@ impl Writer<'_, '_> {
         };
         self.put_number(a, strength);
         let text = self.text(b);
-        let range = text.start as usize..(text.start + text.length) as usize;
-        let negative = self.scratch.get(range).is_some_and(|t| t.starts_with('-'));
+        let negative = self.written(text).starts_with('-');
         match (op, negative, self.as_number(b)) {
             // a + -1.0 is a - 1.0, to the last bit.
             (Op::Add | Op::Sub, true, Some(_)) => {
                 self.put(if op == Op::Add { " - " } else { " + " });
-                let range = text.start as usize + 1..(text.start + text.length) as usize;
-                self.scratch.extend_from_within(range);
+                let Range { start, end } = text.range();
+                self.scratch.extend_from_within(start + 1..end);
             }
             _ => {
                 self.put(sign);
@@ -564,7 +596,7 @@ impl Writer<'_, '_> {
                 self.put_number(a, 9);
                 return 7;
             }
-            Op::Sqrt if self.not_negative.get(a as usize) == Some(&true) => {
+            Op::Sqrt if self.state(a).not_negative => {
                 self.put("sqrt(");
                 self.put_number(a, 0);
                 self.put(")");
@@ -597,10 +629,8 @@ impl Writer<'_, '_> {
         }
         // Inside parentheses anything may stand, beside an operator only what binds more.
         let least = if row.strength == 9 { 0 } else { row.strength + 1 };
-        while let Some((before, after)) = rest.split_once('{') {
+        while let Some((before, i, after)) = next_argument(rest) {
             self.put(before);
-            let (index, after) = after.split_once('}').unwrap_or((after, ""));
-            let i = index.parse().unwrap_or(0);
             let arg = self.argument(id, i);
             match op {
                 Op::Not => self.put_condition(arg, least),
@@ -612,6 +642,14 @@ impl Writer<'_, '_> {
         self.put(rest);
         row.strength
     }
+}
+
+/// Splits a pattern of the kernel table at its first `{0}`: what stands before, the argument's number (one digit), what follows.
+fn next_argument(pattern: &str) -> Option<(&str, usize, &str)> {
+    let bytes = pattern.as_bytes();
+    let at = bytes.iter().position(|&b| b == b'{')?;
+    let digit = bytes.get(at + 1)?;
+    Some((pattern.get(..at)?, usize::from(digit.wrapping_sub(b'0')), pattern.get(at + 3..)?))
 }
 
 fn component_name(i: u8) -> &'static str {

@@ -6,14 +6,23 @@
 //! needs is the structure of the formulas.
 
 pub mod algebra;
+mod args;
+pub(crate) mod index;
 pub mod interval;
 pub mod kernel;
+mod labels;
 pub mod print;
+mod reads;
+mod walk;
 
 use crate::source::Span;
-use algebra::Algebra;
+pub use args::Args;
+use index::Index;
 use kernel::Op;
-use rustc_hash::FxHashMap;
+use labels::Labels;
+use reads::{Reads, Sets};
+use rustc_hash::{FxHashMap, FxHasher};
+use std::hash::Hasher;
 use std::sync::Arc;
 
 /// Index of a node of the graph. A node's arguments have smaller indices.
@@ -72,13 +81,13 @@ pub enum Node {
     /// Read from outside.
     Leaf(Leaf),
     /// An operation of the kernel.
-    Op(Op, Arc<[NodeId]>),
+    Op(Op, Args),
     /// A function of a shape at a point: three coordinates (two of a drawing, then zero), then one value for
     /// each of the shape's variables.
-    Call(ShapeId, Function, Arc<[NodeId]>),
+    Call(ShapeId, Function, Args),
     /// The value of the first node, with what is known of it and can't be seen from its formula; the
     /// others are what the claim speaks of.
-    Claim(Arc<[NodeId]>, Claim),
+    Claim(Args, Claim),
     /// How far a field may be trusted, as a multiple: the reciprocal of a Lipschitz factor. An index into [`Graph::factors`].
     Factor(u32),
 }
@@ -187,15 +196,23 @@ pub struct Material {
     pub solid: bool,
 }
 
+impl Material {
+    /// Its formulas: colour, emission, roughness, metallic, reflectivity.
+    pub fn nodes(&self) -> [NodeId; 9] {
+        let ([r, g, b], [x, y, z]) = (self.color, self.emission);
+        [r, g, b, x, y, z, self.roughness, self.metallic, self.reflectivity]
+    }
+}
+
 /// The graph of a program.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
-    index: FxHashMap<Node, NodeId>,
-    /// A name from the source for a node, for the reader of the output.
-    names: FxHashMap<NodeId, Arc<str>>,
-    /// Where a node came from, for a diagnostic.
-    spans: FxHashMap<NodeId, Span>,
+    index: Index,
+    /// What each node reads of its space.
+    reads: Vec<Reads>,
+    sets: Sets,
+    labels: Labels,
     shapes: Vec<Shape>,
     shape_index: FxHashMap<Shape, ShapeId>,
     /// Materials, in the order in which they were met.
@@ -231,13 +248,40 @@ impl Graph {
 
     /// Adds a node, or finds it. No simplification; see [`Graph::op`].
     pub fn intern(&mut self, node: Node) -> NodeId {
-        if let Some(&id) = self.index.get(&node) {
-            return id;
-        }
-        let id = NodeId(self.nodes.len() as u32);
-        self.nodes.push(node.clone());
-        self.index.insert(node, id);
-        id
+        let new = self.nodes.len() as u32;
+        let found = self.index.find_or_add(hash_node(&node), new, |i| self.nodes.get(i as usize) == Some(&node));
+        found.map_or_else(|| self.add(node), NodeId)
+    }
+
+    /// Adds a node that is not there, and that the index has already.
+    fn add(&mut self, node: Node) -> NodeId {
+        let id = self.nodes.len() as u32;
+        let reads = match &node {
+            Node::Leaf(Leaf::P(_) | Leaf::Normal(_)) => Reads { point: true, variables: 0 },
+            Node::Leaf(Leaf::Variable(v)) => Reads { point: false, variables: self.sets.one(*v) },
+            Node::Op(_, args) | Node::Call(_, _, args) | Node::Claim(args, _) => {
+                let mut all = Reads::default();
+                for &arg in args.iter() {
+                    let of = self.reads(arg);
+                    all.point |= of.point;
+                    all.variables = self.sets.union(all.variables, of.variables);
+                }
+                all
+            }
+            _ => Reads::default(),
+        };
+        self.nodes.push(node);
+        self.reads.push(reads);
+        NodeId(id)
+    }
+
+    fn reads(&self, id: NodeId) -> Reads {
+        self.reads.get(id.0 as usize).copied().unwrap_or_default()
+    }
+
+    /// Whether a node reads the point or the normal of its space.
+    pub fn reads_point(&self, id: NodeId) -> bool {
+        self.reads(id).point
     }
 
     /// A constant. What is not finite becomes the nearest finite number of 32 bits, NaN becomes 0.
@@ -269,7 +313,10 @@ impl Graph {
         if let Some(simple) = kernel::simplify(self, op, args) {
             return simple;
         }
-        self.intern(Node::Op(op, args.into()))
+        let known = |node: Option<&Node>| matches!(node, Some(Node::Op(o, a)) if *o == op && **a == *args);
+        let new = self.nodes.len() as u32;
+        let found = self.index.find_or_add(hash(op_key(op), args), new, |i| known(self.nodes.get(i as usize)));
+        found.map_or_else(|| self.add(Node::Op(op, args.into())), NodeId)
     }
 
     /// A function of a shape at a point. `args`: three coordinates, then the shape's variables in their order.
@@ -306,23 +353,30 @@ impl Graph {
     /// Gives a node the name that it has in the source. The first name stays.
     pub fn name_node(&mut self, id: NodeId, name: &str) {
         if !matches!(self.node(id), Node::Constant(_) | Node::Leaf(_)) {
-            self.names.entry(id).or_insert_with(|| name.into());
+            self.labels.name(id, name);
         }
     }
 
     /// The name of a node in the source.
     pub fn node_name(&self, id: NodeId) -> Option<&str> {
-        self.names.get(&id).map(|n| &**n)
+        self.labels.name_of(id)
+    }
+
+    /// Gives a node the name of another that became it.
+    fn pass_name(&mut self, from: NodeId, to: NodeId) {
+        if !matches!(self.node(to), Node::Constant(_) | Node::Leaf(_)) {
+            self.labels.pass_name(from, to);
+        }
     }
 
     /// Remembers where a node came from. The first place stays.
     pub fn locate(&mut self, id: NodeId, span: Span) {
-        self.spans.entry(id).or_insert(span);
+        self.labels.locate(id, span);
     }
 
     /// Where a node came from.
     pub fn location(&self, id: NodeId) -> Option<Span> {
-        self.spans.get(&id).copied()
+        self.labels.place_of(id)
     }
 
     /// A shape. None for an index from another graph.
@@ -337,21 +391,18 @@ impl Graph {
 
     /// Adds a shape, or finds one that is the same. Its variables are found here.
     pub fn add_shape(&mut self, mut shape: Shape) -> ShapeId {
-        let mut roots = vec![shape.value];
-        let mut variables = Vec::new();
-        for material in shape.material.iter().chain(shape.paints.iter().map(|(_, m)| m)) {
-            if let Some(m) = self.materials.get(material.0 as usize) {
-                roots.extend(m.color.iter().chain(&m.emission));
-                roots.extend([m.roughness, m.metallic, m.reflectivity]);
-            }
+        let mut variables = self.reads(shape.value).variables;
+        let materials = shape.material.iter().chain(shape.paints.iter().map(|(_, m)| m));
+        let looks = materials.filter_map(|m| self.materials.get(m.0 as usize)).flat_map(Material::nodes);
+        for node in looks.collect::<Vec<_>>() {
+            variables = self.sets.union(variables, self.reads(node).variables);
         }
         for (mask, _) in shape.paints.iter() {
-            variables.extend(self.shape(*mask).iter().flat_map(|s| s.variables.iter().copied()));
+            let of_mask = self.shape(*mask).map(|s| s.variables.clone()).unwrap_or_default();
+            let of_mask = self.sets.find(&of_mask);
+            variables = self.sets.union(variables, of_mask);
         }
-        variables.extend(self.free_variables(&roots));
-        variables.sort_unstable();
-        variables.dedup();
-        shape.variables = variables.into();
+        shape.variables = self.sets.get(variables);
         if let Some(&id) = self.shape_index.get(&shape) {
             return id;
         }
@@ -370,187 +421,36 @@ impl Graph {
         });
         MaterialId(index as u32)
     }
+}
 
-    /// Every node that the roots need, arguments before the nodes that use them, each once. Calls are not entered.
-    pub fn reachable(&self, roots: &[NodeId]) -> Vec<NodeId> {
-        let Some(last) = roots.iter().map(|r| r.0 as usize).max() else { return Vec::new() };
-        // Arguments have smaller indices, so one pass from the last root down finds all, in order.
-        let mut marked = vec![0u64; last / 64 + 1];
-        let mark = |marked: &mut [u64], id: NodeId| {
-            if let Some(word) = marked.get_mut(id.0 as usize / 64) {
-                *word |= 1 << (id.0 % 64);
-            }
-        };
-        for &root in roots {
-            mark(&mut marked, root);
-        }
-        let mut order = Vec::new();
-        for index in (0..marked.len()).rev() {
-            // Marking can add lower bits to the word at hand.
-            let mut below = u64::MAX;
-            while let Some(word) = marked.get(index).map(|w| w & below).filter(|w| *w != 0) {
-                let bit = 63 - word.leading_zeros();
-                below = (1 << bit) - 1;
-                let id = NodeId((index * 64) as u32 + bit);
-                order.push(id);
-                for &argument in self.arguments(id) {
-                    mark(&mut marked, argument);
-                }
-            }
-        }
-        order.reverse();
-        order
+/// A number that is different for each operation.
+fn op_key(op: Op) -> u64 {
+    6 << 40 | op as u64
+}
+
+fn hash(key: u64, args: &[NodeId]) -> u64 {
+    let mut hasher = FxHasher::default();
+    hasher.write_u32((key >> 32) as u32);
+    hasher.write_u32(key as u32);
+    for arg in args {
+        hasher.write_u32(arg.0);
     }
+    hasher.finish()
+}
 
-    /// The variables that the roots read, in ascending order.
-    pub fn free_variables(&self, roots: &[NodeId]) -> Vec<u32> {
-        let mut variables: Vec<u32> = self
-            .reachable(roots)
-            .into_iter()
-            .filter_map(|id| match self.node(id) {
-                Node::Leaf(Leaf::Variable(v)) => Some(*v),
-                _ => None,
-            })
-            .collect();
-        variables.sort_unstable();
-        variables.dedup();
-        variables
-    }
-
-    /// The roots again, with leaves replaced: a leaf that `replace` answers for becomes that node.
-    pub fn substitute(
-        &mut self,
-        roots: &[NodeId],
-        replace: impl Fn(Leaf) -> Option<NodeId>,
-    ) -> Vec<NodeId> {
-        let order = self.reachable(roots);
-        let mut done: Vec<NodeId> = Vec::with_capacity(order.len());
-        let find = |done: &[NodeId], a: &NodeId| {
-            order.binary_search(a).ok().and_then(|i| done.get(i).copied()).unwrap_or(*a)
-        };
-        for &id in &order {
-            let map = |a: &NodeId| find(&done, a);
-            let new = match self.node(id).clone() {
-                Node::Leaf(leaf) => replace(leaf).unwrap_or(id),
-                Node::Op(op, args) => {
-                    let new: Vec<NodeId> = args.iter().map(map).collect();
-                    if new[..] == args[..] { id } else { self.op(op, &new) }
-                }
-                Node::Call(shape, function, args) => {
-                    let new: Vec<NodeId> = args.iter().map(map).collect();
-                    if new[..] == args[..] { id } else { self.call(shape, function, &new) }
-                }
-                Node::Claim(args, claim) => {
-                    let new: Arc<[NodeId]> = args.iter().map(map).collect();
-                    self.intern(Node::Claim(new, claim))
-                }
-                Node::Constant(_) | Node::Factor(_) => id,
-            };
-            if new != id {
-                if let Some(name) = self.names.get(&id).cloned() {
-                    self.name_node(new, &name);
-                }
-                if let Some(span) = self.location(id) {
-                    self.locate(new, span);
-                }
-            }
-            done.push(new);
-        }
-        roots.iter().map(|r| find(&done, r)).collect()
-    }
-
-    /// The formula of a shape with its point and variables replaced by the arguments of a call.
-    pub fn open(&mut self, shape: ShapeId, root: NodeId, args: &[NodeId]) -> NodeId {
-        let Some(variables) = self.shape(shape).map(|s| s.variables.clone()) else { return root };
-        let new = self.substitute(&[root], |leaf| match leaf {
-            Leaf::P(i) => args.get(i as usize).copied(),
-            Leaf::Variable(v) => {
-                let at = variables.binary_search(&v).ok()?;
-                args.get(3 + at).copied()
-            }
-            _ => None,
-        });
-        new.first().copied().unwrap_or(root)
-    }
-
-    /// The roots with every call of a field replaced by the formula that it stands for, everywhere.
-    /// Answers `None` where that makes more than `limit` nodes.
-    pub fn flatten(&mut self, roots: &[NodeId], limit: usize) -> Option<Vec<NodeId>> {
-        let mut memo = FxHashMap::default();
-        let start = self.len();
-        roots.iter().map(|&root| self.flatten_one(root, start + limit, &mut memo)).collect()
-    }
-
-    fn flatten_one(
-        &mut self,
-        root: NodeId,
-        limit: usize,
-        memo: &mut FxHashMap<NodeId, NodeId>,
-    ) -> Option<NodeId> {
-        for id in self.reachable(&[root]) {
-            if memo.contains_key(&id) {
-                continue;
-            }
-            if self.len() > limit {
-                return None;
-            }
-            let map = |a: &NodeId| memo.get(a).copied().unwrap_or(*a);
-            let new = match self.node(id).clone() {
-                Node::Op(op, args) => {
-                    let args: Vec<NodeId> = args.iter().map(map).collect();
-                    self.op(op, &args)
-                }
-                Node::Claim(args, _) => args.first().map_or(id, map),
-                Node::Call(shape, Function::Field, args) => {
-                    let args: Vec<NodeId> = args.iter().map(map).collect();
-                    match self.shape(shape).map(|s| s.value) {
-                        Some(value) => {
-                            let opened = self.open(shape, value, &args);
-                            self.flatten_one(opened, limit, memo)?
-                        }
-                        None => id,
-                    }
-                }
-                _ => id,
-            };
-            if let (true, Some(name)) = (new != id, self.names.get(&id).cloned()) {
-                self.name_node(new, &name);
-            }
-            memo.insert(id, new);
-        }
-        memo.get(&root).copied()
-    }
-
-    /// Computes the roots over any algebra: reals, intervals, intervals with derivatives, or nodes of a graph.
-    /// `leaf` gives the values from outside; `call` those of other shapes.
-    pub fn evaluate<A: Algebra>(
-        &self,
-        algebra: &mut A,
-        roots: &[NodeId],
-        mut leaf: impl FnMut(&mut A, Leaf) -> A::Value,
-        mut call: impl FnMut(&mut A, ShapeId, Function, &[A::Value]) -> A::Value,
-    ) -> Vec<A::Value> {
-        let mut values: FxHashMap<NodeId, A::Value> = FxHashMap::default();
-        let mut buffer: Vec<A::Value> = Vec::new();
-        for id in self.reachable(roots) {
-            buffer.clear();
-            buffer.extend(self.arguments(id).iter().filter_map(|a| values.get(a).cloned()));
-            let value = match self.node(id) {
-                Node::Constant(bits) => algebra.constant(f64::from_bits(*bits)),
-                Node::Leaf(l) => leaf(algebra, *l),
-                Node::Op(op, _) => algebra.op(*op, &buffer),
-                Node::Call(shape, function, _) => call(algebra, *shape, *function, &buffer),
-                Node::Claim(_, claim) => match buffer.split_first() {
-                    Some((value, of)) => algebra.claim(self, value.clone(), claim, of),
-                    None => algebra.constant(0.0),
-                },
-                Node::Factor(i) => {
-                    let lipschitz = self.factors.get(*i as usize).map_or(1.0, |f| f.lipschitz);
-                    algebra.constant(1.0 / lipschitz)
-                }
-            };
-            values.insert(id, value);
-        }
-        roots.iter().filter_map(|r| values.get(r).cloned()).collect()
+fn hash_node(node: &Node) -> u64 {
+    let leaf = |kind: u64, number: u32| hash(kind << 40 | u64::from(number), &[]);
+    match node {
+        Node::Constant(bits) => hash(*bits, &[]),
+        Node::Leaf(Leaf::P(i)) => leaf(1, (*i).into()),
+        Node::Leaf(Leaf::Normal(i)) => leaf(2, (*i).into()),
+        Node::Leaf(Leaf::Time) => leaf(3, 0),
+        Node::Leaf(Leaf::Parameter(i)) => leaf(4, *i),
+        Node::Leaf(Leaf::Variable(v)) => leaf(5, *v),
+        Node::Op(op, args) => hash(op_key(*op), args),
+        // The functions of a shape, and the claims of a node, are few.
+        Node::Call(shape, _, args) => hash(7 << 40 | u64::from(shape.0), args),
+        Node::Claim(args, _) => hash(8 << 40, args),
+        Node::Factor(i) => leaf(9, *i),
     }
 }

@@ -35,9 +35,7 @@ fn print_to(graph: &Graph, out: &mut String) -> fmt::Result {
     let mut done = vec![false; graph.len()];
     for (i, m) in graph.materials.iter().enumerate() {
         writeln!(out, "material {i} {} {{", quoted(&m.name))?;
-        let vectors = m.color.iter().chain(&m.emission);
-        let roots: Vec<NodeId> =
-            vectors.chain([&m.roughness, &m.metallic, &m.reflectivity]).copied().collect();
+        let roots = m.nodes();
         print_nodes(graph, &roots, &mut done, out)?;
         for (key, ids) in ["color", "emission", "rest"].iter().zip(roots.chunks(3)) {
             write!(out, "  {key}")?;

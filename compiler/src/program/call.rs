@@ -1036,10 +1036,10 @@ impl Elaborator<'_> {
         }
     }
 
-    fn value_depends_on_point(&mut self, value: &Value) -> bool {
+    fn value_depends_on_point(&self, value: &Value) -> bool {
         match value {
-            Value::Number(n, _) | Value::Bool(n) => self.depends_on_point(*n),
-            Value::Vector(v) | Value::Matrix(_, v) => v.iter().any(|n| self.depends_on_point(*n)),
+            Value::Number(n, _) | Value::Bool(n) => self.graph.reads_point(*n),
+            Value::Vector(v) | Value::Matrix(_, v) => v.iter().any(|n| self.graph.reads_point(*n)),
             Value::List(items) => items.iter().any(|i| self.value_depends_on_point(i)),
             _ => false,
         }

@@ -5,7 +5,7 @@ use super::value::{together, Value};
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
-use crate::graph::{Exactness, Leaf, Material, Node, MaterialId, NodeId, Shape, ShapeId, FAR, WORLD};
+use crate::graph::{Exactness, Leaf, Material, MaterialId, NodeId, Shape, ShapeId, FAR, WORLD};
 use crate::source::Span;
 use crate::syntax::words::nearest;
 use crate::syntax::ast::{
@@ -833,7 +833,7 @@ impl Elaborator<'_> {
                 let point = self.graph.point();
                 let (x, y) = (self.graph.field(x, point), self.graph.field(y, point));
                 let value = self.graph.op(Op::Select, &[condition, x, y]);
-                if self.depends_on_point(condition) {
+                if self.graph.reads_point(condition) {
                     return Err(self.error(
                         Code::TypeMismatch,
                         span,
@@ -861,24 +861,6 @@ impl Elaborator<'_> {
                 ))
             }
         }
-    }
-
-    /// Whether a node reads the point of the space in which it stands.
-    pub fn depends_on_point(&mut self, node: NodeId) -> bool {
-        // Arguments have smaller indices.
-        for index in self.reads_point.len()..=node.0 as usize {
-            let id = NodeId(index as u32);
-            let reads = match self.graph.node(id) {
-                Node::Leaf(leaf) => matches!(leaf, Leaf::P(_) | Leaf::Normal(_)),
-                _ => self
-                    .graph
-                    .arguments(id)
-                    .iter()
-                    .any(|a| self.reads_point.get(a.0 as usize).is_some_and(|r| *r)),
-            };
-            self.reads_point.push(reads);
-        }
-        self.reads_point.get(node.0 as usize).is_some_and(|r| *r)
     }
 
     fn mix_materials(&mut self, condition: NodeId, x: MaterialId, y: MaterialId) -> MaterialId {

@@ -117,8 +117,6 @@ pub struct Elaborator<'a> {
     full: bool,
     /// The user's call, while a declaration of the prelude is elaborated for it.
     outside: Option<Span>,
-    /// For each node met so far, whether it reads the point or the normal.
-    reads_point: Vec<bool>,
     /// While a declaration that nothing calls is tried with stand-in arguments: only errors that hold for all arguments are kept.
     trial: bool,
     /// The scene's extent, needed while repetitions are made.
@@ -162,7 +160,6 @@ pub fn elaborate(modules: &Modules, options: &Options) -> Elaboration {
         full: false,
         unfolding: None,
         outside: None,
-        reads_point: Vec::new(),
         trial: false,
         extent: 100.0,
     };
@@ -320,7 +317,7 @@ impl Elaborator<'_> {
             name: None,
             dimensions,
             value,
-            variables: Rc::<[u32]>::from([]).to_vec().into(),
+            variables: [].into(),
             exactness: Exactness::Formula,
             material: None,
             paints: [].into(),

@@ -1,0 +1,74 @@
+//! What nodes are called in the source, and where they come from: for readers of the output and of diagnostics.
+
+use super::NodeId;
+use crate::source::Span;
+use rustc_hash::FxHashMap;
+use std::sync::Arc;
+
+/// Names and places of nodes. The first of a node stays.
+#[derive(Clone, Debug, Default)]
+pub struct Labels {
+    /// For each node one more than the number of its name, or 0.
+    names: Vec<u32>,
+    texts: Vec<Arc<str>>,
+    numbers: FxHashMap<Arc<str>, u32>,
+    places: Vec<Option<Span>>,
+}
+
+impl Labels {
+    /// Gives a node a name.
+    pub fn name(&mut self, id: NodeId, name: &str) {
+        if self.number(id) != 0 {
+            return;
+        }
+        let number = match self.numbers.get(name) {
+            Some(&known) => known,
+            None => {
+                let text: Arc<str> = name.into();
+                self.texts.push(text.clone());
+                let number = self.texts.len() as u32;
+                self.numbers.insert(text, number);
+                number
+            }
+        };
+        *slot(&mut self.names, id) = number;
+    }
+
+    /// The name of a node.
+    pub fn name_of(&self, id: NodeId) -> Option<&str> {
+        let number = (self.number(id) as usize).checked_sub(1)?;
+        self.texts.get(number).map(|n| &**n)
+    }
+
+    /// Gives a node a place.
+    pub fn locate(&mut self, id: NodeId, place: Span) {
+        slot(&mut self.places, id).get_or_insert(place);
+    }
+
+    /// The place of a node.
+    pub fn place_of(&self, id: NodeId) -> Option<Span> {
+        self.places.get(id.0 as usize).copied().flatten()
+    }
+
+    /// Gives a node the name of another.
+    pub fn pass_name(&mut self, from: NodeId, to: NodeId) {
+        let number = self.number(from);
+        if number != 0 && self.number(to) == 0 {
+            *slot(&mut self.names, to) = number;
+        }
+    }
+
+    fn number(&self, id: NodeId) -> u32 {
+        self.names.get(id.0 as usize).copied().unwrap_or(0)
+    }
+}
+
+/// The entry of a node in a list that grows as far as is needed.
+fn slot<T: Clone + Default>(list: &mut Vec<T>, id: NodeId) -> &mut T {
+    let at = id.0 as usize;
+    if at >= list.len() {
+        list.resize(at + 1, T::default());
+    }
+    #[allow(clippy::indexing_slicing)] // It was made long enough.
+    &mut list[at]
+}

@@ -1,0 +1,188 @@
+//! Walks over the graph: what nodes need, nodes made anew with other leaves, values over any algebra.
+
+use super::algebra::Algebra;
+use super::{Function, Graph, Leaf, Node, NodeId, ShapeId};
+use rustc_hash::FxHashMap;
+
+impl Graph {
+    /// Every node that the roots need, arguments before the nodes that use them, each once. Calls are not entered.
+    pub fn reachable(&self, roots: &[NodeId]) -> Vec<NodeId> {
+        self.needed(roots, |_| true)
+    }
+
+    /// The same without the arguments that are not `wanted`.
+    fn needed(&self, roots: &[NodeId], wanted: impl Fn(NodeId) -> bool) -> Vec<NodeId> {
+        let Some(last) = roots.iter().map(|r| r.0 as usize).max() else { return Vec::new() };
+        // Arguments have smaller indices, so one pass from the last root down finds all, in order.
+        let mut marked = vec![0u64; last / 64 + 1];
+        let mark = |marked: &mut [u64], id: NodeId| {
+            if let Some(word) = marked.get_mut(id.0 as usize / 64) {
+                *word |= 1 << (id.0 % 64);
+            }
+        };
+        for &root in roots {
+            mark(&mut marked, root);
+        }
+        let mut order = Vec::new();
+        for index in (0..marked.len()).rev() {
+            // Marking can add lower bits to the word at hand.
+            let mut below = u64::MAX;
+            while let Some(word) = marked.get(index).map(|w| w & below).filter(|w| *w != 0) {
+                let bit = 63 - word.leading_zeros();
+                below = (1 << bit) - 1;
+                let id = NodeId((index * 64) as u32 + bit);
+                order.push(id);
+                for &argument in self.arguments(id).iter().filter(|a| wanted(**a)) {
+                    mark(&mut marked, argument);
+                }
+            }
+        }
+        order.reverse();
+        order
+    }
+
+    /// The roots again, with leaves replaced: a leaf that `replace` answers for becomes that node.
+    pub fn substitute(
+        &mut self,
+        roots: &[NodeId],
+        replace: impl Fn(Leaf) -> Option<NodeId>,
+    ) -> Vec<NodeId> {
+        let order = self.reachable(roots);
+        self.rewrite(&order, roots, replace)
+    }
+
+    /// The roots with the nodes of `order` made anew, leaves replaced; others stay.
+    fn rewrite(
+        &mut self,
+        order: &[NodeId],
+        roots: &[NodeId],
+        replace: impl Fn(Leaf) -> Option<NodeId>,
+    ) -> Vec<NodeId> {
+        let mut done: Vec<NodeId> = Vec::with_capacity(order.len());
+        let find = |done: &[NodeId], a: &NodeId| {
+            order.binary_search(a).ok().and_then(|i| done.get(i).copied()).unwrap_or(*a)
+        };
+        for &id in order {
+            let map = |a: &NodeId| find(&done, a);
+            let new = match self.node(id).clone() {
+                Node::Leaf(leaf) => replace(leaf).unwrap_or(id),
+                Node::Op(op, args) => {
+                    let new: Vec<NodeId> = args.iter().map(map).collect();
+                    if new[..] == args[..] { id } else { self.op(op, &new) }
+                }
+                Node::Call(shape, function, args) => {
+                    let new: Vec<NodeId> = args.iter().map(map).collect();
+                    if new[..] == args[..] { id } else { self.call(shape, function, &new) }
+                }
+                Node::Claim(args, claim) => {
+                    let new: Vec<NodeId> = args.iter().map(map).collect();
+                    self.intern(Node::Claim(new.into(), claim))
+                }
+                Node::Constant(_) | Node::Factor(_) => id,
+            };
+            if new != id {
+                self.pass_name(id, new);
+                if let Some(span) = self.location(id) {
+                    self.locate(new, span);
+                }
+            }
+            done.push(new);
+        }
+        roots.iter().map(|r| find(&done, r)).collect()
+    }
+
+    /// The formula of a shape with its point and variables replaced by the arguments of a call.
+    pub fn open(&mut self, shape: ShapeId, root: NodeId, args: &[NodeId]) -> NodeId {
+        let Some(variables) = self.shape(shape).map(|s| s.variables.clone()) else { return root };
+        // What reads nothing of the space stays as it is.
+        let order = self.needed(&[root], |id| !self.reads(id).nothing());
+        let new = self.rewrite(&order, &[root], |leaf| match leaf {
+            Leaf::P(i) => args.get(i as usize).copied(),
+            Leaf::Variable(v) => {
+                let at = variables.binary_search(&v).ok()?;
+                args.get(3 + at).copied()
+            }
+            _ => None,
+        });
+        new.first().copied().unwrap_or(root)
+    }
+
+    /// The roots with every call of a field replaced by the formula that it stands for, everywhere.
+    /// Answers `None` where that makes more than `limit` nodes.
+    pub fn flatten(&mut self, roots: &[NodeId], limit: usize) -> Option<Vec<NodeId>> {
+        let mut memo = FxHashMap::default();
+        let start = self.len();
+        roots.iter().map(|&root| self.flatten_one(root, start + limit, &mut memo)).collect()
+    }
+
+    fn flatten_one(
+        &mut self,
+        root: NodeId,
+        limit: usize,
+        memo: &mut FxHashMap<NodeId, NodeId>,
+    ) -> Option<NodeId> {
+        for id in self.reachable(&[root]) {
+            if memo.contains_key(&id) {
+                continue;
+            }
+            if self.len() > limit {
+                return None;
+            }
+            let map = |a: &NodeId| memo.get(a).copied().unwrap_or(*a);
+            let new = match self.node(id).clone() {
+                Node::Op(op, args) => {
+                    let args: Vec<NodeId> = args.iter().map(map).collect();
+                    self.op(op, &args)
+                }
+                Node::Claim(args, _) => args.first().map_or(id, map),
+                Node::Call(shape, Function::Field, args) => {
+                    let args: Vec<NodeId> = args.iter().map(map).collect();
+                    match self.shape(shape).map(|s| s.value) {
+                        Some(value) => {
+                            let opened = self.open(shape, value, &args);
+                            self.flatten_one(opened, limit, memo)?
+                        }
+                        None => id,
+                    }
+                }
+                _ => id,
+            };
+            self.pass_name(id, new);
+            memo.insert(id, new);
+        }
+        memo.get(&root).copied()
+    }
+
+    /// Computes the roots over any algebra: reals, intervals, intervals with derivatives, or nodes of a graph.
+    /// `leaf` gives the values from outside; `call` those of other shapes.
+    pub fn evaluate<A: Algebra>(
+        &self,
+        algebra: &mut A,
+        roots: &[NodeId],
+        mut leaf: impl FnMut(&mut A, Leaf) -> A::Value,
+        mut call: impl FnMut(&mut A, ShapeId, Function, &[A::Value]) -> A::Value,
+    ) -> Vec<A::Value> {
+        let mut values: FxHashMap<NodeId, A::Value> = FxHashMap::default();
+        let mut buffer: Vec<A::Value> = Vec::new();
+        for id in self.reachable(roots) {
+            buffer.clear();
+            buffer.extend(self.arguments(id).iter().filter_map(|a| values.get(a).cloned()));
+            let value = match self.node(id) {
+                Node::Constant(bits) => algebra.constant(f64::from_bits(*bits)),
+                Node::Leaf(l) => leaf(algebra, *l),
+                Node::Op(op, _) => algebra.op(*op, &buffer),
+                Node::Call(shape, function, _) => call(algebra, *shape, *function, &buffer),
+                Node::Claim(_, claim) => match buffer.split_first() {
+                    Some((value, of)) => algebra.claim(self, value.clone(), claim, of),
+                    None => algebra.constant(0.0),
+                },
+                Node::Factor(i) => {
+                    let lipschitz = self.factors.get(*i as usize).map_or(1.0, |f| f.lipschitz);
+                    algebra.constant(1.0 / lipschitz)
+                }
+            };
+            values.insert(id, value);
+        }
+        roots.iter().filter_map(|r| values.get(r).cloned()).collect()
+    }
+}
