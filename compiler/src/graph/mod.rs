@@ -6,23 +6,23 @@
 //! needs is the structure of the formulas.
 
 pub mod algebra;
-mod args;
 pub(crate) mod index;
 pub mod interval;
 pub mod kernel;
 mod labels;
+mod list;
 pub mod print;
 mod reads;
 mod walk;
 
 use crate::source::Span;
-pub use args::Args;
 use index::Index;
 use kernel::Op;
 use labels::Labels;
+pub use list::NodeList;
 use reads::{Reads, Sets};
-use rustc_hash::{FxHashMap, FxHasher};
-use std::hash::Hasher;
+use rustc_hash::FxHasher;
+use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 /// Index of a node of the graph. A node's arguments have smaller indices.
@@ -81,13 +81,13 @@ pub enum Node {
     /// Read from outside.
     Leaf(Leaf),
     /// An operation of the kernel.
-    Op(Op, Args),
+    Op(Op, NodeList),
     /// A function of a shape at a point: three coordinates (two of a drawing, then zero), then one value for
     /// each of the shape's variables.
-    Call(ShapeId, Function, Args),
+    Call(ShapeId, Function, NodeList),
     /// The value of the first node, with what is known of it and can't be seen from its formula; the
     /// others are what the claim speaks of.
-    Claim(Args, Claim),
+    Claim(NodeList, Claim),
     /// How far a field may be trusted, as a multiple: the reciprocal of a Lipschitz factor. An index into [`Graph::factors`].
     Factor(u32),
 }
@@ -214,7 +214,7 @@ pub struct Graph {
     sets: Sets,
     labels: Labels,
     shapes: Vec<Shape>,
-    shape_index: FxHashMap<Shape, ShapeId>,
+    shape_index: Index,
     /// Materials, in the order in which they were met.
     pub materials: Vec<Material>,
     /// Components of parameters.
@@ -327,11 +327,9 @@ impl Graph {
     /// The field of a shape at a point, its variables passed through from here.
     pub fn field(&mut self, shape: ShapeId, point: [NodeId; 3]) -> NodeId {
         let variables = self.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
-        let mut args = point.to_vec();
-        for &variable in variables.iter() {
-            args.push(self.leaf(Leaf::Variable(variable)));
-        }
-        self.call(shape, Function::Field, &args)
+        let variables = variables.iter().map(|&v| self.leaf(Leaf::Variable(v)));
+        let args: NodeList = point.into_iter().chain(variables).collect();
+        self.intern(Node::Call(shape, Function::Field, args))
     }
 
     /// The constant that a node is, if it is one.
@@ -403,13 +401,15 @@ impl Graph {
             variables = self.sets.union(variables, of_mask);
         }
         shape.variables = self.sets.get(variables);
-        if let Some(&id) = self.shape_index.get(&shape) {
-            return id;
+        let mut hasher = FxHasher::default();
+        shape.hash(&mut hasher);
+        let known = |id: u32| self.shapes.get(id as usize) == Some(&shape);
+        let new = self.shapes.len() as u32;
+        if let Some(id) = self.shape_index.find_or_add(hasher.finish(), new, known) {
+            return ShapeId(id);
         }
-        let id = ShapeId(self.shapes.len() as u32);
-        self.shapes.push(shape.clone());
-        self.shape_index.insert(shape, id);
-        id
+        self.shapes.push(shape);
+        ShapeId(new)
     }
 
     /// Adds a material, or finds one that is the same.
