@@ -204,6 +204,9 @@ impl Material {
     }
 }
 
+/// More nodes than most scenes have. Room that is not used costs nothing, and a list that grows is copied.
+const ROOM: usize = 1 << 15;
+
 /// The graph of a program.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
@@ -227,7 +230,8 @@ pub struct Graph {
 impl Graph {
     /// An empty graph.
     pub fn new() -> Self {
-        Self { next_variable: FIRST_VARIABLE, ..Self::default() }
+        let (nodes, reads) = (Vec::with_capacity(ROOM), Vec::with_capacity(ROOM));
+        Self { nodes, reads, next_variable: FIRST_VARIABLE, ..Self::default() }
     }
 
     /// Number of nodes.
