@@ -3,9 +3,10 @@
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::functions::{Functions, Summary};
 use crate::graph::algebra::Reals;
-use crate::graph::{Factor, Graph, Leaf, NodeId, ShapeId};
+use crate::graph::{multiple_of, Graph, Leaf, NodeId, Proof, ShapeId};
 use crate::source::{Sources, Span};
 use crate::syntax::ast::Type;
+use std::rc::Rc;
 
 /// The outside world, as far as the compiler needs it: files by their name.
 pub trait Loader {
@@ -107,6 +108,8 @@ pub struct Options {
     pub set: Vec<(String, Vec<f64>)>,
     /// Choices of parameters that replace those in the text: the parameter's name and the choice's.
     pub choose: Vec<(String, String)>,
+    /// Whether a formula of which no bound can be proven is an error.
+    pub strict: bool,
 }
 
 impl Default for Options {
@@ -118,6 +121,7 @@ impl Default for Options {
             binding: 0,
             set: Vec::new(),
             choose: Vec::new(),
+            strict: false,
         }
     }
 }
@@ -154,12 +158,23 @@ pub struct Live {
     pub time: f64,
     /// A value for each of [`Graph::parameters`].
     pub components: Vec<f64>,
+    /// Factors found for values of the parameters; they count only while the parameters still have these values.
+    pub followed: Option<Followed>,
+    /// Factors for the whole ranges that a longer search found, one for each of [`Graph::factors`]; or none.
+    pub tightened: Vec<f64>,
+}
+
+/// Lipschitz factors for some values of the parameters, found by [`Compiled::follow`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Followed {
+    components: Vec<f64>,
+    factors: Vec<f64>,
 }
 
 impl Live {
     /// Time zero and every parameter of a graph at its default.
     pub fn start(graph: &Graph) -> Self {
-        Self { time: 0.0, components: graph.parameters.iter().map(|p| p.default).collect() }
+        Self { time: 0.0, components: graph.parameters.iter().map(|p| p.default).collect(), followed: None, tightened: Vec::new() }
     }
 
     /// Values of nodes that read nothing but parameters and time.
@@ -174,6 +189,19 @@ impl Live {
             },
             |_, _, _, _| 0.0,
         )
+    }
+
+    /// A factor for the values at hand where it was found, else for the whole ranges.
+    pub fn factor(&self, graph: &Graph, index: u32) -> f64 {
+        let index = index as usize;
+        let first = graph.factors.get(index).map_or(1.0, |f| f.lipschitz);
+        let whole = self.tightened.get(index).map_or(first, |f| f.min(first));
+        match &self.followed {
+            Some(followed) if followed.components == self.components => {
+                followed.factors.get(index).map_or(whole, |f| f.min(whole))
+            }
+            _ => whole,
+        }
     }
 
     /// A component of a parameter, clamped to its range; its default where there is none.
@@ -418,7 +446,7 @@ impl Compiled {
                     UniformSource::Parameter(first) => live.component(&self.graph, first + i) as f32,
                     UniformSource::OcclusionReach => occlusion.0 as f32,
                     UniformSource::OcclusionStrength => occlusion.1 as f32,
-                    UniformSource::Factor(f) => self.multiple(f),
+                    UniformSource::Factor(f) => multiple_of(live.factor(&self.graph, f)),
                 };
                 let at = (uniform.offset + 4 * i) as usize;
                 if let Some(slot) = bytes.get_mut(at..at + 4) {
@@ -429,9 +457,43 @@ impl Compiled {
         bytes
     }
 
-    /// One over a factor's Lipschitz constant, rounded down.
-    pub fn multiple(&self, factor: u32) -> f32 {
-        self.graph.factors.get(factor as usize).map_or(1.0, Factor::multiple)
+    /// Finds the factors for the values at hand, where they depend on parameters, with at most so many boxes each. They are no larger than
+    /// those for the whole ranges, and proven in the same way.
+    pub fn follow(&self, live: &mut Live, boxes: usize) {
+        let known = live.followed.as_ref().is_some_and(|f| f.components == live.components);
+        let any = self.functions.searches.iter().flatten().any(|s| !s.parameters.is_empty());
+        if known || !any {
+            return;
+        }
+        // As 32 bits hold them: that is what the shader reads.
+        let pinned: Rc<[f64]> =
+            (0..self.graph.parameters.len() as u32).map(|i| f64::from(live.component(&self.graph, i) as f32)).collect();
+        let factors = self
+            .graph
+            .factors
+            .iter()
+            .zip(&self.functions.searches)
+            .map(|(factor, search)| match search {
+                Some(search) if !search.parameters.is_empty() => {
+                    search.run(&self.graph, pinned.clone(), boxes).min(factor.lipschitz)
+                }
+                _ => factor.lipschitz,
+            })
+            .collect();
+        live.followed = Some(Followed { components: live.components.clone(), factors });
+    }
+
+    /// The factors for the whole ranges of the parameters, looked for with at most so many boxes each: numbers for [`Live::tightened`].
+    pub fn tighten(&self, boxes: usize) -> Vec<f64> {
+        let searches = self.graph.factors.iter().zip(&self.functions.searches);
+        searches
+            .map(|(factor, search)| match search {
+                Some(search) if factor.proof == Proof::Derived => {
+                    search.run(&self.graph, Rc::new([]), boxes).min(factor.lipschitz)
+                }
+                _ => factor.lipschitz,
+            })
+            .collect()
     }
 
     /// The scene around the field at one moment.

@@ -185,6 +185,9 @@ codes! {
         "shape a = sphere(1)";
     NoBound, "no-bound", Error,
         "No finite bound is known for this formula, so no ray could step safely. Keep divisors away from zero, or cut the formula with `.within(region)`.",
+        "field f = p.x * exp(exp(900 + abs(p.y)))\nscene = f";
+    Unproven, "unproven", Warning,
+        "No bound is proven for this formula. It is drawn with a factor measured at samples, which may be too small: rays may step through. `--strict` makes it an error. Keep divisors and the arguments of roots away from zero, clamp what grows without end, or cut the formula with `.within(region)`.",
         "field f = 1 / p.x\nscene = f";
     NoReach, "no-reach", Error,
         "The body of a repetition reaches too far, or without end: so many neighbours would have to be looked at. Make the cells larger or cut the body with `.within(region)`.",

@@ -4,12 +4,13 @@
 //! by one, smooth groups as a whole, and a formula without a constant over all space behind its region. The *distance* is the
 //! estimate that light and contact use: it is composed in the same way and never holds a factor.
 
+use crate::analysis::search::{Search, Target, ROUNDING};
 use crate::analysis::{Box3, Constant, Domain, Facts};
 use crate::compiled::SceneBlocks;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
-use crate::graph::{Claim, Exactness, Factor, Function, Graph, Leaf, MaterialId, Node, NodeId, ShapeId, FAR, WORLD};
+use crate::graph::{Claim, Exactness, Factor, Function, Graph, Leaf, MaterialId, Node, NodeId, Proof, ShapeId, FAR, WORLD};
 use crate::source::Span;
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -21,6 +22,8 @@ pub struct Functions {
     pub formulas: FxHashMap<(ShapeId, Function), NodeId>,
     /// The root's surface, in the scene's space: it reads `p`, `Normal`, and calls fields.
     pub surface: Surface,
+    /// What each of [`Graph::factors`] was found from; none for one that is measured.
+    pub searches: Vec<Option<Search>>,
 }
 
 /// How the surface at a point answers light.
@@ -62,6 +65,8 @@ pub enum Kind {
     Lipschitz,
     /// A bound outside and inside that is no Lipschitz function: regions are in it.
     Bound,
+    /// Something in it is only measured: rays may step too far.
+    Unproven,
 }
 
 /// Boxes that one constant may cost.
@@ -70,6 +75,12 @@ const BUDGET: usize = 192;
 const HAIR: f64 = 4e-6;
 /// A formula that is steeper than this has no bound that is of any use.
 const STEEPEST: f64 = 1e4;
+/// A constant over all space up to here is not worth a region.
+const GENTLE: f64 = 1.2;
+/// A formula of more steps than this is given a region only where much is gained.
+const LONG: usize = 150;
+/// Points at which a formula is looked at where nothing is proven.
+const SAMPLES: usize = 4096;
 /// A constant up to here counts as one.
 const UNIT: f64 = 1.0 + 1e-6;
 
@@ -80,6 +91,14 @@ struct Treatment {
     jumps: bool,
     /// The formula is trusted only here; beyond it the distance to this box is the bound.
     region: Option<(Box3, f64)>,
+    proof: Proof,
+}
+
+/// A constant, how it is known, and of what over which domain.
+struct Known {
+    lipschitz: f64,
+    proof: Proof,
+    search: Option<(Target, Domain)>,
 }
 
 /// The domain that the parts of a formula with a region need, the region, and how far beyond it the formula is trusted.
@@ -99,6 +118,8 @@ pub struct Builder<'a> {
     pub diagnostics: Vec<Diagnostic>,
     /// What is known of the whole.
     pub kind: Kind,
+    /// Whether what can't be proven is an error.
+    strict: bool,
     surfaces: FxHashMap<NodeId, Option<Look>>,
 }
 
@@ -124,6 +145,7 @@ pub fn build(
     facts: &mut Facts,
     root: ShapeId,
     blocks: &SceneBlocks,
+    strict: bool,
 ) -> (Functions, Summary, Vec<Diagnostic>) {
     let mut builder = Builder {
         graph,
@@ -136,6 +158,7 @@ pub fn build(
         built: Functions::default(),
         diagnostics: Vec::new(),
         kind: Kind::Exact,
+        strict,
         surfaces: FxHashMap::default(),
     };
     builder.find_domains();
@@ -173,6 +196,7 @@ impl Kind {
             Kind::Exact => "exact",
             Kind::Lipschitz => "lipschitz",
             Kind::Bound => "bound",
+            Kind::Unproven => "unproven",
         }
     }
 }
@@ -506,9 +530,14 @@ impl Builder<'_> {
         if all.lipschitz <= UNIT {
             return call;
         }
+        let of_map = |constant: &Constant, domain: Domain, proof: Proof| Known {
+            lipschitz: constant.lipschitz,
+            proof,
+            search: Some((Target::Map(point.to_vec()), domain)),
+        };
         if all.lipschitz <= STEEPEST {
             self.kind = self.kind.max(Kind::Lipschitz);
-            return self.scaled(call, all.lipschitz, node, shape);
+            return self.scaled(call, of_map(&all, everywhere, Proof::Proven), node, shape);
         }
         let Some((region, reach)) = self.region_of(node, domain) else { return self.graph.constant(FAR) };
         let near = domain.at(region.grow(reach));
@@ -516,33 +545,41 @@ impl Builder<'_> {
         if constant.lipschitz > STEEPEST {
             return self.normalised(shape, node, domain, continuous);
         }
+        let known = of_map(&constant, near, Proof::Derived);
         if region == domain.point && domain.narrowed {
-            return self.scaled(call, constant.lipschitz, node, shape);
+            return self.scaled(call, known, node, shape);
         }
         if region == domain.point {
             self.extent_used(shape, node);
         }
-        let inside = self.scaled(call, constant.lipschitz, node, shape);
+        let inside = self.scaled(call, known, node, shape);
         self.behind(region, reach, inside)
     }
 
     /// A formula over its constant, behind its region where it needs one.
     fn normalised(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool) -> NodeId {
-        let Some(treatment) = self.treatment(shape, node, domain, continuous) else {
-            let span = self.place(shape, node);
-            self.diagnostics.push(Diagnostic::new(
-                Code::NoBound,
-                span,
-                "no finite bound is known for this formula, so no ray could step safely",
-                "keep divisors away from zero (for example `max(d, 0.01)`), clamp what grows without end, or keep the shape within a region with `.within(box(…))`",
-            ));
-            return node;
+        let treatment = match self.treatment(shape, node, domain, continuous) {
+            Some(treatment) => treatment,
+            None => match self.measured(shape, node, domain) {
+                Some(treatment) => treatment,
+                None => return node,
+            },
         };
         self.kind = self.kind.max(if self.is_exact(shape, node) { Kind::Exact } else { Kind::Lipschitz });
         let mut value = if (treatment.constant - 1.0).abs() <= 1e-6 {
             node
         } else {
-            self.scaled(node, treatment.constant, node, shape)
+            let at = match treatment.region {
+                Some((region, reach)) => domain.at(region.grow(reach)),
+                None if treatment.proof == Proof::Derived => domain.clone(),
+                None => domain.at(Box3::ALL),
+            };
+            let known = Known {
+                lipschitz: treatment.constant,
+                proof: treatment.proof,
+                search: (treatment.proof != Proof::Measured).then_some((Target::Value(node), at)),
+            };
+            self.scaled(node, known, node, shape)
         };
         if treatment.jumps && !continuous {
             value = self.stop_at_jumps(shape, node, value, domain, &treatment);
@@ -551,6 +588,40 @@ impl Builder<'_> {
             Some((region, reach)) => self.behind(region, reach, value),
             None => value,
         }
+    }
+
+    /// Where nothing finite is proven: the steepest of many samples, and half as much again. None where not even samples help.
+    fn measured(&mut self, shape: ShapeId, node: NodeId, domain: &Domain) -> Option<Treatment> {
+        let span = self.place(shape, node);
+        let region = self.region_of(node, domain);
+        let term = self.facts.steep_term(self.graph, node, domain, STEEPEST);
+        let (at, why, instead) = match &term {
+            Some(term) => (self.graph.location(term.node).unwrap_or(span), term.why(), term.instead()),
+            None => (span, "it grows without a limit that is known", "keep the shape within a region with `.within(box(…))`"),
+        };
+        let Some((region, reach)) = region else {
+            let region = Some((Box3::EMPTY, 0.0));
+            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven });
+        };
+        let near = domain.at(region.grow(reach).intersect(&Box3::cube(self.extent)));
+        let steepest = self.facts.sampled_constant(self.graph, node, &near, SAMPLES);
+        // So steep that a ray would not get anywhere.
+        let finite = steepest > 0.0 && steepest < 100.0 * STEEPEST;
+        let (code, message) = if !finite {
+            (Code::NoBound, format!("no finite bound is known for this formula, so no ray could step safely: {why}"))
+        } else if self.strict {
+            (Code::NoBound, format!("no bound is proven for this formula: {why}"))
+        } else {
+            (Code::Unproven, format!("no bound is proven for this formula; it is drawn with a measured factor: {why}"))
+        };
+        self.diagnostics.push(Diagnostic::new(code, at, message, instead));
+        self.kind = self.kind.max(Kind::Unproven);
+        finite.then_some(Treatment {
+            constant: 1.5 * steepest,
+            jumps: self.facts.constant(self.graph, node, &near, 1).jumps,
+            region: Some((region, reach)),
+            proof: Proof::Measured,
+        })
     }
 
     fn is_exact(&self, shape: ShapeId, node: NodeId) -> bool {
@@ -590,22 +661,26 @@ impl Builder<'_> {
         }
         if all.lipschitz == 0.0 {
             // The same everywhere: any step is right, and so is this.
-            return Some(Treatment { constant: 1.0, jumps: all.jumps, region: None });
+            return Some(Treatment { constant: 1.0, jumps: all.jumps, region: None, proof: Proof::Proven });
         }
+        let claimed = matches!(self.graph.node(node), Node::Claim(_, Claim::Lipschitz(..)));
+        let by_rule = if claimed { Proof::Claimed } else { Proof::Proven };
         let plain = all.lipschitz.is_finite() && (!all.jumps || continuous);
-        if plain && all.lipschitz <= 4.0 {
-            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None });
+        let long = self.facts.weight(self.graph, node) > LONG;
+        if plain && all.lipschitz <= if long { 4.0 } else { GENTLE } {
+            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule });
         }
         // A region of its own: tighter, or the only way.
         let Some((region, reach)) = self.region_of(node, domain) else {
             // Nothing solid in the extent.
-            return Some(Treatment { constant: 1.0, jumps: false, region: Some((Box3::EMPTY, 0.0)) });
+            let region = Some((Box3::EMPTY, 0.0));
+            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven });
         };
         let bounded = region != domain.point;
         let near = domain.at(region.grow(reach));
         let constant = self.facts.constant(self.graph, node, &near, BUDGET);
-        if plain && all.lipschitz <= STEEPEST && (!bounded || constant.lipschitz > 0.7 * all.lipschitz) {
-            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None });
+        if plain && all.lipschitz <= STEEPEST && (!bounded || constant.lipschitz > 0.85 * all.lipschitz) {
+            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule });
         }
         if constant.lipschitz > STEEPEST || constant.lipschitz.is_nan() {
             return None;
@@ -619,6 +694,7 @@ impl Builder<'_> {
             constant: lipschitz,
             jumps: constant.jumps && !continuous,
             region: needed.then_some((region, reach)),
+            proof: Proof::Derived,
         })
     }
 
@@ -644,7 +720,7 @@ impl Builder<'_> {
         if region.is_empty() {
             return self.graph.constant(FAR);
         }
-        self.kind = Kind::Bound;
+        self.kind = self.kind.max(Kind::Bound);
         let point = self.graph.point();
         let zero = self.graph.constant(0.0);
         let mut outside = Vec::new();
@@ -673,10 +749,10 @@ impl Builder<'_> {
     }
 
     /// A value times the multiple of a new factor.
-    fn scaled(&mut self, value: NodeId, lipschitz: f64, at: NodeId, shape: ShapeId) -> NodeId {
+    fn scaled(&mut self, value: NodeId, constant: Known, at: NodeId, shape: ShapeId) -> NodeId {
         let span = self.place(shape, at);
         // Found by searching: a little is added for the rounding of the search itself.
-        let lipschitz = lipschitz * (1.0 + 1e-9);
+        let lipschitz = constant.lipschitz * (1.0 + ROUNDING);
         let name = self
             .graph
             .node_name(at)
@@ -688,18 +764,30 @@ impl Builder<'_> {
             Node::Claim(..) => "a group that is known as a whole",
             _ => "a formula",
         };
-        let factor = Factor { name, lipschitz, reason: reason.to_owned(), span };
-        let known = self
-            .graph
-            .factors
-            .iter()
-            .position(|f| f.lipschitz == factor.lipschitz && f.span == factor.span && f.name == factor.name);
+        let factor = Factor { name, lipschitz, reason: reason.to_owned(), span, proof: constant.proof };
+        let search = constant.search.map(|(target, domain)| {
+            let parameters = self.parameters_of(&target);
+            Search { target, domain, parameters }
+        });
+        let known = self.graph.factors.iter().zip(&self.built.searches).position(|(f, s)| *f == factor && *s == search);
         let index = known.unwrap_or_else(|| {
             self.graph.factors.push(factor);
+            self.built.searches.push(search);
             self.graph.factors.len() - 1
         });
         let factor = self.graph.intern(Node::Factor(index as u32));
         self.graph.op(Op::Mul, &[value, factor])
+    }
+
+    /// The components of parameters that a constant depends on.
+    fn parameters_of(&self, target: &Target) -> Vec<u32> {
+        let nodes = match target {
+            Target::Value(node) => std::slice::from_ref(node),
+            Target::Map(point) => point,
+        };
+        let mut read: Vec<u32> = self.graph.parameters_under(nodes).into_iter().collect();
+        read.sort_unstable();
+        read
     }
 
     fn place(&self, shape: ShapeId, node: NodeId) -> Span {
@@ -775,7 +863,7 @@ impl Builder<'_> {
         let step = self.graph.op(Op::Min, &[size, nearest]);
         let minus = self.graph.op(Op::Neg, &[step]);
         let inside = self.graph.op(Op::Lt, &[value, zero]);
-        self.kind = Kind::Bound;
+        self.kind = self.kind.max(Kind::Bound);
         self.graph.op(Op::Select, &[inside, minus, step])
     }
 
@@ -879,6 +967,10 @@ impl Builder<'_> {
                 let all = self.facts.map_constant(self.graph, point, &everywhere, 1);
                 if all.lipschitz <= UNIT {
                     return self.graph.call(inner, Function::Distance, &args);
+                }
+                let whole = self.facts.constant(self.graph, node, &everywhere, 1);
+                if whole.lipschitz <= STEEPEST {
+                    return self.over_gradient(node, whole.lipschitz);
                 }
                 let near = match self.region_of(node, domain) {
                     Some((region, reach)) => domain.at(region.grow(reach)),

@@ -69,7 +69,7 @@ fn run(
         let (mut graph, mut facts) = (elaboration.graph, elaboration.facts);
         let root = functions::bind_world(&mut graph, root);
         let (functions, summary, found) =
-            functions::build(&mut graph, &mut facts, root, &elaboration.blocks);
+            functions::build(&mut graph, &mut facts, root, &elaboration.blocks, options.strict);
         outcome.diagnostics.extend(found);
         finished(Stage::Analyse);
         if !outcome.has_errors() {

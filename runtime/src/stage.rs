@@ -7,6 +7,9 @@ use std::sync::Arc;
 use surefoot_compiler::compiled::{Compiled, Live, Parameter};
 use surefoot_compiler::graph::{Leaf, Node, NodeId};
 
+/// How many boxes a factor may cost each time that a slider moves.
+const BOXES: usize = 64;
+
 /// The scene that is on, with its live values.
 #[derive(Debug, Default)]
 pub struct Stage {
@@ -99,10 +102,11 @@ impl Stage {
     /// Writes to the GPU what changed since the last call. Answers whether there is anything new to draw: where not, the last picture
     /// is still the right one.
     pub fn update(&mut self, queue: &wgpu::Queue, view: &View) -> bool {
-        let (Some(scene), Some(live), Some(picture)) = (&self.scene, &self.live, &mut self.picture)
+        let (Some(scene), Some(live), Some(picture)) = (&self.scene, &mut self.live, &mut self.picture)
         else {
             return false;
         };
+        scene.follow(live, BOXES);
         let changed = picture.update(queue, scene, live, view);
         std::mem::take(&mut self.fresh) || changed
     }

@@ -3,8 +3,9 @@
 //! The norm is kept beside the components, because `length` has a gradient of norm one though each of its components
 //! can reach one, and because a turn by any angle, varying or not, is an isometry.
 
+use super::branches::{self, Branches, Side};
 use super::tape::{Step, Tape};
-use super::{leaf_range, Box3, Domain, Facts};
+use super::{leaf_range, Box3, Domain, Facts, Pinned};
 use crate::graph::algebra::{Algebra, Intervals};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
@@ -107,7 +108,10 @@ fn add(a: [Interval; 3], b: [Interval; 3]) -> [Interval; 3] {
 }
 
 /// The algebra of duals. Calls and lengths, which need to see more than their arguments, are handled by [`run`].
-pub struct Duals;
+pub struct Duals {
+    /// Values of the parameters, where they stand at one.
+    pub pinned: Pinned,
+}
 
 impl Algebra for Duals {
     type Value = Dual;
@@ -215,7 +219,7 @@ impl Algebra for Duals {
                         matrix_norm(&these.iter().map(|d| (d.gradient, d.norm)).collect::<Vec<_>>())
                     });
                 }
-                let limit = claim_constant(graph, *constant, &constants);
+                let limit = claim_constant(graph, &self.pinned, *constant, &constants);
                 let jumps = of.iter().fold(0, |j, d| j | d.jumps);
                 let mut dual = value.limited(limit);
                 dual.jumps = jumps;
@@ -226,7 +230,7 @@ impl Algebra for Duals {
 }
 
 /// The value of a claim's formula for the constants of its arguments.
-pub fn claim_constant(graph: &Graph, formula: NodeId, constants: &[f64]) -> f64 {
+pub fn claim_constant(graph: &Graph, pinned: &[f64], formula: NodeId, constants: &[f64]) -> f64 {
     let domain = Domain::of(Box3::ALL);
     let range = graph.evaluate(
         &mut Intervals,
@@ -235,7 +239,7 @@ pub fn claim_constant(graph: &Graph, formula: NodeId, constants: &[f64]) -> f64 
             Leaf::Variable(i) => {
                 Interval::new(0.0, constants.get(i as usize).copied().unwrap_or(0.0))
             }
-            other => leaf_range(graph, other, &domain),
+            other => leaf_range(graph, pinned, other, &domain),
         },
         |_, _, _, _| Interval::ALL,
     );
@@ -249,28 +253,41 @@ pub fn claim_constant(graph: &Graph, formula: NodeId, constants: &[f64]) -> f64 
 fn by_partials(op: Op, args: &[Dual], values: &[Interval], value: Interval, jumps: u8) -> Dual {
     let partials = kernel::partials(&mut Intervals, op, values, value);
     let mut gradient = [Interval::ZERO; 3];
-    let mut norm = 0.0;
+    let (mut sum, mut squares) = (0.0, 0.0);
+    let mut touched = [false; 3];
+    let mut apart = true;
     for (arg, partial) in args.iter().zip(partials) {
-        if arg.norm == 0.0 {
+        let slope = partial.magnitude();
+        if arg.norm == 0.0 || slope == 0.0 {
             continue;
         }
         gradient = add(gradient, arg.scaled(partial));
-        let slope = partial.magnitude();
-        norm += if slope == 0.0 { 0.0 } else { slope * arg.norm };
+        for (known, g) in touched.iter_mut().zip(&arg.gradient) {
+            let here = *g != Interval::ZERO;
+            apart &= !(*known && here);
+            *known |= here;
+        }
+        sum += slope * arg.norm;
+        squares += (slope * arg.norm).powi(2);
     }
+    // Terms that move along different axes are at right angles.
+    let norm = if apart { sum.min(squares.sqrt().next_up()) } else { sum };
     Dual::new(value, gradient, norm, jumps)
 }
 
-/// Runs a tape over duals.
+/// Runs a tape over duals, on the sides that `branches` chooses. None where no point is on all of them. `undecided` becomes the first
+/// kink that is worth a look at each side and has no side yet.
 pub fn run(
     facts: &mut Facts,
     graph: &Graph,
     tape: &Tape,
-    algebra: &mut Duals,
-    leaf: impl Fn(Leaf) -> Dual,
-) -> Vec<Dual> {
+    branches: Option<&Branches>,
+    undecided: &mut Option<usize>,
+    leaf: &dyn Fn(Leaf) -> Dual,
+) -> Option<Vec<Dual>> {
+    let algebra = &mut Duals { pinned: facts.pinned.clone() };
     let mut values: Vec<Dual> = Vec::with_capacity(tape.steps.len());
-    for step in &tape.steps {
+    for (i, step) in tape.steps.iter().enumerate() {
         let gather = |args: &[usize]| -> Vec<Dual> {
             args.iter().filter_map(|&a| values.get(a).copied()).collect()
         };
@@ -282,6 +299,21 @@ pub fn run(
                 let norm = map_norm(tape, &values, args);
                 let plain = algebra.op(*op, &of);
                 Dual::new(plain.value, plain.limited(norm).gradient, norm.min(plain.norm), plain.jumps)
+            }
+            Step::Op(Op::Abs, args) if args.first().is_some_and(|&a| is_mirrored(tape, &values, a)) => gather(args)
+                .first()
+                .map_or(Dual::constant(Interval::ALL), |a| Dual { value: a.value.abs(), ..*a }),
+            Step::Op(op @ (Op::Min | Op::Max | Op::Abs | Op::Select), args) => {
+                let of = gather(args);
+                match side_of(*op, &of).or(branches.and_then(|b| b.side(i))) {
+                    Some(side) => on_side(*op, &of, side),
+                    None => {
+                        if undecided.is_none() && tape.is_kink(i) && of.iter().any(|d| d.norm > 0.0) {
+                            *undecided = Some(i);
+                        }
+                        algebra.op(*op, &of)
+                    }
+                }
             }
             Step::Op(op, args) => algebra.op(*op, &gather(args)),
             Step::Claim(claim, args) => {
@@ -316,9 +348,94 @@ pub fn run(
                 call(facts, graph, *shape, &of, norm)
             }
         };
-        values.push(value);
+        values.push(match branches {
+            Some(branches) => confined(value, branches.within(i))?,
+            None => value,
+        });
     }
-    values
+    Some(values)
+}
+
+/// What is left of a value that is known to be within an interval; none where nothing is. A level set of a formula whose gradient is
+/// never zero has no inside, so it does not count.
+fn confined(mut dual: Dual, within: Interval) -> Option<Dual> {
+    let value = dual.value.intersect(within);
+    if value.is_empty() {
+        return None;
+    }
+    if value.is_point() && !dual.value.is_point() && dual.gradient.iter().any(|g| !g.contains(0.0)) {
+        return None;
+    }
+    dual.value = value;
+    Some(dual)
+}
+
+/// Whether a step is a coordinate of the box, across whose middle plane the tape is its own mirror image.
+fn is_mirrored(tape: &Tape, values: &[Dual], step: usize) -> bool {
+    let Some(Step::Leaf(Leaf::P(i))) = tape.steps.get(step) else { return false };
+    let Some(dual) = values.get(step) else { return false };
+    tape.is_mirrored(*i)
+        && dual.value.lo < 0.0
+        && dual.value.hi > 0.0
+        && *dual == Dual::coordinate(usize::from(*i), dual.value)
+}
+
+/// The side of a kink that the values alone decide.
+fn side_of(op: Op, args: &[Dual]) -> Option<Side> {
+    let value = |i: usize| args.get(i).map_or(Interval::ALL, |d| d.value);
+    let (a, b) = (value(0), value(1));
+    let (first, second) = match op {
+        Op::Min => (a.hi <= b.lo, b.hi <= a.lo),
+        Op::Max => (a.lo >= b.hi, b.lo >= a.hi),
+        Op::Abs => (a.lo >= 0.0, a.hi <= 0.0),
+        _ => (a == Interval::ONE, a == Interval::ZERO),
+    };
+    match (first, second) {
+        (true, _) => Some(Side::First),
+        (_, true) => Some(Side::Second),
+        _ => None,
+    }
+}
+
+/// The value and gradient on one side of a kink.
+fn on_side(op: Op, args: &[Dual], side: Side) -> Dual {
+    let dual = |i: usize| args.get(i).copied().unwrap_or(Dual::constant(Interval::ALL));
+    let first = side == Side::First;
+    let jumps = args.iter().fold(0, |j, d| j | d.jumps);
+    match op {
+        Op::Min | Op::Max => {
+            let taken = dual(usize::from(!first));
+            let hull = kernel::interval(op, &[dual(0).value, dual(1).value]);
+            Dual { value: taken.value.intersect(hull), jumps, ..taken }
+        }
+        Op::Abs if first => Dual { value: dual(0).value.abs(), ..dual(0) },
+        Op::Abs => Dual { value: dual(0).value.abs(), gradient: dual(0).gradient.map(Interval::neg), ..dual(0) },
+        _ => Dual { jumps, ..dual(if first { 1 } else { 2 }) },
+    }
+}
+
+/// Value, gradient and norm of a tape's last step over all of its pieces, and how many runs that took. The gradient of mirrored axes has
+/// both signs.
+pub fn hull_of_pieces(facts: &mut Facts, graph: &Graph, tape: &Tape, leaf: &dyn Fn(Leaf) -> Dual) -> (Dual, usize) {
+    let mut all: Option<Dual> = None;
+    let runs = branches::each_piece(facts, graph, tape, leaf, &mut |values| {
+        let Some(last) = values.last() else { return };
+        all = Some(match all {
+            None => *last,
+            Some(known) => {
+                let (gradient, norm) = known.hull(*last);
+                Dual { value: known.value.hull(last.value), gradient, norm, jumps: known.jumps | last.jumps }
+            }
+        });
+    });
+    let mut dual = all.unwrap_or(Dual::constant(Interval::ALL));
+    for (i, g) in (0..3u8).zip(&mut dual.gradient) {
+        let side = leaf(Leaf::P(i)).value;
+        if tape.is_mirrored(i) && side.lo < 0.0 && side.hi > 0.0 {
+            *g = g.hull(g.neg());
+        }
+    }
+    (dual, runs)
 }
 
 /// The constant of the shape that a step calls, in the shape's own space.
@@ -343,16 +460,17 @@ fn call(facts: &mut Facts, graph: &Graph, shape: ShapeId, args: &[Dual], norm: f
         // A variable moves with the point: the shape's formula is followed with the arguments' own derivatives.
         let variables = s.variables.clone();
         let tape = facts.tape(graph, s.value);
-        let duals = run(facts, graph, &tape, &mut Duals, |leaf| match leaf {
+        let pinned = facts.pinned.clone();
+        let leaf = |leaf: Leaf| match leaf {
             Leaf::P(i) => args.get(usize::from(i)).copied().unwrap_or(Dual::constant(Interval::ALL)),
             Leaf::Variable(v) => variables
                 .binary_search(&v)
                 .ok()
                 .and_then(|i| args.get(3 + i).copied())
                 .unwrap_or(Dual::constant(Interval::ALL)),
-            other => Dual::constant(leaf_range(graph, other, &Domain::of(Box3::ALL))),
-        });
-        let mut dual = duals.last().copied().unwrap_or(Dual::constant(Interval::ALL));
+            other => Dual::constant(leaf_range(graph, &pinned, other, &Domain::of(Box3::ALL))),
+        };
+        let mut dual = hull_of_pieces(facts, graph, &tape, &leaf).0;
         dual.jumps |= here;
         return dual;
     }

@@ -2,15 +2,19 @@
 //!
 //! Everything here holds for the whole range of every parameter and for any time.
 
+pub mod branches;
 pub mod dual;
 pub mod region;
+pub mod search;
+pub mod steep;
 pub mod tape;
 
 use crate::graph::algebra::Intervals;
 use crate::graph::interval::Interval;
 use crate::graph::{Exactness, Graph, Leaf, NodeId, ShapeId, WORLD};
-use dual::{Dual, Duals};
+use dual::Dual;
 use rustc_hash::{FxHashMap, FxHashSet};
+use std::collections::BinaryHeap;
 use std::rc::Rc;
 use tape::Tape;
 
@@ -150,9 +154,9 @@ pub struct Constant {
 }
 
 /// What is known of the graph's nodes, kept so that nothing is computed twice.
-#[derive(Default)]
 pub struct Facts {
     tapes: FxHashMap<NodeId, Rc<Tape>>,
+    weights: FxHashMap<NodeId, usize>,
     duals: FxHashMap<(ShapeId, Vec<u64>), Dual>,
     ranges: FxHashMap<(ShapeId, Vec<u64>), Interval>,
     regions: FxHashMap<(NodeId, Vec<u64>, u64), Box3>,
@@ -166,8 +170,33 @@ pub struct Facts {
     unions: u32,
     /// How many more shapes may be sifted for the region at hand.
     sifts: u32,
+    /// How many steps of a formula one constant may cost.
+    pub steps: usize,
     /// Boxes evaluated so far.
     pub boxes: u64,
+    /// Values of the parameters, where these facts hold for those alone.
+    pub pinned: Pinned,
+}
+
+impl Default for Facts {
+    fn default() -> Self {
+        Self {
+            tapes: FxHashMap::default(),
+            weights: FxHashMap::default(),
+            duals: FxHashMap::default(),
+            ranges: FxHashMap::default(),
+            regions: FxHashMap::default(),
+            constants: FxHashMap::default(),
+            maps: FxHashMap::default(),
+            solids: FxHashMap::default(),
+            entries: 0,
+            unions: 0,
+            sifts: 0,
+            steps: STEPS,
+            boxes: 0,
+            pinned: Rc::new([]),
+        }
+    }
 }
 
 impl Facts {
@@ -191,6 +220,24 @@ impl Facts {
         tape
     }
 
+    /// How many steps one run of a node takes, those of the shapes that it calls counted in.
+    pub fn weight(&mut self, graph: &Graph, node: NodeId) -> usize {
+        if let Some(known) = self.weights.get(&node) {
+            return *known;
+        }
+        let tape = self.tape(graph, node);
+        let mut weight = tape.steps.len();
+        for step in &tape.steps {
+            if let tape::Step::Call(shape, _) = step
+                && let Some(s) = graph.shape(*shape)
+            {
+                weight = weight.saturating_add(self.weight(graph, s.value));
+            }
+        }
+        self.weights.insert(node, weight);
+        weight
+    }
+
     /// All values of a node that reads nothing but parameters and time.
     pub fn live_range(&mut self, graph: &Graph, node: NodeId) -> Interval {
         self.range(graph, node, &Domain::of(Box3::ALL))
@@ -205,10 +252,11 @@ impl Facts {
     /// The range of every step of a tape over a domain.
     pub fn ranges_of(&mut self, graph: &Graph, tape: &Tape, domain: &Domain) -> Vec<Interval> {
         self.boxes += 1;
+        let pinned = self.pinned.clone();
         tape.run(
             graph,
             &mut Intervals,
-            |_, leaf| leaf_range(graph, leaf, domain),
+            |_, leaf| leaf_range(graph, &pinned, leaf, domain),
             |_, shape, args| self.shape_range(graph, shape, args),
         )
     }
@@ -237,32 +285,30 @@ impl Facts {
         let value = s.value;
         let exact = s.exactness == Exactness::Exact;
         let tape = self.tape(graph, value);
-        let mut dual = self.dual_of(graph, &tape, &domain);
-        if exact {
-            dual = dual.limited(1.0);
-            dual.jumps = 0;
-        }
+        let dual = if exact {
+            // Known without a look at its kinks.
+            let plain = self.all_duals(graph, &tape, &domain).last().copied();
+            Dual { jumps: 0, ..plain.unwrap_or(Dual::constant(Interval::ALL)).limited(1.0) }
+        } else {
+            self.dual_of(graph, &tape, &domain).0
+        };
         self.duals.insert(key, dual);
         dual
     }
 
-    /// Value, gradient and its norm of a tape's last step over a domain.
-    pub fn dual_of(&mut self, graph: &Graph, tape: &Tape, domain: &Domain) -> Dual {
-        self.all_duals(graph, tape, domain)
-            .last()
-            .copied()
-            .unwrap_or(Dual::constant(Interval::ALL))
+    /// Value, gradient and its norm of a tape's last step over a domain, each of its pieces by itself; and how often it was run.
+    pub fn dual_of(&mut self, graph: &Graph, tape: &Tape, domain: &Domain) -> (Dual, usize) {
+        let pinned = self.pinned.clone();
+        let (dual, runs) = dual::hull_of_pieces(self, graph, tape, &|leaf| leaf_dual(graph, &pinned, leaf, domain));
+        self.boxes += runs as u64;
+        (dual, runs)
     }
 
-    /// The same for every step.
+    /// The same for every step, kinks as their hull.
     pub fn all_duals(&mut self, graph: &Graph, tape: &Tape, domain: &Domain) -> Vec<Dual> {
         self.boxes += 1;
-        dual::run(self, graph, tape, &mut Duals, |leaf| match leaf {
-            Leaf::P(i) => Dual::coordinate(usize::from(i), domain.point.axis(usize::from(i))),
-            // The scene's point moves with the point of every space, nobody here knows how.
-            Leaf::Variable(v) if v < WORLD + 3 => Dual::unknown(domain.variable(v)),
-            other => Dual::constant(leaf_range(graph, other, domain)),
-        })
+        let pinned = self.pinned.clone();
+        dual::run(self, graph, tape, None, &mut None, &|leaf| leaf_dual(graph, &pinned, leaf, domain)).unwrap_or_default()
     }
 
     /// A Lipschitz constant of a node over a domain, looked for with at most `budget` boxes.
@@ -278,9 +324,11 @@ impl Facts {
             return *known;
         }
         let tape = self.tape(graph, node);
-        let constant = self.supremum(domain, budget, |facts, d| {
-            let dual = facts.dual_of(graph, &tape, d);
-            (dual.norm, dual.jumps != 0)
+        let weight = self.weight(graph, node);
+        let budget = budget.min((self.steps / weight.max(1)).max(8));
+        let constant = self.supremum(&tape, domain, budget, |facts, d| {
+            let (dual, runs) = facts.dual_of(graph, &tape, d);
+            Norm { norm: dual.norm, jumps: dual.jumps != 0, runs }
         });
         self.constants.insert(key, constant);
         constant
@@ -300,10 +348,17 @@ impl Facts {
         }
         let tape = Tape::new(graph, point);
         let rows: Vec<usize> = tape.roots().collect();
-        let constant = self.supremum(domain, budget, |facts, d| {
-            let duals = facts.all_duals(graph, &tape, d);
-            let jumps = rows.iter().any(|&r| duals.get(r).is_some_and(|d| d.jumps != 0));
-            (dual::map_norm(&tape, &duals, &rows), jumps)
+        let budget = budget.min((self.steps / tape.steps.len().max(1)).max(8));
+        let constant = self.supremum(&tape, domain, budget, |facts, d| {
+            let mut norm = Norm { norm: 0.0, jumps: false, runs: 0 };
+            let pinned = facts.pinned.clone();
+            let leaf = |leaf| leaf_dual(graph, &pinned, leaf, d);
+            let runs = branches::each_piece(facts, graph, &tape, &leaf, &mut |duals| {
+                norm.jumps |= rows.iter().any(|&r| duals.get(r).is_some_and(|d| d.jumps != 0));
+                norm.norm = norm.norm.max(dual::map_norm(&tape, duals, &rows));
+            });
+            facts.boxes += runs as u64;
+            Norm { runs, ..norm }
         });
         self.maps.insert(key, constant);
         constant
@@ -312,52 +367,47 @@ impl Facts {
     /// The largest of `norm` over a domain, the worst box split again and again.
     fn supremum(
         &mut self,
+        tape: &Tape,
         domain: &Domain,
         budget: usize,
-        mut norm: impl FnMut(&mut Self, &Domain) -> (f64, bool),
+        mut norm: impl FnMut(&mut Self, &Domain) -> Norm,
     ) -> Constant {
-        let (first, jumps) = norm(self, domain);
-        let whole = Constant { lipschitz: first, jumps };
-        if !domain.point.is_finite() || budget <= 1 {
-            return whole;
+        let first = norm(self, domain);
+        // What the formula does not read needs no splitting.
+        let axes: Vec<usize> = (0..3).filter(|&i| tape.reads(i)).collect();
+        let splits = axes.iter().all(|&i| domain.point.axis(i).is_finite()) && !axes.is_empty();
+        if !splits || budget <= 1 {
+            return Constant { lipschitz: first.norm, jumps: first.jumps };
         }
-        let mut any_jump = false;
         let mut least: f64 = 0.0;
-        let mut open: Vec<(f64, bool, Box3)> = vec![(first, jumps, domain.point)];
-        let mut used = 1;
+        let mut open = BinaryHeap::from([Part { norm: first.norm, jumps: first.jumps, region: domain.point }]);
+        let mut used = first.runs;
         while used < budget {
-            // The worst box is the last.
-            let Some((worst, jump, region)) = open.pop() else { break };
-            let middle = Box3(region.0.map(|i| Interval::point(i.middle())));
-            let (at, _) = norm(self, &domain.at(middle));
-            if at.is_finite() {
-                least = least.max(at);
+            let Some(worst) = open.pop() else { break };
+            let width = |i: &usize| worst.region.axis(*i).width();
+            let Some(&widest) = axes.iter().max_by(|a, b| width(a).total_cmp(&width(b))) else { break };
+            // Not the middle itself, where what is symmetric has its kinks.
+            let inside = Box3(worst.region.0.map(|i| Interval::point(if i.is_finite() { i.lo + 0.4837 * i.width() } else { i.middle() })));
+            let at = norm(self, &domain.at(inside));
+            if at.norm.is_finite() {
+                least = least.max(at.norm);
             }
-            if worst <= least * 1.02 || region.size() < 1e-9 {
-                open.push((worst, jump, region));
+            if worst.norm <= least * 1.02 || width(&widest) < 1e-9 {
+                open.push(worst);
                 break;
             }
-            let widest = (0..3)
-                .max_by(|&a, &b| region.axis(a).width().total_cmp(&region.axis(b).width()))
-                .unwrap_or(0);
-            let side = region.axis(widest);
+            let side = worst.region.axis(widest);
             let half = side.middle();
             for part in [Interval::new(side.lo, half), Interval::new(half, side.hi)] {
-                let part = region.with_axis(widest, part);
-                let (norm, jump) = norm(self, &domain.at(part));
-                used += 1;
-                let at = open.partition_point(|(other, _, _)| {
-                    // NaN never occurs; infinite sorts last.
-                    *other <= norm
-                });
-                open.insert(at, (norm, jump, part));
+                let region = worst.region.with_axis(widest, part);
+                let found = norm(self, &domain.at(region));
+                used += found.runs;
+                open.push(Part { norm: found.norm, jumps: found.jumps, region });
             }
         }
-        for (_, jump, _) in &open {
-            any_jump |= *jump;
-        }
-        let largest = open.iter().map(|(n, _, _)| *n).fold(0.0, f64::max);
-        Constant { lipschitz: largest.min(first), jumps: any_jump && jumps }
+        let largest = open.peek().map_or(0.0, |p| p.norm);
+        let jumps = first.jumps && open.iter().any(|p| p.jumps);
+        Constant { lipschitz: largest.min(first.norm), jumps }
     }
 
     /// A box that holds all of a repetition's body, over all of its cells.
@@ -380,6 +430,61 @@ impl Facts {
     }
 }
 
+/// How many steps of a formula one constant may cost while a scene is compiled.
+const STEPS: usize = 20_000;
+
+/// What one box tells.
+struct Norm {
+    /// A bound of the gradient's norm.
+    norm: f64,
+    /// Whether the formula may jump in it.
+    jumps: bool,
+    /// How often the formula was run.
+    runs: usize,
+}
+
+/// A box that waits to be split; the one with the largest norm comes first.
+struct Part {
+    norm: f64,
+    jumps: bool,
+    region: Box3,
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Part {}
+
+impl PartialOrd for Part {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Part {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        let corner = |p: &Self| p.region.0.map(|i| i.lo);
+        // Ties by place, so that the order depends on nothing else.
+        self.norm.total_cmp(&other.norm).then_with(|| {
+            let pairs = corner(self).into_iter().zip(corner(other));
+            pairs.map(|(a, b)| a.total_cmp(&b)).find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+        })
+    }
+}
+
+/// A leaf as a function of the point of its space.
+pub fn leaf_dual(graph: &Graph, pinned: &[f64], leaf: Leaf, domain: &Domain) -> Dual {
+    match leaf {
+        Leaf::P(i) => Dual::coordinate(usize::from(i), domain.point.axis(usize::from(i))),
+        // The scene's point moves with the point of every space, nobody here knows how.
+        Leaf::Variable(v) if v < WORLD + 3 => Dual::unknown(domain.variable(v)),
+        other => Dual::constant(leaf_range(graph, pinned, other, domain)),
+    }
+}
+
 /// The domain of a shape's own formula, from the intervals of a call's arguments.
 pub fn call_domain(variables: &[u32], args: &[Interval]) -> Domain {
     let arg = |i: usize| args.get(i).copied().unwrap_or(Interval::ALL);
@@ -390,22 +495,46 @@ pub fn call_domain(variables: &[u32], args: &[Interval]) -> Domain {
     }
 }
 
+/// Parameters that stand at one value, where the facts are not meant for their whole range: components by their index.
+pub type Pinned = Rc<[f64]>;
+
 /// All values of a leaf.
-pub fn leaf_range(graph: &Graph, leaf: Leaf, domain: &Domain) -> Interval {
+pub fn leaf_range(graph: &Graph, pinned: &[f64], leaf: Leaf, domain: &Domain) -> Interval {
     match leaf {
         Leaf::P(i) => domain.point.axis(usize::from(i)),
         Leaf::Normal(_) => Interval::new(-1.0, 1.0),
         // Any time that a person may wait for, and what came before.
         Leaf::Time => Interval::new(-1e7, 1e7),
-        Leaf::Parameter(i) => graph
-            .parameters
-            .get(i as usize)
-            .map_or(Interval::ALL, |p| Interval::new(p.min, p.max)),
+        Leaf::Parameter(i) => match (pinned.get(i as usize), graph.parameters.get(i as usize)) {
+            (Some(value), _) => Interval::point(*value),
+            (None, Some(p)) => Interval::new(p.min, p.max),
+            (None, None) => Interval::ALL,
+        },
         Leaf::Variable(v) => domain.variable(v),
     }
 }
 
 impl Graph {
+    /// Components of parameters that nodes depend on, through the shapes that they call.
+    pub fn parameters_under(&self, nodes: &[NodeId]) -> FxHashSet<u32> {
+        let mut read = FxHashSet::default();
+        let mut seen: FxHashSet<ShapeId> = FxHashSet::default();
+        let mut roots: Vec<NodeId> = nodes.to_vec();
+        while !roots.is_empty() {
+            for id in self.reachable(&std::mem::take(&mut roots)) {
+                match self.node(id) {
+                    crate::graph::Node::Leaf(Leaf::Parameter(i)) => {
+                        read.insert(*i);
+                    }
+                    crate::graph::Node::Call(s, ..) if seen.insert(*s) => roots.extend(self.shape(*s).map(|s| s.value)),
+                    crate::graph::Node::Claim(_, crate::graph::Claim::Lipschitz(formula, _)) => roots.push(*formula),
+                    _ => {}
+                }
+            }
+        }
+        read
+    }
+
     /// Components of parameters that a shape and nodes read.
     pub fn parameters_read(&self, root: ShapeId, nodes: &[NodeId]) -> FxHashSet<u32> {
         let mut read = FxHashSet::default();

@@ -27,6 +27,10 @@ pub struct Tape {
     /// The node that each step computes.
     pub nodes: Vec<NodeId>,
     roots: Vec<usize>,
+    /// Steps with a kink of which each side is worth a look by itself.
+    kinks: Vec<bool>,
+    /// Coordinates that only `abs` reads: one half of the axis stands for both.
+    mirrored: [bool; 3],
 }
 
 impl Tape {
@@ -48,7 +52,83 @@ impl Tape {
             })
             .collect();
         let roots = roots.iter().map(at).collect();
-        Self { steps, nodes, roots }
+        let mut tape = Self { steps, nodes, roots, kinks: Vec::new(), mirrored: [false; 3] };
+        tape.find_kinks();
+        tape
+    }
+
+    /// A kink whose result goes through nothing but `min`, `max` and their like to the only root needs no look at each side: the constant is
+    /// the larger one. Below a claim it is the claim that counts.
+    fn find_kinks(&mut self) {
+        #[derive(Clone, Copy, PartialEq, PartialOrd)]
+        enum State {
+            Quiet,
+            Through,
+            Apart,
+        }
+        let n = self.steps.len();
+        let mut states = vec![State::Quiet; n];
+        let mut users = vec![0u32; n];
+        let from_root = if self.roots.len() == 1 { State::Through } else { State::Apart };
+        for &root in &self.roots {
+            if let Some(slot) = states.get_mut(root) {
+                *slot = from_root;
+            }
+        }
+        let mut kinks = vec![false; n];
+        for (i, step) in self.steps.iter().enumerate().rev() {
+            let state = states.get(i).copied().unwrap_or(State::Quiet);
+            let (args, below): (&[usize], State) = match step {
+                Step::Constant(_) | Step::Leaf(_) => continue,
+                Step::Claim(Claim::Lipschitz(..), args) => (args, State::Quiet),
+                Step::Claim(Claim::Continuous, args) => (args, state),
+                Step::Op(Op::Min | Op::Max | Op::Neg | Op::Abs | Op::Select, args) if state == State::Through => {
+                    (args, State::Through)
+                }
+                Step::Op(_, args) | Step::Call(_, args) => {
+                    (args, if state == State::Quiet { State::Quiet } else { State::Apart })
+                }
+            };
+            if let (Step::Op(Op::Min | Op::Max | Op::Abs | Op::Select, _), State::Apart, Some(slot)) =
+                (step, state, kinks.get_mut(i))
+            {
+                *slot = true;
+            }
+            for &a in args {
+                if let (Some(slot), Some(count)) = (states.get_mut(a), users.get_mut(a)) {
+                    *count += 1;
+                    if *slot < below {
+                        *slot = below;
+                    }
+                }
+            }
+        }
+        for step in &self.steps {
+            if let Step::Op(Op::Abs, args) = step
+                && let Some(&a) = args.first()
+                && let Some(Step::Leaf(Leaf::P(i))) = self.steps.get(a)
+                && users.get(a) == Some(&1)
+                && let Some(slot) = self.mirrored.get_mut(usize::from(*i))
+            {
+                *slot = true;
+            }
+        }
+        self.kinks = kinks;
+    }
+
+    /// Whether a step has a kink of which each side is worth a look by itself.
+    pub fn is_kink(&self, step: usize) -> bool {
+        self.kinks.get(step).copied().unwrap_or(false)
+    }
+
+    /// Whether a coordinate is read by one `abs` alone.
+    pub fn is_mirrored(&self, coordinate: u8) -> bool {
+        self.mirrored.get(usize::from(coordinate)).copied().unwrap_or(false)
+    }
+
+    /// Whether any step reads a coordinate.
+    pub fn reads(&self, coordinate: usize) -> bool {
+        self.steps.iter().any(|s| matches!(s, Step::Leaf(Leaf::P(i)) if usize::from(*i) == coordinate))
     }
 
     /// The step of each root.

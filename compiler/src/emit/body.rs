@@ -140,11 +140,6 @@ struct Frame<'p> {
 }
 
 impl Body {
-    /// Room for so many expressions.
-    pub fn with_capacity(count: usize) -> Self {
-        Self { exprs: Vec::with_capacity(count), pool: Vec::with_capacity(2 * count), ..Self::default() }
-    }
-
     /// Forgets all, and keeps the room: for the next function.
     pub fn clear(&mut self) {
         self.exprs.clear();
@@ -440,11 +435,11 @@ impl Body {
         }
     }
 
-    /// Lets what is computed anyway stand for what it holds, wherever that is an argument. Nothing may be added after it. The
-    /// answer: what stands for the root.
-    pub fn share(&mut self, graph: &Graph, plans: &Plans, root: ExprId) -> ExprId {
+    /// What need not be computed, since something that is computed anyway holds it: for each expression, what stands for
+    /// it. Empty where every expression stands for itself.
+    pub fn shared(&mut self, graph: &Graph, plans: &Plans, root: ExprId) -> Vec<ExprId> {
         if self.fields.is_empty() && !self.has_parts {
-            return root;
+            return Vec::new();
         }
         let count = self.exprs.len();
         let mut shared: Vec<ExprId> = (0..count as ExprId).collect();
@@ -492,9 +487,8 @@ impl Body {
             }
         }
         // Components that were made here stand for themselves.
-        let of = |id: ExprId| shared.get(id as usize).copied().unwrap_or(id);
-        self.pool.iter_mut().for_each(|arg| *arg = of(*arg));
-        of(root)
+        shared.extend(count as ExprId..self.exprs.len() as ExprId);
+        shared
     }
 
     fn mark(&self, root: ExprId, live: &mut [bool], stack: &mut Vec<ExprId>) {
@@ -547,6 +541,10 @@ impl Terms for Body {
             }
             _ => self.add(Code::Op(op), args),
         }
+    }
+
+    fn gathers(&self) -> bool {
+        false
     }
 }
 

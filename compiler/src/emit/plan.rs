@@ -425,8 +425,7 @@ impl<'a> Plans<'a> {
         }
         nodes.sort_unstable();
         let mut plan = Plan { variables, ..Plan::default() };
-        // Three components of a gradient take four steps.
-        plan.steps.reserve(nodes.len() + nodes.len() / 3);
+        plan.steps.reserve(nodes.len());
         plan.arguments.reserve(2 * nodes.len());
         // Calls of a gradient at the same arguments are one step.
         let mut gradients: FxHashMap<(TargetId, &[NodeId]), u32> = FxHashMap::default();

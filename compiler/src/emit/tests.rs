@@ -76,7 +76,7 @@ impl Bench {
     fn factor(&mut self, name: &str, lipschitz: f64) -> NodeId {
         let index = self.g.factors.len() as u32;
         let reason = "a twist".to_owned();
-        self.g.factors.push(Factor { name: name.to_owned(), lipschitz, reason, span: SPAN });
+        self.g.factors.push(Factor { name: name.to_owned(), lipschitz, reason, span: SPAN, proof: crate::graph::Proof::Derived });
         self.g.intern(crate::graph::Node::Factor(index))
     }
 

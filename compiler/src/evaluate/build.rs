@@ -4,7 +4,7 @@ use super::{INPUTS, Instruction, Tape, TooLarge, run};
 use crate::compiled::Live;
 use crate::functions::Functions;
 use crate::graph::kernel::Op;
-use crate::graph::{FAR, FIRST_VARIABLE, Factor, Graph, Leaf, Node, NodeId, ShapeId};
+use crate::graph::{FAR, FIRST_VARIABLE, multiple_of, Graph, Leaf, Node, NodeId, ShapeId};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
@@ -102,7 +102,7 @@ impl Builder<'_> {
             Node::Constant(bits) => Some(self.values.constant_f32(f64::from_bits(*bits))),
             Node::Leaf(leaf) => Some(self.leaf(scope, *leaf)),
             Node::Factor(i) => {
-                let multiple = graph.factors.get(*i as usize).map_or(1.0, Factor::multiple);
+                let multiple = multiple_of(self.live.factor(graph, *i));
                 Some(self.values.constant(f64::from(multiple)))
             }
             Node::Claim(arguments, _) => {

@@ -418,6 +418,8 @@ pub trait Terms {
     fn constant(&mut self, value: f64) -> Self::Id;
     /// An operation, simplified.
     fn op(&mut self, op: Op, args: &[Self::Id]) -> Self::Id;
+    /// Whether turns and lengths that are written out are gathered into the operations, of which more is known.
+    fn gathers(&self) -> bool;
 }
 
 impl Terms for Graph {
@@ -436,6 +438,9 @@ impl Terms for Graph {
     }
     fn op(&mut self, op: Op, args: &[NodeId]) -> NodeId {
         Graph::op(self, op, args)
+    }
+    fn gathers(&self) -> bool {
+        true
     }
 }
 
@@ -466,10 +471,23 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
     match op {
         Op::Add if is(ca, 0.0) => Some(b),
         Op::Add | Op::Sub if is(cb, 0.0) => Some(a),
-        Op::Add => negated(graph, b).map(|n| graph.op(Op::Sub, &[a, n])),
+        Op::Add => match turned(graph, a, b).or(turned(graph, b, a)) {
+            // v cos t + u sin t
+            Some((v, u, t)) => Some(graph.op(Op::TurnV, &[u, v, t])),
+            None => negated(graph, b).map(|n| graph.op(Op::Sub, &[a, n])),
+        },
         Op::Sub if is(ca, 0.0) => Some(graph.op(Op::Neg, &[b])),
         Op::Sub if a == b => Some(graph.constant(0.0)),
-        Op::Sub => negated(graph, b).map(|n| graph.op(Op::Add, &[a, n])),
+        Op::Sub => match (turned(graph, a, b), turned(graph, b, a)) {
+            // u cos t - v sin t
+            (Some((u, v, t)), _) => Some(graph.op(Op::TurnU, &[u, v, t])),
+            (None, Some((v, u, t))) => {
+                // u sin t - v cos t
+                let turned = graph.op(Op::TurnU, &[v, u, t]);
+                Some(graph.op(Op::Neg, &[turned]))
+            }
+            _ => negated(graph, b).map(|n| graph.op(Op::Add, &[a, n])),
+        },
         Op::Mul if is(ca, 0.0) || is(cb, 0.0) => Some(graph.constant(0.0)),
         // The square of one interval is not the product of two.
         Op::Mul if a == b => Some(graph.op(Op::Square, &[a])),
@@ -537,6 +555,22 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
         Op::Sqrt => match graph.operation(a)? {
             // sqrt(x²) is |x|, whatever the sign.
             (Op::Square, &[x]) => Some(graph.op(Op::Abs, &[x])),
+            // The root of a sum of squares is a length, whose gradient never exceeds one.
+            (Op::Add, &[x, y]) if graph.gathers() => {
+                let of = sides(graph, x, y)?;
+                let op = match of.len() {
+                    2 => Op::Length2,
+                    3 => Op::Length3,
+                    4 => Op::Length4,
+                    _ => return None,
+                };
+                Some(graph.op(op, &of))
+            }
+            // The root grows, so it can be taken on each side.
+            (Op::Min, &[x, y]) => {
+                let (x, y) = (graph.op(Op::Sqrt, &[x]), graph.op(Op::Sqrt, &[y]));
+                Some(graph.op(Op::Min, &[x, y]))
+            }
             _ => None,
         },
         Op::Length2 | Op::Length3 | Op::Length4 => {
@@ -585,6 +619,51 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
         },
         _ => None,
     }
+}
+
+/// Of `x cos t` and `y sin t`: x, y and t.
+fn turned<T: Terms>(graph: &T, a: T::Id, b: T::Id) -> Option<(T::Id, T::Id, T::Id)> {
+    if !graph.gathers() {
+        return None;
+    }
+    let product = |id: T::Id| match graph.operation(id)? {
+        (Op::Mul, &[x, y]) => Some([(x, y), (y, x)]),
+        _ => None,
+    };
+    let angle = |id: T::Id, op: Op| match graph.operation(id)? {
+        (found, &[t]) if found == op => Some(t),
+        _ => None,
+    };
+    let (first, second) = (product(a)?, product(b)?);
+    let (c, x) = first.into_iter().find(|(c, _)| angle(*c, Op::Cos).is_some())?;
+    let t = angle(c, Op::Cos)?;
+    let (_, y) = second.into_iter().find(|(s, _)| angle(*s, Op::Sin) == Some(t))?;
+    Some((x, y, t))
+}
+
+/// What is squared in the terms of a sum, two to four of them; a constant counts as the square of its root.
+fn sides<T: Terms>(graph: &mut T, a: T::Id, b: T::Id) -> Option<Vec<T::Id>> {
+    let mut open = vec![b, a];
+    let mut found = Vec::new();
+    let mut constant = 0.0;
+    while let Some(term) = open.pop() {
+        if let Some(c) = graph.as_constant(term).filter(|c| *c >= 0.0) {
+            constant += c;
+            continue;
+        }
+        match graph.operation(term)? {
+            (Op::Square, &[x]) => found.push(x),
+            (Op::Add, &[x, y]) => open.extend([y, x]),
+            _ => return None,
+        }
+        if found.len() + open.len() > 4 {
+            return None;
+        }
+    }
+    if constant > 0.0 {
+        found.push(graph.constant(constant.sqrt()));
+    }
+    Some(found)
 }
 
 fn negated<T: Terms>(graph: &T, id: T::Id) -> Option<T::Id> {

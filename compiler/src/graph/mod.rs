@@ -6,23 +6,23 @@
 //! needs is the structure of the formulas.
 
 pub mod algebra;
+mod args;
 pub(crate) mod index;
 pub mod interval;
 pub mod kernel;
 mod labels;
-mod list;
 pub mod print;
 mod reads;
 mod walk;
 
 use crate::source::Span;
+pub use args::Args;
 use index::Index;
 use kernel::Op;
 use labels::Labels;
-pub use list::NodeList;
 use reads::{Reads, Sets};
-use rustc_hash::FxHasher;
-use std::hash::{Hash, Hasher};
+use rustc_hash::{FxHashMap, FxHasher};
+use std::hash::Hasher;
 use std::sync::Arc;
 
 /// Index of a node of the graph. A node's arguments have smaller indices.
@@ -81,13 +81,13 @@ pub enum Node {
     /// Read from outside.
     Leaf(Leaf),
     /// An operation of the kernel.
-    Op(Op, NodeList),
+    Op(Op, Args),
     /// A function of a shape at a point: three coordinates (two of a drawing, then zero), then one value for
     /// each of the shape's variables.
-    Call(ShapeId, Function, NodeList),
+    Call(ShapeId, Function, Args),
     /// The value of the first node, with what is known of it and can't be seen from its formula; the
     /// others are what the claim speaks of.
-    Claim(NodeList, Claim),
+    Claim(Args, Claim),
     /// How far a field may be trusted, as a multiple: the reciprocal of a Lipschitz factor. An index into [`Graph::factors`].
     Factor(u32),
 }
@@ -137,13 +137,48 @@ pub struct Factor {
     pub reason: String,
     /// Where that stands.
     pub span: Span,
+    /// How it is known.
+    pub proof: Proof,
+}
+
+/// One over a Lipschitz factor as 32 bits hold it, rounded down.
+pub fn multiple_of(lipschitz: f64) -> f32 {
+    let nearest = (1.0 / lipschitz) as f32;
+    if f64::from(nearest) * lipschitz > 1.0 { nearest.next_down() } else { nearest }
+}
+
+/// How a constant is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Proof {
+    /// By the rules of the kernel's operations, everywhere at once.
+    Proven,
+    /// By a closed form of the prelude, which its tests hold against the certified supremum.
+    Claimed,
+    /// By a search over boxes in which no part of the region is left out.
+    Derived,
+    /// By samples alone: it may be too small.
+    Measured,
+}
+
+impl Proof {
+    /// All of them.
+    pub const ALL: [Proof; 4] = [Proof::Proven, Proof::Claimed, Proof::Derived, Proof::Measured];
+
+    /// Its name in tables and in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Proof::Proven => "proven",
+            Proof::Claimed => "claimed",
+            Proof::Derived => "derived",
+            Proof::Measured => "measured",
+        }
+    }
 }
 
 impl Factor {
     /// One over the Lipschitz factor as 32 bits hold it, rounded down.
     pub fn multiple(&self) -> f32 {
-        let nearest = (1.0 / self.lipschitz) as f32;
-        if f64::from(nearest) * self.lipschitz > 1.0 { nearest.next_down() } else { nearest }
+        multiple_of(self.lipschitz)
     }
 }
 
@@ -204,9 +239,6 @@ impl Material {
     }
 }
 
-/// More nodes than most scenes have. Room that is not used costs nothing, and a list that grows is copied.
-const ROOM: usize = 1 << 15;
-
 /// The graph of a program.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
@@ -217,7 +249,7 @@ pub struct Graph {
     sets: Sets,
     labels: Labels,
     shapes: Vec<Shape>,
-    shape_index: Index,
+    shape_index: FxHashMap<Shape, ShapeId>,
     /// Materials, in the order in which they were met.
     pub materials: Vec<Material>,
     /// Components of parameters.
@@ -230,8 +262,7 @@ pub struct Graph {
 impl Graph {
     /// An empty graph.
     pub fn new() -> Self {
-        let (nodes, reads) = (Vec::with_capacity(ROOM), Vec::with_capacity(ROOM));
-        Self { nodes, reads, next_variable: FIRST_VARIABLE, ..Self::default() }
+        Self { next_variable: FIRST_VARIABLE, ..Self::default() }
     }
 
     /// Number of nodes.
@@ -331,9 +362,11 @@ impl Graph {
     /// The field of a shape at a point, its variables passed through from here.
     pub fn field(&mut self, shape: ShapeId, point: [NodeId; 3]) -> NodeId {
         let variables = self.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
-        let variables = variables.iter().map(|&v| self.leaf(Leaf::Variable(v)));
-        let args: NodeList = point.into_iter().chain(variables).collect();
-        self.intern(Node::Call(shape, Function::Field, args))
+        let mut args = point.to_vec();
+        for &variable in variables.iter() {
+            args.push(self.leaf(Leaf::Variable(variable)));
+        }
+        self.call(shape, Function::Field, &args)
     }
 
     /// The constant that a node is, if it is one.
@@ -405,15 +438,13 @@ impl Graph {
             variables = self.sets.union(variables, of_mask);
         }
         shape.variables = self.sets.get(variables);
-        let mut hasher = FxHasher::default();
-        shape.hash(&mut hasher);
-        let known = |id: u32| self.shapes.get(id as usize) == Some(&shape);
-        let new = self.shapes.len() as u32;
-        if let Some(id) = self.shape_index.find_or_add(hasher.finish(), new, known) {
-            return ShapeId(id);
+        if let Some(&id) = self.shape_index.get(&shape) {
+            return id;
         }
-        self.shapes.push(shape);
-        ShapeId(new)
+        let id = ShapeId(self.shapes.len() as u32);
+        self.shapes.push(shape.clone());
+        self.shape_index.insert(shape, id);
+        id
     }
 
     /// Adds a material, or finds one that is the same.

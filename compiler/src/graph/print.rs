@@ -28,7 +28,7 @@ fn print_to(graph: &Graph, out: &mut String) -> fmt::Result {
         writeln!(out, "parameter {of} {i} = {:?} in {:?} {:?}", p.default, p.min, p.max)?;
     }
     for f in &graph.factors {
-        write!(out, "factor {} {:?} {}", quoted(&f.name), f.lipschitz, quoted(&f.reason))?;
+        write!(out, "factor {} {} {:?} {}", quoted(&f.name), f.proof.name(), f.lipschitz, quoted(&f.reason))?;
         write_span(out, Some(f.span))?;
         out.push('\n');
     }
@@ -301,10 +301,12 @@ impl Reader {
             }
             "factor" => {
                 let name = words.text()?.ok_or("a factor has a name")?;
+                let proof = words.need()?;
+                let proof = super::Proof::ALL.into_iter().find(|p| p.name() == proof).ok_or("a factor is not known so")?;
                 let lipschitz = words.number()?;
                 let reason = words.text()?.ok_or("a factor has a reason")?;
                 let span = words.span()?.ok_or("a factor has a place")?;
-                self.graph.factors.push(Factor { name, lipschitz, reason, span });
+                self.graph.factors.push(Factor { name, lipschitz, reason, span, proof });
             }
             "material" if words.rest.ends_with('{') => {
                 let _: u32 = words.number()?;
@@ -521,7 +523,7 @@ mod tests {
         let lipschitz = Claim::Lipschitz(one, groups);
         let claim = g.intern(Node::Claim([continuous, p[0], p[1], slope].into(), lipschitz));
         let (name, reason) = ("step_ball".to_owned(), "two\nlines".to_owned());
-        g.factors.push(Factor { name, lipschitz: 1.5, reason, span: SPAN });
+        g.factors.push(Factor { name, lipschitz: 1.5, reason, span: SPAN, proof: crate::graph::Proof::Derived });
         let factor = g.intern(Node::Factor(0));
         let value = g.op(Op::Mul, &[claim, factor]);
         let mut scene = shape(value, None);

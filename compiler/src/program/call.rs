@@ -5,14 +5,13 @@ use super::load::{ItemRef, Resolution};
 use super::value::{type_words, Value};
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
-use crate::graph::{Claim, ClaimGroup, Exactness, Function, Leaf, Material, MaterialId, Node, NodeId, NodeList, Shape, ShapeId};
+use crate::graph::{Claim, ClaimGroup, Exactness, Function, Leaf, Material, MaterialId, Node, NodeId, Shape, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast::{
     self, Argument, ClaimKind, Expr, ExprKind, FunctionKind, ItemKind, Name, Parameter, Type,
 };
 use crate::syntax::words::nearest;
 use std::rc::Rc;
-use std::sync::Arc;
 
 /// A condition on an argument, from a `Requires:` line of its documentation.
 #[derive(Clone, Debug)]
@@ -124,8 +123,7 @@ impl Elaborator<'_> {
         span: Span,
         env: &Env,
     ) -> Elaborated<Value> {
-        let modules = self.modules;
-        let items = modules.own(module, &name.text);
+        let items = self.modules.own(module, &name.text);
         if items.is_empty() {
             return Err(self.unknown_in(module, alias, name));
         }
@@ -160,13 +158,12 @@ impl Elaborator<'_> {
         env: &Env,
     ) -> Elaborated<Value> {
         let built_in = super::builtin::is_function(&name.text);
-        let modules = self.modules;
-        match modules.resolve(env.module, &name.text) {
+        match self.modules.resolve(env.module, &name.text) {
             Resolution::Items(items) => {
                 let own = !self.modules.is_prelude(items.first().map_or(0, |i| i.module))
                     || self.modules.is_prelude(env.module) && !built_in;
                 if own || !built_in {
-                    return self.call_items_with(items, known, args, span, env);
+                    return self.call_items_with(&items, known, args, span, env);
                 }
                 // Both the kernel and the prelude know the name: the first argument decides.
                 let first = match (known.first(), args.first()) {
@@ -174,7 +171,7 @@ impl Elaborator<'_> {
                     (None, Some(arg)) if arg.name.is_none() => {
                         self.expression(&arg.value, env)?
                     }
-                    _ => return self.call_items_with(items, known, args, span, env),
+                    _ => return self.call_items_with(&items, known, args, span, env),
                 };
                 let mut known = known;
                 let mut args = args;
@@ -185,7 +182,7 @@ impl Elaborator<'_> {
                     args = rest;
                 }
                 if matches!(first, Value::Shape(_) | Value::Nothing) {
-                    return self.call_items_with(items, known, args, span, env);
+                    return self.call_items_with(&items, known, args, span, env);
                 }
                 self.call_built_in(&name.text, known, args, span, env)
             }
@@ -282,8 +279,7 @@ impl Elaborator<'_> {
             && env.local(alias).is_none()
             && let Some(module) = self.modules.alias(env.module, alias)
         {
-            let modules = self.modules;
-            let items = modules.own(module, &name.text);
+            let items = self.modules.own(module, &name.text);
             if items.is_empty() {
                 return Err(self.unknown_in(module, alias, name));
             }
@@ -602,7 +598,8 @@ impl Elaborator<'_> {
         // A formula makes a space of its own where it makes a shape; else it sees the caller's `p`.
         let own_space = |dimensions: u8, e: &mut Self| {
             let point = e.graph.point();
-            env.at(Some(point.into_iter().take(usize::from(dimensions)).collect()))
+            let cells: Vec<NodeId> = point.into_iter().take(usize::from(dimensions)).collect();
+            env.at(Some(cells.into()))
         };
         let formula_env = match function.kind {
             FunctionKind::Field => own_space(3, self),
@@ -877,11 +874,11 @@ impl Elaborator<'_> {
                 .find_map(|b| if let Value::Shape(id) = b.value { Some(self.dimensions(id)) } else { None })
                 .unwrap_or(3),
         };
-        let leaf_point: NodeList = {
+        let leaf_point: Rc<[NodeId]> = {
             let point = self.graph.point();
             point.into_iter().take(usize::from(dimensions)).collect()
         };
-        let point: Option<NodeList> = match function.kind {
+        let point: Option<Rc<[NodeId]>> = match function.kind {
             FunctionKind::Field | FunctionKind::Field2 => Some(leaf_point.clone()),
             FunctionKind::Warp | FunctionKind::Warp2 => match &receiver {
                 Some(Value::Vector(v)) => Some(v.clone()),
@@ -1009,7 +1006,7 @@ impl Elaborator<'_> {
         function: &ast::Function,
         receiver: Option<Value>,
         env: &Env,
-        point: Option<NodeList>,
+        point: Option<Rc<[NodeId]>>,
         span: Span,
     ) -> Elaborated<Value> {
         let n = if function.kind == FunctionKind::Warp { 3 } else { 2 };
@@ -1251,7 +1248,7 @@ impl Elaborator<'_> {
             env = env.with(&parameter.name.text, value);
         }
         let point = self.graph.point();
-        env = Env { point: Some(point.into()), normal: true, ..env };
+        env = Env { point: Some(point.to_vec().into()), normal: true, ..env };
         let env = self.bind_lets(lets, &env)?;
         let default = self.default_material();
         let Some(mut material) = self.graph.materials.get(default.0 as usize).cloned() else {
@@ -1389,17 +1386,17 @@ impl Elaborator<'_> {
         let point = self.graph.point();
         let value = self.graph.field(shape, point);
         let (own, paints) = match mask {
-            None => (Some(material), Arc::default()),
-            Some(mask) => (None, [(mask, material)].into()),
+            None => (Some(material), Vec::new()),
+            Some(mask) => (None, vec![(mask, material)]),
         };
         Value::Shape(self.graph.add_shape(Shape {
             name: None,
             dimensions,
             value,
-            variables: Arc::default(),
+            variables: [].into(),
             exactness: Exactness::Formula,
             material: own,
-            paints,
+            paints: paints.into(),
             span: self.place(span),
         }))
     }

@@ -13,7 +13,6 @@ use crate::syntax::ast::{
     UnaryOp,
 };
 use std::rc::Rc;
-use std::sync::Arc;
 
 /// How a `for` joins its bodies.
 pub enum Joined {
@@ -70,7 +69,7 @@ impl Elaborator<'_> {
             }
             ExprKind::Color(bytes) => {
                 let linear = bytes.map(|b| self.graph.constant(srgb_to_linear(b)));
-                Ok(Value::Vector(linear.into()))
+                Ok(Value::Vector(linear.to_vec().into()))
             }
             ExprKind::Str(text) => Ok(Value::Text(text.as_str().into())),
             ExprKind::Name(name) => self.name(name, expr.span, env),
@@ -111,20 +110,18 @@ impl Elaborator<'_> {
         if let Some(value) = env.local(name) {
             return Ok(value.clone());
         }
-        let modules = self.modules;
-        let meaning = modules.resolve(env.module, name);
-        match &meaning {
+        match self.modules.resolve(env.module, name) {
             Resolution::Items(items) if !self.modules.is_prelude(items.first().map_or(0, |i| i.module)) => {
-                return self.item_value(items, span, env);
+                return self.item_value(&items, span, env);
             }
-            Resolution::Ambiguous(paths) => return Err(self.ambiguous(name, paths, span)),
+            Resolution::Ambiguous(paths) => return Err(self.ambiguous(name, &paths, span)),
             _ => {}
         }
         if let Some(value) = self.built_in_name(name, span, env) {
             return value;
         }
-        match meaning {
-            Resolution::Items(items) => self.item_value(items, span, env),
+        match self.modules.resolve(env.module, name) {
+            Resolution::Items(items) => self.item_value(&items, span, env),
             _ => Err(self.unknown_name(name, span, env)),
         }
     }
@@ -133,7 +130,7 @@ impl Elaborator<'_> {
     fn built_in_name(&mut self, name: &str, span: Span, env: &Env) -> Option<Elaborated<Value>> {
         let axis = |e: &mut Self, i: usize| {
             let cells = (0..3).map(|k| e.graph.constant(if k == i { 1.0 } else { 0.0 }));
-            Value::Vector(cells.collect())
+            Value::Vector(cells.collect::<Vec<_>>().into())
         };
         Some(Ok(match name {
             "p" => match &env.point {
@@ -157,7 +154,7 @@ impl Elaborator<'_> {
                     )));
                 }
                 let cells = (0..3).map(|i| self.graph.leaf(Leaf::Variable(WORLD + i)));
-                Value::Vector(cells.collect())
+                Value::Vector(cells.collect::<Vec<_>>().into())
             }
             "normal" => {
                 if !env.normal {
@@ -169,7 +166,7 @@ impl Elaborator<'_> {
                     )));
                 }
                 let cells = (0..3).map(|i| self.graph.leaf(Leaf::Normal(i)));
-                Value::Vector(cells.collect())
+                Value::Vector(cells.collect::<Vec<_>>().into())
             }
             "time" => Value::number(self.graph.leaf(Leaf::Time)),
             "pi" => self.constant(std::f64::consts::PI),
@@ -990,9 +987,7 @@ impl Elaborator<'_> {
             Value::Number(node, _) | Value::Bool(node) => self.graph.name_node(*node, name),
             Value::Vector(v) => {
                 for (node, suffix) in v.iter().zip(["x", "y", "z", "w"]) {
-                    if self.graph.node_name(*node).is_none() {
-                        self.graph.name_node(*node, &format!("{name}_{suffix}"));
-                    }
+                    self.graph.name_node(*node, &format!("{name}_{suffix}"));
                 }
             }
             _ => {}
@@ -1298,10 +1293,10 @@ impl Elaborator<'_> {
             name: name.map(|n| (&*n).into()),
             dimensions,
             value,
-            variables: Arc::default(),
+            variables: [].into(),
             exactness: if exact { Exactness::Exact } else { Exactness::Formula },
             material: None,
-            paints: Arc::default(),
+            paints: [].into(),
             span: self.place(span),
         })
     }

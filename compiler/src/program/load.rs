@@ -36,7 +36,7 @@ static PRELUDE_TREE: LazyLock<(Sources, Arc<Module>, Vec<Diagnostic>)> = LazyLoc
         ast.items.extend(file.items);
     }
     let mut module = Module::new(FileId(0), String::new(), ast);
-    module.index_names(0);
+    module.index_names();
     (sources, Arc::new(module), diagnostics)
 });
 
@@ -69,7 +69,7 @@ pub struct Module {
     pub ast: ast::File,
     /// Its imports.
     pub imports: Vec<Import>,
-    names: FxHashMap<Box<str>, Vec<ItemRef>>,
+    names: FxHashMap<String, Vec<usize>>,
 }
 
 impl Module {
@@ -77,11 +77,10 @@ impl Module {
         Self { file, path, ast, imports: Vec::new(), names: FxHashMap::default() }
     }
 
-    /// Finds its names. `module` is its own index.
-    fn index_names(&mut self, module: usize) {
-        for (item, declared) in self.ast.items.iter().enumerate() {
-            if let Some(name) = item_name(declared) {
-                self.names.entry(name.text.as_str().into()).or_default().push(ItemRef { module, item });
+    fn index_names(&mut self) {
+        for (index, item) in self.ast.items.iter().enumerate() {
+            if let Some(name) = item_name(item) {
+                self.names.entry(name.text.clone()).or_default().push(index);
             }
         }
     }
@@ -99,9 +98,9 @@ pub fn item_name(item: &Item) -> Option<&Name> {
 
 /// What a name stands for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Resolution<'a> {
+pub enum Resolution {
     /// Declarations of that name: one of a user's, or the overloads of the prelude.
-    Items(&'a [ItemRef]),
+    Items(Vec<ItemRef>),
     /// Several imports bring it; their paths.
     Ambiguous(Vec<String>),
     /// Nothing declares it.
@@ -209,23 +208,20 @@ impl Reader<'_> {
         self.broken |= !found.is_empty();
         self.diagnostics.extend(found);
         let mut module = Module::new(file, path.to_owned(), ast);
-        let index = self.list.len();
-        module.index_names(index);
+        module.index_names();
         self.report_doubles(&module);
+        let index = self.list.len();
         self.by_path.insert(path.to_owned(), index);
-        // Its place is kept for it: what it imports comes after it.
-        self.list.push(Arc::new(Module::new(file, path.to_owned(), ast::File::default())));
+        self.list.push(Arc::new(module.clone()));
         self.stack.push(path.to_owned());
-        let mut imports = Vec::new();
-        for item in &module.ast.items {
+        for item in &module.ast.items.clone() {
             let ItemKind::Import { path: target, path_span, alias } = &item.kind else { continue };
             if let Some(target) = self.import(path, target, *path_span) {
                 let alias = alias.as_ref().map(|a| a.text.clone());
-                imports.push(Import { alias, module: target });
+                module.imports.push(Import { alias, module: target });
             }
         }
         self.stack.pop();
-        module.imports = imports;
         if let Some(slot) = self.list.get_mut(index) {
             *slot = Arc::new(module);
         }
@@ -419,28 +415,32 @@ impl Modules {
     }
 
     /// What a text itself declares by a name.
-    pub fn own(&self, module: usize, name: &str) -> &[ItemRef] {
-        self.list.get(module).and_then(|m| m.names.get(name)).map_or(&[], |items| items)
+    pub fn own(&self, module: usize, name: &str) -> Vec<ItemRef> {
+        self.list
+            .get(module)
+            .and_then(|m| m.names.get(name))
+            .map(|items| items.iter().map(|&item| ItemRef { module, item }).collect())
+            .unwrap_or_default()
     }
 
     /// What a name means in a text: its own declaration, else an import's, else the prelude's.
-    pub fn resolve(&self, module: usize, name: &str) -> Resolution<'_> {
+    pub fn resolve(&self, module: usize, name: &str) -> Resolution {
         let own = self.own(module, name);
-        if !own.is_empty() {
-            return Resolution::Items(if self.is_prelude(module) { own } else { own.get(..1).unwrap_or(own) });
+        if let Some(&first) = own.first() {
+            return Resolution::Items(if self.is_prelude(module) { own } else { vec![first] });
         }
-        let mut found: Vec<&[ItemRef]> = Vec::new();
+        let mut found: Vec<ItemRef> = Vec::new();
         for import in self.list.get(module).map_or(&[][..], |m| &m.imports) {
             if import.alias.is_none() {
                 let items = self.own(import.module, name);
-                found.extend(items.get(..1).filter(|i| !found.contains(i)));
+                found.extend(items.first().filter(|i| !found.contains(i)));
             }
         }
         match found.len() {
             0 => {}
-            1 => return Resolution::Items(found.first().copied().unwrap_or(&[])),
+            1 => return Resolution::Items(found),
             _ => {
-                let paths = found.iter().copied().flatten().map(|i| self.path(i.module).to_owned()).collect();
+                let paths = found.iter().map(|i| self.path(i.module).to_owned()).collect();
                 return Resolution::Ambiguous(paths);
             }
         }
@@ -453,7 +453,7 @@ impl Modules {
         let mut names: Vec<&str> = Vec::new();
         let mut take = |m: usize| {
             if let Some(m) = self.list.get(m) {
-                names.extend(m.names.keys().map(|n| &**n));
+                names.extend(m.names.keys().map(String::as_str));
             }
         };
         take(module);

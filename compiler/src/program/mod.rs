@@ -14,13 +14,12 @@ pub mod value;
 use crate::analysis::Facts;
 use crate::compiled::{Options, Parameter, SceneBlocks};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::graph::{Exactness, Graph, NodeId, NodeList, Shape, ShapeId};
+use crate::graph::{Exactness, Graph, NodeId, Shape, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast::{self, FunctionKind, ItemKind};
 use load::{ItemRef, Modules};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::rc::Rc;
-use std::sync::Arc;
 use value::Value;
 
 /// An error has been reported; what depends on it is left out.
@@ -45,7 +44,7 @@ pub struct Env {
     /// Local names.
     pub scope: Option<Rc<Scope>>,
     /// `p`, where there is one: two or three coordinates.
-    pub point: Option<NodeList>,
+    pub point: Option<Rc<[NodeId]>>,
     /// Whether `normal` can be read.
     pub normal: bool,
 }
@@ -63,7 +62,7 @@ impl Env {
     }
 
     /// With another `p`.
-    pub fn at(&self, point: Option<NodeList>) -> Self {
+    pub fn at(&self, point: Option<Rc<[NodeId]>>) -> Self {
         Self { point, ..self.clone() }
     }
 
@@ -318,10 +317,10 @@ impl Elaborator<'_> {
             name: None,
             dimensions,
             value,
-            variables: Arc::default(),
+            variables: [].into(),
             exactness: Exactness::Formula,
             material: None,
-            paints: Arc::default(),
+            paints: [].into(),
             span: self.place(span),
         })
     }
@@ -371,9 +370,9 @@ impl Elaborator<'_> {
         let args = self.stand_ins(&function.parameters, function.kind == FunctionKind::Blend);
         let point = self.graph.point();
         let receiver = match function.kind {
-            FunctionKind::Warp => Some(Value::Vector(point.into())),
+            FunctionKind::Warp => Some(Value::Vector(point.to_vec().into())),
             FunctionKind::Warp2 => {
-                Some(Value::Vector(point.into_iter().take(2).collect()))
+                Some(Value::Vector(point.iter().take(2).copied().collect::<Vec<_>>().into()))
             }
             _ => None,
         };
@@ -411,13 +410,13 @@ impl Elaborator<'_> {
             Type::Bool => Value::Bool(one),
             Type::Int => Value::Number(one, true),
             Type::Float | Type::Field | Type::Str => Value::number(one),
-            Type::Vec(n) => Value::Vector(NodeList::of(one, usize::from(*n))),
-            Type::Color => Value::Vector(NodeList::of(one, 3)),
+            Type::Vec(n) => Value::Vector(vec![one; usize::from(*n)].into()),
+            Type::Color => Value::Vector(vec![one; 3].into()),
             Type::Mat(n) => {
                 let zero = self.graph.constant(0.0);
                 let n = usize::from(*n);
                 let cells = (0..n * n).map(|i| if i % (n + 1) == 0 { one } else { zero });
-                Value::Matrix(n as u8, cells.collect())
+                Value::Matrix(n as u8, cells.collect::<Vec<_>>().into())
             }
             Type::Shape | Type::Shape2 => {
                 let dimensions = if *ty == Type::Shape { 3 } else { 2 };

@@ -1,0 +1,123 @@
+//! Where no constant is to be had: which term is to blame, and how steep the formula is at samples.
+
+use super::tape::Step;
+use super::{leaf_range, Box3, Domain, Facts};
+use crate::graph::interval::Interval;
+use crate::graph::kernel::Op;
+use crate::graph::{Graph, NodeId};
+
+/// A term whose slope has no limit though the slopes of its arguments have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steep {
+    /// The term.
+    pub node: NodeId,
+    /// Its operation; none for what is read from outside.
+    pub op: Option<Op>,
+}
+
+impl Steep {
+    /// Why it has no limit.
+    pub fn why(&self) -> &'static str {
+        match self.op {
+            Some(Op::Div) => "the divisor can reach zero",
+            Some(Op::Pow) => "the power is infinitely steep where its base reaches zero, or grows without end",
+            Some(Op::Sqrt) => "the root is infinitely steep where its argument reaches zero",
+            Some(Op::Log) => "the logarithm is infinitely steep where its argument reaches zero",
+            Some(Op::Asin | Op::Acos) => "it is infinitely steep where its argument reaches one",
+            Some(Op::Atan2) => "the angle turns infinitely fast where both of its arguments reach zero",
+            Some(Op::TurnU | Op::TurnV) => "the turn moves points the faster, the farther they are from its axis",
+            Some(Op::Mul | Op::Square | Op::Exp) => "it grows without end",
+            Some(_) => "it grows without a limit that is known",
+            None => "nothing is known of how it changes here",
+        }
+    }
+
+    /// What to write instead.
+    pub fn instead(&self) -> &'static str {
+        match self.op {
+            Some(Op::Div) => "keep the divisor away from zero, for example `max(d, 0.01)`, or cut its zero off with `.within(region)`",
+            Some(Op::Pow | Op::Sqrt | Op::Log) => {
+                "keep the argument away from zero, for example `max(a, 0.01)`, or cut its zero off with `.within(region)`"
+            }
+            Some(Op::Asin | Op::Acos) => "keep the argument within -0.99..0.99 with `clamp`",
+            Some(Op::Atan2) => "keep the shape away from the axis, for example with `.within(box(…) - cylinder(…))`, or let what depends on the angle fade out there",
+            _ => "keep the shape within a region with `.within(box(…))`, or clamp what grows",
+        }
+    }
+}
+
+impl Facts {
+    /// The first term under a node whose slope over a domain is more than `limit` while those of its arguments are less.
+    pub fn steep_term(&mut self, graph: &Graph, node: NodeId, domain: &Domain, limit: f64) -> Option<Steep> {
+        let tape = self.tape(graph, node);
+        let duals = self.all_duals(graph, &tape, domain);
+        let steep = |i: usize| duals.get(i).is_some_and(|d| d.norm > limit);
+        for (i, step) in tape.steps.iter().enumerate() {
+            if !steep(i) {
+                continue;
+            }
+            let at = tape.nodes.get(i).copied().unwrap_or(node);
+            return match step {
+                Step::Op(op, _) => Some(Steep { node: at, op: Some(*op) }),
+                Step::Call(shape, args) => {
+                    let args: Vec<Interval> =
+                        args.iter().map(|&a| duals.get(a).map_or(Interval::ALL, |d| d.value)).collect();
+                    let s = graph.shape(*shape)?;
+                    let own = super::call_domain(&s.variables, &args);
+                    let value = s.value;
+                    self.steep_term(graph, value, &own, limit).or(Some(Steep { node: at, op: None }))
+                }
+                _ => Some(Steep { node: at, op: None }),
+            };
+        }
+        None
+    }
+
+    /// The steepest slope at so many points of a domain; infinite where one is, nothing where the domain has no size.
+    pub fn sampled_constant(&mut self, graph: &Graph, node: NodeId, domain: &Domain, samples: usize) -> f64 {
+        let tape = self.tape(graph, node);
+        let pinned = self.pinned.clone();
+        let mut steepest: f64 = 0.0;
+        let mut looked = 0;
+        for i in 0..samples {
+            // The points of an additive recurrence that fills a box evenly (Roberts 2018).
+            let part = |k: i32| ((i as f64 + 0.5) * PLASTIC.powi(-k)).fract();
+            let at = |axis: usize, k: i32| {
+                let side = domain.point.axis(axis);
+                Interval::point(if side.is_finite() { side.lo + part(k) * side.width() } else { side.middle() })
+            };
+            let mut here = domain.at(Box3([at(0, 1), at(1, 2), at(2, 3)]));
+            for (v, range) in &mut here.variables {
+                if range.is_finite() {
+                    *range = Interval::point(range.lo + part(3 + *v as i32 % 7) * range.width());
+                }
+            }
+            let values: Vec<f64> = graph
+                .parameters
+                .iter()
+                .enumerate()
+                .map(|(k, p)| pinned.get(k).copied().unwrap_or(p.min + part(11 + k as i32 % 7) * (p.max - p.min)))
+                .collect();
+            let time = Interval::point(20.0 * part(5));
+            let leaf = |leaf| match leaf {
+                crate::graph::Leaf::Time => super::dual::Dual::constant(time),
+                other => match other {
+                    crate::graph::Leaf::P(_) | crate::graph::Leaf::Variable(_) => {
+                        super::leaf_dual(graph, &values, other, &here)
+                    }
+                    other => super::dual::Dual::constant(leaf_range(graph, &values, other, &here)),
+                },
+            };
+            let norm = super::dual::hull_of_pieces(self, graph, &tape, &leaf).0.norm;
+            // A pole itself is met by chance alone; what counts is how steep it is around.
+            if norm.is_finite() {
+                steepest = steepest.max(norm);
+                looked += 1;
+            }
+        }
+        if looked * 2 < samples { f64::INFINITY } else { steepest }
+    }
+}
+
+/// The real root of x⁴ = x + 1, whose powers are the steps of the recurrence in three dimensions.
+const PLASTIC: f64 = 1.220_744_084_605_759_6;
