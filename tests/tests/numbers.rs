@@ -3,9 +3,11 @@
 mod common;
 
 use common::{compile_file, examples, gpu};
-use surefoot_compiler::compiled::{Compiled, Export, Live};
+use surefoot_compiler::compiled::{Compiled, Export, Live, Options};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
+use surefoot_compiler::reference_text::{CHAPTERS, entries};
+use surefoot_compiler::{MemoryLoader, compile};
 use surefoot_runtime::{Gpu, evaluate};
 
 /// Points of each scene.
@@ -160,6 +162,66 @@ fn the_gpu_computes_what_the_cpu_computes() {
             }
             judge("normal", normals(&gpu, &compiled, &live, &points, &exact, &allowed), 0.99);
             println!("{row}");
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The scenes that document the prelude, each once, by the name of what they document. Modules have no more than what is asked here:
+/// drivers in software take long over the rest.
+fn prelude() -> Vec<(String, Compiled)> {
+    let exports = FUNCTIONS.map(|(export, _)| export).to_vec();
+    let mut seen = Vec::new();
+    let mut scenes = Vec::new();
+    for entry in CHAPTERS.iter().flat_map(|(file, _, text)| entries(file, text)) {
+        if seen.contains(&entry.example) {
+            continue;
+        }
+        let loader = MemoryLoader::new().with("main.sdf", format!("scene = {}\n", entry.example));
+        let options = Options { exports: exports.clone(), ..Options::default() };
+        let outcome = compile(&loader, "main.sdf", &options);
+        let compiled = outcome.compiled.unwrap_or_else(|| panic!("{}: {:?}", entry.example, outcome.diagnostics));
+        scenes.push((entry.name, compiled));
+        seen.push(entry.example);
+    }
+    scenes
+}
+
+/// Every answer of the GPU is one that the accuracy table of WGSL allows, and 99 of 100 are within 1e-5·(|p| + size).
+#[test]
+fn the_gpu_computes_the_prelude_as_the_cpu_does() {
+    let gpu = gpu();
+    let scenes = prelude();
+    assert!(scenes.len() > 100, "only {} examples", scenes.len());
+    println!("on {}, {} examples at {POINTS} points", gpu.name(), scenes.len());
+    println!("{:24} {:>9} {:>12} {:>9} {:>12}", "item", "function", "within 1e-5", "p99", "worst/table");
+    let mut wrong = Vec::new();
+    for (name, compiled) in &scenes {
+        let live = compiled.live();
+        let (points, size) = points(compiled, &live, &mut Random(11));
+        let exact: Vec<[f64; 3]> = points.iter().map(|p| wide(*p)).collect();
+        for (export, function) in FUNCTIONS {
+            let tape = tape(compiled, &live, &[function]).unwrap();
+            let got = evaluate(&gpu, compiled, &live, [0.0; 3], export, &points).unwrap();
+            let mut errors = vec![0.0; got.len()];
+            // How much of what the table allows on its side is used, at most.
+            let mut used = 0.0f64;
+            tape.evaluator().at(&exact, &[], |i, values| {
+                let (got, right) = (f64::from(got[i]), values[0]);
+                errors[i] = (got - right).abs() / (1e-5 * (length(exact[i]) + size));
+                let allowed = tape.conforming(points[i])[0];
+                let side = if got > right { allowed.hi - right } else { right - allowed.lo };
+                let share = if got == right { 0.0 } else { (got - right).abs() / side };
+                if !allowed.contains(got) && used <= 1.0 {
+                    wrong.push(format!("{name}: {} is {got} at {:?}, not {right} within {allowed:?}", export.name(), points[i]));
+                }
+                used = used.max(share);
+            });
+            let (within, p99) = share(errors);
+            if within < 0.99 {
+                wrong.push(format!("{name}: {} within {:.2} %", export.name(), 100.0 * within));
+            }
+            println!("{name:24} {:>9} {:10.2} % {p99:9.4} {used:12.4}", export.name(), 100.0 * within);
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));

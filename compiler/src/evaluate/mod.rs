@@ -8,6 +8,7 @@
 //! precision.
 
 mod build;
+mod conforming;
 mod narrow;
 mod run;
 

@@ -298,3 +298,27 @@ fn an_operation_of_constants_is_computed_beforehand() {
         values(&tape, &[[2.0, 0.0, 0.0]], &[])[0][0]
     );
 }
+
+#[test]
+fn what_a_gpu_may_answer_lies_about_the_value() {
+    let samples = [-7.5f32, -1.0, -0.5, -1e-9, 0.0, 1e-12, 0.3, 0.5, 1.0, 2.0, 3.25, 60.0];
+    for row in KERNEL {
+        let mut graph = Graph::new();
+        let leaves = [Leaf::P(0), Leaf::P(1), Leaf::P(2), Leaf::P(0)];
+        let inputs: Vec<NodeId> =
+            leaves.iter().take(usize::from(row.arity)).map(|&leaf| graph.leaf(leaf)).collect();
+        let root = graph.intern(Node::Op(row.op, inputs.into()));
+        let live = Live { time: 0.0, components: Vec::new() };
+        let tape = Tape::new(&graph, &Functions::default(), &[root], &live, 100).unwrap();
+        for a in samples {
+            for b in samples {
+                let p = [a, b, 0.7];
+                let right = values(&tape, &[p.map(f64::from)], &[])[0][0];
+                let allowed = tape.conforming(p)[0];
+                assert!(allowed.contains(right), "{} at {p:?}: {right}, {allowed:?}", row.name);
+                let exact = row.accuracy == kernel::Accuracy::Exact;
+                assert_eq!(allowed.is_point(), exact, "{} at {p:?}: {allowed:?}", row.name);
+            }
+        }
+    }
+}
