@@ -311,7 +311,7 @@ fn what_a_gpu_may_answer_lies_about_the_value() {
         let inputs: Vec<NodeId> =
             leaves.iter().take(usize::from(row.arity)).map(|&leaf| graph.leaf(leaf)).collect();
         let root = graph.intern(Node::Op(row.op, inputs.into()));
-        let live = Live { time: 0.0, components: Vec::new() };
+        let live = Live { time: 0.0, components: Vec::new(), followed: None, tightened: Vec::new() };
         let tape = Tape::new(&graph, &Functions::default(), &[root], &live, 100).unwrap();
         for a in samples {
             for b in samples {
