@@ -97,11 +97,11 @@ fn entry(sources: &Sources, item: &Item) -> Option<Entry> {
     let (name, kind, signature, claim) = match &item.kind {
         ItemKind::Function(f) => {
             let (signature, claim) = signature(sources, item, f);
-            (f.name.text.clone(), Some(f.kind), signature, claim)
+            (f.name.text.to_string(), Some(f.kind), signature, claim)
         }
         ItemKind::Material { name, .. } => {
             let signature = whole.split('{').next().unwrap_or(whole).trim().to_owned();
-            (name.text.clone(), None, signature, None)
+            (name.text.to_string(), None, signature, None)
         }
         _ => return None,
     };

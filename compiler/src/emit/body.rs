@@ -8,6 +8,7 @@ use crate::graph::kernel::{self, Kind, Op, Terms};
 use crate::graph::{Graph, Leaf, NodeId};
 use rustc_hash::FxHasher;
 use std::hash::Hasher;
+use std::ops::Range;
 
 /// Index of an expression in a [`Body`]. Arguments have smaller indices.
 pub type ExprId = u32;
@@ -94,7 +95,9 @@ pub struct Body {
     pool: Vec<ExprId>,
     index: Index,
     /// Fields of shapes at arguments where a gradient, if it is called there, gives them too.
-    fields: Vec<(ExprId, TargetId, Vec<ExprId>)>,
+    fields: Vec<(ExprId, TargetId, Range<usize>)>,
+    /// The arguments of all [`Body::fields`].
+    field_arguments: Vec<ExprId>,
     /// Vectors that were made of numbers.
     pub(super) joined: JoinedVectors,
     /// Whether a number is a component of a vector that was made of it.
@@ -140,12 +143,18 @@ struct Frame<'p> {
 }
 
 impl Body {
+    /// Room for so many expressions.
+    pub fn with_capacity(count: usize) -> Self {
+        Self { exprs: Vec::with_capacity(count), pool: Vec::with_capacity(2 * count), ..Self::default() }
+    }
+
     /// Forgets all, and keeps the room: for the next function.
     pub fn clear(&mut self) {
         self.exprs.clear();
         self.pool.clear();
         self.index.clear();
         self.fields.clear();
+        self.field_arguments.clear();
         self.joined.clear();
         self.has_parts = false;
     }
@@ -269,9 +278,9 @@ impl Body {
         arguments.extend_from_slice(&space.variables);
         let count = arguments.len();
         // Values of all open formulas, one after the other.
-        let mut values: Vec<ExprId> = Vec::with_capacity(plan.steps.len());
+        let mut values: Vec<ExprId> = Vec::with_capacity(2 * plan.steps.len());
         let mut frames = vec![Frame { plan, at: 0, values: 0, arguments: (0, count), target: None }];
-        let mut buffer: Vec<ExprId> = Vec::new();
+        let mut buffer: Vec<ExprId> = Vec::with_capacity(8);
         loop {
             let depth = frames.len();
             let Some(frame) = frames.last_mut() else { return Ok(Vec::new()) };
@@ -300,8 +309,7 @@ impl Body {
                 let (start, count) = frame.arguments;
                 let target = frame.target.and_then(|t| plans.get(t));
                 if let Some(gradient) = target.and_then(|t| plans.field_from_gradient(t)) {
-                    let args = arguments.get(start..start + count).unwrap_or(&[]).to_vec();
-                    self.fields.push((result, gradient, args));
+                    self.note_field(result, gradient, arguments.get(start..start + count).unwrap_or(&[]));
                 }
                 values.truncate(frame.values);
                 arguments.truncate(start);
@@ -395,7 +403,8 @@ impl Body {
         let shape = plans.get(id).and_then(|t| graph.shape(t.shape));
         let dimensions = shape.map_or(3, |s| usize::from(s.dimensions));
         let point = self.vector(args.get(..dimensions).unwrap_or(args));
-        let mut list = vec![point];
+        let mut list = Vec::with_capacity(args.len());
+        list.push(point);
         let variables = args.get(3..).unwrap_or(&[]);
         let world = world_count(shape.map_or(&[], |s| &s.variables[..]));
         match variables.split_at_checked(world) {
@@ -408,9 +417,16 @@ impl Body {
         }
         let call = self.add(Code::Call(id), &list);
         if let Some(gradient) = plans.get(id).and_then(|t| plans.field_from_gradient(t)) {
-            self.fields.push((call, gradient, args.to_vec()));
+            self.note_field(call, gradient, args);
         }
         call
+    }
+
+    /// Notes that an expression is a field, which that gradient would give too.
+    fn note_field(&mut self, field: ExprId, gradient: TargetId, args: &[ExprId]) {
+        let start = self.field_arguments.len();
+        self.field_arguments.extend_from_slice(args);
+        self.fields.push((field, gradient, start..self.field_arguments.len()));
     }
 
     /// Where else a number stands.
@@ -435,11 +451,11 @@ impl Body {
         }
     }
 
-    /// What need not be computed, since something that is computed anyway holds it: for each expression, what stands for
-    /// it. Empty where every expression stands for itself.
-    pub fn shared(&mut self, graph: &Graph, plans: &Plans, root: ExprId) -> Vec<ExprId> {
+    /// Lets what is computed anyway stand for what it holds, wherever that is an argument. Nothing may be added after it. The
+    /// answer: what stands for the root.
+    pub fn share(&mut self, graph: &Graph, plans: &Plans, root: ExprId) -> ExprId {
         if self.fields.is_empty() && !self.has_parts {
-            return Vec::new();
+            return root;
         }
         let count = self.exprs.len();
         let mut shared: Vec<ExprId> = (0..count as ExprId).collect();
@@ -447,12 +463,14 @@ impl Body {
         let mut stack = Vec::new();
         self.mark(root, &mut live, &mut stack);
         // A field is the fourth component of a gradient's call at the same place.
-        for (field, gradient, args) in std::mem::take(&mut self.fields) {
+        let arguments = std::mem::take(&mut self.field_arguments);
+        for (field, gradient, range) in std::mem::take(&mut self.fields) {
+            let args = arguments.get(range).unwrap_or(&[]);
             // Only what was computed from the arguments may be read from their call: else it would wait for itself.
             if args.iter().any(|&a| a >= field) || !is_live(&live, field) {
                 continue;
             }
-            let call = self.call(graph, plans, gradient, &args);
+            let call = self.call(graph, plans, gradient, args);
             if is_live(&live, call) {
                 let component = self.component(call, 3);
                 if let Some(slot) = shared.get_mut(field as usize) {
@@ -487,8 +505,9 @@ impl Body {
             }
         }
         // Components that were made here stand for themselves.
-        shared.extend(count as ExprId..self.exprs.len() as ExprId);
-        shared
+        let of = |id: ExprId| shared.get(id as usize).copied().unwrap_or(id);
+        self.pool.iter_mut().for_each(|arg| *arg = of(*arg));
+        of(root)
     }
 
     fn mark(&self, root: ExprId, live: &mut [bool], stack: &mut Vec<ExprId>) {

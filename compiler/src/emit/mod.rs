@@ -117,10 +117,11 @@ pub fn emit(
         uniform_name: format!("{prefix}uniforms"),
         uniforms: Candidates::new(graph, parameters),
         helpers: Helpers::default(),
+        numbers: FxHashMap::default(),
         room: Room::default(),
     };
-    let mut texts = String::with_capacity(64 * graph.len().min(100_000));
-    let mut body = Body::default();
+    let mut texts = String::with_capacity(24 * graph.len().min(100_000));
+    let mut body = Body::with_capacity(graph.len());
     for &id in &standing {
         shape_function(&mut context, id, &mut body, &mut texts)?;
     }

@@ -178,7 +178,8 @@ pub struct Plans<'a> {
     functions: &'a Functions,
     /// The functions, callers and callees mixed.
     pub targets: Vec<Target>,
-    index: FxHashMap<(ShapeId, Group), TargetId>,
+    /// For each shape and group the target, if there is one.
+    index: Vec<[Option<TargetId>; 4]>,
     /// For each node, the step that computes it in the plan that is being made, and the plan's number.
     seen: Vec<(u32, u32)>,
     round: u32,
@@ -190,7 +191,8 @@ impl<'a> Plans<'a> {
     /// No function yet.
     pub fn new(graph: &'a Graph, functions: &'a Functions) -> Self {
         let seen = vec![(0, 0); graph.len()];
-        let (targets, index, nodes) = (Vec::new(), FxHashMap::default(), Vec::new());
+        let shapes = graph.shapes().len();
+        let (targets, index, nodes) = (Vec::with_capacity(shapes), vec![[None; 4]; shapes], Vec::new());
         Self { graph, functions, targets, index, seen, round: 0, nodes }
     }
 
@@ -202,12 +204,12 @@ impl<'a> Plans<'a> {
     /// The function that computes a group of a shape; where the formula is that of another group of the shape, that one.
     /// Its plan is made by [`Plans::complete`].
     pub fn target(&mut self, shape: ShapeId, group: Group) -> TargetId {
-        if let Some(&id) = self.index.get(&(shape, group)) {
+        if let Some(id) = self.known(shape, group) {
             return id;
         }
         let same = self.same(shape, group);
-        let id = match self.index.get(&(shape, same)) {
-            Some(&id) => id,
+        let id = match self.known(shape, same) {
+            Some(id) => id,
             None => {
                 let plan = Plan::default();
                 let target = Target { shape, group: same, plan, stands_alone: false, uses: 0, size: 0 };
@@ -215,14 +217,21 @@ impl<'a> Plans<'a> {
                 self.targets.len() as TargetId - 1
             }
         };
-        self.index.insert((shape, same), id);
-        self.index.insert((shape, group), id);
+        if let Some(of_shape) = self.index.get_mut(shape.0 as usize) {
+            for group in [same, group] {
+                of_shape.get_mut(group as usize).into_iter().for_each(|slot| *slot = Some(id));
+            }
+        }
         id
+    }
+
+    fn known(&self, shape: ShapeId, group: Group) -> Option<TargetId> {
+        *self.index.get(shape.0 as usize)?.get(group as usize)?
     }
 
     /// The gradient of a shape, where the module needs it.
     pub fn gradient(&self, shape: ShapeId) -> Option<TargetId> {
-        self.index.get(&(shape, Group::Gradient)).copied()
+        self.known(shape, Group::Gradient)
     }
 
     /// The gradient's function that gives the field of `target` too, where it stands alone.
@@ -425,7 +434,8 @@ impl<'a> Plans<'a> {
         }
         nodes.sort_unstable();
         let mut plan = Plan { variables, ..Plan::default() };
-        plan.steps.reserve(nodes.len());
+        // Three components of a gradient take four steps.
+        plan.steps.reserve(nodes.len() + nodes.len() / 3);
         plan.arguments.reserve(2 * nodes.len());
         // Calls of a gradient at the same arguments are one step.
         let mut gradients: FxHashMap<(TargetId, &[NodeId]), u32> = FxHashMap::default();

@@ -32,6 +32,8 @@ pub struct Context<'a> {
     pub uniforms: Candidates,
     /// Helpers; those that are called are marked.
     pub helpers: Helpers,
+    /// Texts of numbers, by their bits: most stand in several functions.
+    pub numbers: FxHashMap<u32, String>,
     /// Room that each function is written with.
     pub room: Room,
 }
@@ -82,8 +84,6 @@ const LONGEST: u32 = 78;
 struct Writer<'c, 'a> {
     context: &'c mut Context<'a>,
     body: &'c Body,
-    /// What stands for an expression; empty where each stands for itself.
-    shared: Vec<ExprId>,
     out: &'c mut String,
     scratch: String,
     states: Vec<State>,
@@ -102,7 +102,7 @@ pub fn write(
     arguments: &[&str],
     out: &mut String,
 ) -> usize {
-    let shared = body.shared(context.graph, context.plans, root);
+    let root = body.share(context.graph, context.plans, root);
     let Room { scratch, mut states, mut ranges, mut order, mut stack, mut locals } = std::mem::take(&mut context.room);
     for name in arguments {
         locals.reserve(name);
@@ -114,8 +114,7 @@ pub fn write(
     });
     states.resize(count, State::default());
     ranges.resize(if divides { count } else { 0 }, Interval::ALL);
-    let mut writer = Writer { context, body, shared, out, scratch, states, ranges, locals, operations: 0 };
-    let root = writer.resolve(root);
+    let mut writer = Writer { context, body, out, scratch, states, ranges, locals, operations: 0 };
     writer.order(root, &mut order, &mut stack);
     for &id in &order {
         if let Code::Component(_) | Code::Swizzle(..) = writer.body.code(id) {
@@ -143,10 +142,6 @@ pub fn write(
 }
 
 impl Writer<'_, '_> {
-    fn resolve(&self, id: ExprId) -> ExprId {
-        self.shared.get(id as usize).copied().unwrap_or(id)
-    }
-
     /// What the root needs, arguments first, into `order`; and how often each is used.
     fn order(&mut self, root: ExprId, order: &mut Vec<ExprId>, stack: &mut Vec<(ExprId, usize)>) {
         stack.push((root, 0));
@@ -158,7 +153,6 @@ impl Writer<'_, '_> {
                 None => order.push(id),
                 Some(&next) => {
                     stack.push((id, at + 1));
-                    let next = self.resolve(next);
                     if let Some(state) = self.states.get_mut(next as usize) {
                         state.uses += 1;
                         if state.uses == 1 {
@@ -175,7 +169,7 @@ impl Writer<'_, '_> {
     }
 
     fn text(&self, id: ExprId) -> Text {
-        self.state(self.resolve(id)).text
+        self.state(id).text
     }
 
     /// The bytes of a text.
@@ -188,21 +182,22 @@ impl Writer<'_, '_> {
     }
 
     fn argument(&self, id: ExprId, i: usize) -> ExprId {
-        self.body.arguments(id).get(i).map_or(id, |&a| self.resolve(a))
+        self.body.arguments(id).get(i).copied().unwrap_or(id)
     }
 
     /// Writes an expression into the scratch, and as a `let` where that is better.
     fn expression(&mut self, id: ExprId, is_root: bool) {
-        self.learn(id);
-        self.shorten(id);
+        let (code, args) = (self.body.code(id), self.body.arguments(id));
+        self.learn(id, code, args);
+        self.shorten(code, args);
         let start = self.scratch.len() as u32;
-        let strength = self.compose(id);
+        let strength = self.compose(id, code, args);
         let text = Text {
             start,
             length: self.scratch.len() as u32 - start,
             strength,
             atom: matches!(
-                self.body.code(id),
+                code,
                 Code::Constant(_)
                     | Code::Point(_)
                     | Code::World
@@ -220,11 +215,10 @@ impl Writer<'_, '_> {
         if text.atom || is_root {
             return;
         }
-        let light = matches!(self.body.code(id), Code::Op(Op::Neg) | Code::Splat(_));
-        let short = light && self.text(self.argument(id, 0)).atom;
+        let light = matches!(code, Code::Op(Op::Neg) | Code::Splat(_));
+        let short = light && args.first().is_some_and(|&a| self.text(a).atom);
         let named = self.body.named(id).is_some();
         // Components are taken of names only.
-        let code = self.body.code(id);
         let State { uses, taken_apart, .. } = self.state(id);
         let whole = matches!(code, Code::Call(_) | Code::VectorOp(..)) && taken_apart;
         if uses > 1 && !short || named || whole {
@@ -233,21 +227,20 @@ impl Writer<'_, '_> {
     }
 
     /// Moves the longest arguments into `let`s until the expression fits on a line.
-    fn shorten(&mut self, id: ExprId) {
-        if let Code::VectorOp(Op::Square, _) = self.body.code(id) {
+    fn shorten(&mut self, code: Code, args: &[ExprId]) {
+        if let (Code::VectorOp(Op::Square, _), Some(&of)) = (code, args.first()) {
             // A vector's square has no helper: it is written as a product of names.
-            let of = self.argument(id, 0);
             if !self.text(of).atom {
                 self.bind(of);
             }
         }
         loop {
             let (mut total, mut longest, mut which) = (0, 12, None);
-            for &arg in self.body.arguments(id) {
+            for &arg in args {
                 let text = self.text(arg);
                 total += text.length + 2;
                 if !text.atom && text.length > longest {
-                    (longest, which) = (text.length, Some(self.resolve(arg)));
+                    (longest, which) = (text.length, Some(arg));
                 }
             }
             match which {
@@ -323,10 +316,9 @@ impl Writer<'_, '_> {
     }
 
     /// Notes what is known of an expression's value.
-    fn learn(&mut self, id: ExprId) {
-        let args = self.body.arguments(id);
-        let known = |a: ExprId| self.state(self.resolve(a)).not_negative;
-        let not_negative = match self.body.code(id) {
+    fn learn(&mut self, id: ExprId, code: Code, args: &[ExprId]) {
+        let known = |a: ExprId| self.state(a).not_negative;
+        let not_negative = match code {
             Code::Constant(bits) => f64::from_bits(bits) >= 0.0,
             Code::Uniform(index, 1) => {
                 let field = self.context.uniforms.get(index);
@@ -354,7 +346,7 @@ impl Writer<'_, '_> {
     }
 
     fn known_range(&self, id: ExprId) -> Interval {
-        self.ranges.get(self.resolve(id) as usize).copied().unwrap_or(Interval::ALL)
+        self.ranges.get(id as usize).copied().unwrap_or(Interval::ALL)
     }
 
     fn range(&self, id: ExprId) -> Interval {
@@ -450,18 +442,15 @@ impl Writer<'_, '_> {
     }
 
     /// Writes an expression; the answer is how strongly it binds.
-    fn compose(&mut self, id: ExprId) -> u8 {
-        match self.body.code(id) {
+    fn compose(&mut self, id: ExprId, code: Code, args: &[ExprId]) -> u8 {
+        let first = args.first().copied().unwrap_or(id);
+        match code {
             Code::Constant(bits) => {
                 let value = f64::from_bits(bits) as f32;
                 // What 32 bits can't hold in full is zero to many a GPU.
                 let value = if value.is_normal() { value } else { 0.0 };
-                if value.fract() == 0.0 && value.abs() < 1e6 {
-                    // The same text, found sooner.
-                    let _ = write!(self.scratch, "{}.0", value as i32);
-                } else {
-                    let _ = write!(self.scratch, "{value:?}");
-                }
+                let text = self.context.numbers.entry(value.to_bits()).or_insert_with(|| format!("{value:?}"));
+                self.scratch.push_str(text);
                 if value < 0.0 { 8 } else { 9 }
             }
             Code::Point(_) => {
@@ -494,12 +483,12 @@ impl Writer<'_, '_> {
                 9
             }
             Code::Component(i) => {
-                self.put_argument(self.argument(id, 0), 9);
+                self.put_argument(first, 9);
                 self.put(component_name(i));
                 9
             }
             Code::Swizzle(count, order) => {
-                self.put_argument(self.argument(id, 0), 9);
+                self.put_argument(first, 9);
                 self.put(".");
                 for i in 0..count {
                     let name = component_name((order >> (4 * i) & 3) as u8);
@@ -509,48 +498,48 @@ impl Writer<'_, '_> {
             }
             Code::Vector(count) => {
                 self.put(vector_type(count));
-                self.list(id)
+                self.list(args)
             }
             Code::VectorOp(op, count) => {
                 self.operations += usize::from(count);
-                self.operation(id, op)
+                self.operation(id, op, args)
             }
             Code::Splat(count) => {
                 self.put(vector_type(count));
-                self.list(id)
+                self.list(args)
             }
             Code::Surface => {
                 self.scratch.push_str(self.context.prefix);
                 self.put("Surface");
-                self.list(id)
+                self.list(args)
             }
             Code::Call(target) => {
                 self.operations += self.context.operations.get(&target).copied().unwrap_or(0);
                 if let Some(name) = self.context.functions.get(&target) {
                     self.scratch.push_str(name);
                 }
-                self.list(id)
+                self.list(args)
             }
             Code::Op(op) => {
                 self.operations += 1;
-                self.operation(id, op)
+                self.operation(id, op, args)
             }
         }
     }
 
     /// The arguments in parentheses.
-    fn list(&mut self, id: ExprId) -> u8 {
-        for i in 0..self.body.arguments(id).len() {
+    fn list(&mut self, args: &[ExprId]) -> u8 {
+        for (i, &arg) in args.iter().enumerate() {
             self.put(if i == 0 { "(" } else { ", " });
-            self.put_number(self.argument(id, i), 0);
+            self.put_number(arg, 0);
         }
         self.put(")");
         9
     }
 
     /// `a op b` for the four operators of numbers.
-    fn infix(&mut self, id: ExprId, op: Op) -> u8 {
-        let (mut a, mut b) = (self.argument(id, 0), self.argument(id, 1));
+    fn infix(&mut self, op: Op, args: &[ExprId]) -> u8 {
+        let &[mut a, mut b] = args else { return 0 };
         if op == Op::Mul && self.as_number(b).is_some_and(|c| c < 0.0) {
             (a, b) = (b, a);
         }
@@ -578,17 +567,18 @@ impl Writer<'_, '_> {
         strength
     }
 
-    fn operation(&mut self, id: ExprId, op: Op) -> u8 {
+    fn operation(&mut self, id: ExprId, op: Op, args: &[ExprId]) -> u8 {
         let row = op.row();
-        let a = self.argument(id, 0);
+        let argument = |i: usize| args.get(i).copied().unwrap_or(id);
+        let a = argument(0);
         match op {
-            Op::Add | Op::Sub | Op::Mul => return self.infix(id, op),
-            Op::Div if self.is_safe_below(self.argument(id, 1)) => return self.infix(id, op),
+            Op::Add | Op::Sub | Op::Mul => return self.infix(op, args),
+            Op::Div if self.is_safe_below(argument(1)) => return self.infix(op, args),
             Op::Div if self.body.components(id) == 3 => {
                 self.context.helpers.need("div3");
                 self.scratch.push_str(self.context.prefix);
                 self.put("div3");
-                return self.list(id);
+                return self.list(args);
             }
             Op::Square if self.text(a).atom => {
                 self.put_number(a, 8);
@@ -610,7 +600,7 @@ impl Writer<'_, '_> {
             }
             Op::And | Op::Or => {
                 // Of && and || only the same may stand beside each other, and only on the left.
-                let b = self.argument(id, 1);
+                let b = argument(1);
                 let same = self.body.code(a) == Code::Op(op) && self.text(a).strength == row.strength;
                 self.put_condition(a, if same { row.strength } else { 3 });
                 self.put(if op == Op::And { " && " } else { " || " });
@@ -631,7 +621,7 @@ impl Writer<'_, '_> {
         let least = if row.strength == 9 { 0 } else { row.strength + 1 };
         while let Some((before, i, after)) = next_argument(rest) {
             self.put(before);
-            let arg = self.argument(id, i);
+            let arg = argument(i);
             match op {
                 Op::Not => self.put_condition(arg, least),
                 Op::Select if i == 0 => self.put_condition(arg, least),

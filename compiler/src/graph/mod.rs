@@ -6,23 +6,23 @@
 //! needs is the structure of the formulas.
 
 pub mod algebra;
-mod args;
 pub(crate) mod index;
 pub mod interval;
 pub mod kernel;
 mod labels;
+mod list;
 pub mod print;
 mod reads;
 mod walk;
 
 use crate::source::Span;
-pub use args::Args;
 use index::Index;
 use kernel::Op;
 use labels::Labels;
+pub use list::NodeList;
 use reads::{Reads, Sets};
-use rustc_hash::{FxHashMap, FxHasher};
-use std::hash::Hasher;
+use rustc_hash::FxHasher;
+use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 /// Index of a node of the graph. A node's arguments have smaller indices.
@@ -81,13 +81,13 @@ pub enum Node {
     /// Read from outside.
     Leaf(Leaf),
     /// An operation of the kernel.
-    Op(Op, Args),
+    Op(Op, NodeList),
     /// A function of a shape at a point: three coordinates (two of a drawing, then zero), then one value for
     /// each of the shape's variables.
-    Call(ShapeId, Function, Args),
+    Call(ShapeId, Function, NodeList),
     /// The value of the first node, with what is known of it and can't be seen from its formula; the
     /// others are what the claim speaks of.
-    Claim(Args, Claim),
+    Claim(NodeList, Claim),
     /// How far a field may be trusted, as a multiple: the reciprocal of a Lipschitz factor. An index into [`Graph::factors`].
     Factor(u32),
 }
@@ -239,6 +239,9 @@ impl Material {
     }
 }
 
+/// More nodes than most scenes have. Room that is not used costs nothing, and a list that grows is copied.
+const ROOM: usize = 1 << 15;
+
 /// The graph of a program.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
@@ -248,8 +251,10 @@ pub struct Graph {
     reads: Vec<Reads>,
     sets: Sets,
     labels: Labels,
+    /// The point, once it was asked for.
+    point: Option<[NodeId; 3]>,
     shapes: Vec<Shape>,
-    shape_index: FxHashMap<Shape, ShapeId>,
+    shape_index: Index,
     /// Materials, in the order in which they were met.
     pub materials: Vec<Material>,
     /// Components of parameters.
@@ -262,7 +267,8 @@ pub struct Graph {
 impl Graph {
     /// An empty graph.
     pub fn new() -> Self {
-        Self { next_variable: FIRST_VARIABLE, ..Self::default() }
+        let (nodes, reads) = (Vec::with_capacity(ROOM), Vec::with_capacity(ROOM));
+        Self { nodes, reads, next_variable: FIRST_VARIABLE, ..Self::default() }
     }
 
     /// Number of nodes.
@@ -334,7 +340,12 @@ impl Graph {
 
     /// The point of the own space.
     pub fn point(&mut self) -> [NodeId; 3] {
-        [self.leaf(Leaf::P(0)), self.leaf(Leaf::P(1)), self.leaf(Leaf::P(2))]
+        let point = match self.point {
+            Some(point) => point,
+            None => [0, 1, 2].map(|i| self.leaf(Leaf::P(i))),
+        };
+        self.point = Some(point);
+        point
     }
 
     /// A variable that nothing else uses.
@@ -362,11 +373,9 @@ impl Graph {
     /// The field of a shape at a point, its variables passed through from here.
     pub fn field(&mut self, shape: ShapeId, point: [NodeId; 3]) -> NodeId {
         let variables = self.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
-        let mut args = point.to_vec();
-        for &variable in variables.iter() {
-            args.push(self.leaf(Leaf::Variable(variable)));
-        }
-        self.call(shape, Function::Field, &args)
+        let variables = variables.iter().map(|&v| self.leaf(Leaf::Variable(v)));
+        let args: NodeList = point.into_iter().chain(variables).collect();
+        self.intern(Node::Call(shape, Function::Field, args))
     }
 
     /// The constant that a node is, if it is one.
@@ -420,7 +429,7 @@ impl Graph {
     }
 
     /// All shapes with their indices; a shape's parts have smaller indices.
-    pub fn shapes(&self) -> impl Iterator<Item = (ShapeId, &Shape)> {
+    pub fn shapes(&self) -> impl ExactSizeIterator<Item = (ShapeId, &Shape)> {
         self.shapes.iter().enumerate().map(|(i, s)| (ShapeId(i as u32), s))
     }
 
@@ -438,13 +447,15 @@ impl Graph {
             variables = self.sets.union(variables, of_mask);
         }
         shape.variables = self.sets.get(variables);
-        if let Some(&id) = self.shape_index.get(&shape) {
-            return id;
+        let mut hasher = FxHasher::default();
+        shape.hash(&mut hasher);
+        let known = |id: u32| self.shapes.get(id as usize) == Some(&shape);
+        let new = self.shapes.len() as u32;
+        if let Some(id) = self.shape_index.find_or_add(hasher.finish(), new, known) {
+            return ShapeId(id);
         }
-        let id = ShapeId(self.shapes.len() as u32);
-        self.shapes.push(shape.clone());
-        self.shape_index.insert(shape, id);
-        id
+        self.shapes.push(shape);
+        ShapeId(new)
     }
 
     /// Adds a material, or finds one that is the same.

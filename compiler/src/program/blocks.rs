@@ -101,7 +101,7 @@ impl Elaborator<'_> {
         let env = Env::top(item.module);
         let shown = match modules.module_name(item.module) {
             Some(module) => format!("{module}.{}", name.text),
-            None => name.text.clone(),
+            None => name.text.to_string(),
         };
         if let Some(Expr { kind: ExprKind::List(choices), span }) = domain {
             return self.chosen(name, shown, value, choices, *span, description.clone(), &env);
@@ -362,7 +362,7 @@ impl Elaborator<'_> {
         let known = keys(kind);
         let words = block_words(kind);
         for entry in entries {
-            let key = entry.key.text.as_str();
+            let key = &*entry.key.text;
             if !known.contains(&key) {
                 let help = match nearest(key, known.iter().copied()) {
                     Some(near) => format!("did you mean `{near}`?"),
@@ -386,7 +386,7 @@ impl Elaborator<'_> {
             }
         }
         let entry = |key: &str| seen.get(key).map(|e| &e.value);
-        let name_text = name.map_or(String::new(), |n| n.text.clone());
+        let name_text = name.map_or(String::new(), |n| n.text.to_string());
         match kind {
             BlockKind::Camera => {
                 let eye = self.vec3_entry(entry("eye"), &env, [4.0, 3.0, 6.0]);
@@ -576,7 +576,7 @@ impl Elaborator<'_> {
                 ok = false;
                 continue;
             };
-            let ty = match (kind, entry.key.text.as_str()) {
+            let ty = match (kind, &*entry.key.text) {
                 (_, "material") => Type::Material,
                 (_, "gravity" | "velocity" | "translate" | "rotate") => Type::Vec(3),
                 (BlockKind::Mesh, "scale") => match value {
@@ -598,7 +598,7 @@ impl Elaborator<'_> {
                 ok = false;
                 continue;
             };
-            let least = match entry.key.text.as_str() {
+            let least = match &*entry.key.text {
                 "restitution" | "friction" | "rolling" | "count" => Some(0.0),
                 "radius" | "scale" | "substeps" => Some(f64::MIN_POSITIVE),
                 _ => None,

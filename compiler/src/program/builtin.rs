@@ -5,7 +5,7 @@ use super::value::Value;
 use super::{Elaborated, Elaborator, Env};
 use crate::diagnostic::Code;
 use crate::graph::kernel::{Op, KERNEL};
-use crate::graph::{NodeId, ShapeId};
+use crate::graph::{NodeId, NodeList, ShapeId};
 use crate::source::Span;
 
 /// Names that can be called and are not declared in the prelude.
@@ -91,8 +91,7 @@ impl Elaborator<'_> {
                     let y = self.graph.op(Op::Mul, &[r, s]);
                     self.graph.op(Op::Sub, &[x, y])
                 };
-                let cells =
-                    vec![minor(a1, b2, a2, b1), minor(a2, b0, a0, b2), minor(a0, b1, a1, b0)];
+                let cells = [minor(a1, b2, a2, b1), minor(a2, b0, a0, b2), minor(a0, b1, a1, b0)];
                 Ok(Value::Vector(cells.into()))
             }
             ("normalize", [v]) => {
@@ -106,9 +105,8 @@ impl Elaborator<'_> {
                         "write a vector that is not zero",
                     ));
                 }
-                let cells: Vec<NodeId> =
-                    cells.iter().map(|c| self.graph.op(Op::Div, &[*c, length])).collect();
-                Ok(Value::Vector(cells.into()))
+                let cells = cells.iter().map(|c| self.graph.op(Op::Div, &[*c, length]));
+                Ok(Value::Vector(cells.collect()))
             }
             ("vec2" | "vec3" | "vec4", [_, ..]) => {
                 let n = match name {
@@ -117,11 +115,11 @@ impl Elaborator<'_> {
                     _ => 4,
                 };
                 if let [Value::Number(one, _)] = values.as_slice() {
-                    return Ok(Value::Vector(vec![*one; n].into()));
+                    return Ok(Value::Vector(NodeList::of(*one, n)));
                 }
                 let mut cells = Vec::new();
                 for (i, value) in values.iter().enumerate() {
-                    cells.extend(self.cells(value, place(i))?);
+                    cells.extend_from_slice(&self.cells(value, place(i))?);
                 }
                 // A longer vector is cut, as GLSL does with one argument.
                 if values.len() == 1 && cells.len() > n {
@@ -255,14 +253,14 @@ impl Elaborator<'_> {
         const ENDLESS: f64 = 1e6;
         let region = self.facts.body_region(&mut self.graph, shape, &|_| None, ENDLESS);
         let dimensions = usize::from(self.dimensions(shape));
-        let cells: Vec<NodeId> = (0..dimensions)
+        let cells = (0..dimensions)
             .map(|i| {
                 let side = region.axis(i);
                 let end = if high { side.hi } else { side.lo };
                 self.graph.constant(if side.is_empty() { 0.0 } else { end })
             })
             .collect();
-        Value::Vector(cells.into())
+        Value::Vector(cells)
     }
 
     /// Reports a constant for which a function has no value. The prelude knows what it does.
@@ -318,10 +316,10 @@ impl Elaborator<'_> {
     }
 
     /// The components of a number or vector.
-    fn cells(&mut self, value: &Value, span: Span) -> Elaborated<Vec<NodeId>> {
+    fn cells(&mut self, value: &Value, span: Span) -> Elaborated<NodeList> {
         match value {
-            Value::Number(n, _) => Ok(vec![*n]),
-            Value::Vector(v) => Ok(v.to_vec()),
+            Value::Number(n, _) => Ok([*n].into()),
+            Value::Vector(v) => Ok(v.clone()),
             other => {
                 let found = other.describe(self);
                 Err(self.error(
@@ -366,7 +364,7 @@ impl Elaborator<'_> {
         }
         let mut cells = Vec::new();
         for value in values {
-            cells.extend(self.cells(value, span)?);
+            cells.extend_from_slice(&self.cells(value, span)?);
         }
         if cells.len() != n * n {
             return Err(self.error(
@@ -498,15 +496,15 @@ impl Elaborator<'_> {
                 let cells = match along {
                     0 => {
                         let (y, z) = turn(b, c);
-                        vec![a, y, z]
+                        [a, y, z]
                     }
                     1 => {
                         let (z, x) = turn(c, a);
-                        vec![x, b, z]
+                        [x, b, z]
                     }
                     _ => {
                         let (x, y) = turn(a, b);
-                        vec![x, y, c]
+                        [x, y, c]
                     }
                 };
                 return Ok(Value::Vector(cells.into()));

@@ -5,13 +5,14 @@ use super::load::{ItemRef, Resolution};
 use super::value::{type_words, Value};
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
-use crate::graph::{Claim, ClaimGroup, Exactness, Function, Leaf, Material, MaterialId, Node, NodeId, Shape, ShapeId};
+use crate::graph::{Claim, ClaimGroup, Exactness, Function, Leaf, Material, MaterialId, Node, NodeId, NodeList, Shape, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast::{
     self, Argument, ClaimKind, Expr, ExprKind, FunctionKind, ItemKind, Name, Parameter, Type,
 };
 use crate::syntax::words::nearest;
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// A condition on an argument, from a `Requires:` line of its documentation.
 #[derive(Clone, Debug)]
@@ -87,8 +88,7 @@ impl Elaborator<'_> {
     ) -> Elaborated<Value> {
         match &callee.kind {
             ExprKind::Name(name) => {
-                let name = Name { text: name.clone(), span: callee.span };
-                self.call_name(&name, known, args, span, env)
+                self.call_name(name, callee.span, known, args, span, env)
             }
             ExprKind::Dot(alias, name, None) => match &alias.kind {
                 ExprKind::Name(alias_name) => match self.modules.alias(env.module, alias_name) {
@@ -123,7 +123,8 @@ impl Elaborator<'_> {
         span: Span,
         env: &Env,
     ) -> Elaborated<Value> {
-        let items = self.modules.own(module, &name.text);
+        let modules = self.modules;
+        let items = modules.own(module, &name.text);
         if items.is_empty() {
             return Err(self.unknown_in(module, alias, name));
         }
@@ -135,7 +136,7 @@ impl Elaborator<'_> {
         let candidates: Vec<&str> = modules
             .items(module)
             .filter_map(|(_, i)| super::load::item_name(i))
-            .map(|n| n.text.as_str())
+            .map(|n| &*n.text)
             .collect();
         let help = match nearest(&name.text, candidates.iter().copied()) {
             Some(near) => format!("did you mean `{alias}.{near}`?"),
@@ -149,21 +150,24 @@ impl Elaborator<'_> {
         )
     }
 
+    /// A call of the name that stands at `at`.
     fn call_name(
         &mut self,
-        name: &Name,
+        name: &str,
+        at: Span,
         known: Vec<(Value, Span)>,
         args: &[Argument],
         span: Span,
         env: &Env,
     ) -> Elaborated<Value> {
-        let built_in = super::builtin::is_function(&name.text);
-        match self.modules.resolve(env.module, &name.text) {
+        let built_in = super::builtin::is_function(name);
+        let modules = self.modules;
+        match modules.resolve(env.module, name) {
             Resolution::Items(items) => {
                 let own = !self.modules.is_prelude(items.first().map_or(0, |i| i.module))
                     || self.modules.is_prelude(env.module) && !built_in;
                 if own || !built_in {
-                    return self.call_items_with(&items, known, args, span, env);
+                    return self.call_items_with(items, known, args, span, env);
                 }
                 // Both the kernel and the prelude know the name: the first argument decides.
                 let first = match (known.first(), args.first()) {
@@ -171,7 +175,7 @@ impl Elaborator<'_> {
                     (None, Some(arg)) if arg.name.is_none() => {
                         self.expression(&arg.value, env)?
                     }
-                    _ => return self.call_items_with(&items, known, args, span, env),
+                    _ => return self.call_items_with(items, known, args, span, env),
                 };
                 let mut known = known;
                 let mut args = args;
@@ -182,13 +186,13 @@ impl Elaborator<'_> {
                     args = rest;
                 }
                 if matches!(first, Value::Shape(_) | Value::Nothing) {
-                    return self.call_items_with(&items, known, args, span, env);
+                    return self.call_items_with(items, known, args, span, env);
                 }
-                self.call_built_in(&name.text, known, args, span, env)
+                self.call_built_in(name, known, args, span, env)
             }
-            Resolution::Ambiguous(paths) => Err(self.ambiguous(&name.text, &paths, name.span)),
+            Resolution::Ambiguous(paths) => Err(self.ambiguous(name, &paths, at)),
             Resolution::Unknown if built_in => {
-                self.call_built_in(&name.text, known, args, span, env)
+                self.call_built_in(name, known, args, span, env)
             }
             Resolution::Unknown => {
                 for arg in args {
@@ -198,14 +202,14 @@ impl Elaborator<'_> {
                     }
                 }
                 match known.first().cloned() {
-                    Some((receiver, _)) => Err(self.unknown_method(&receiver, name, env)),
-                    None => Err(self.unknown_name(&name.text, name.span, env)),
+                    Some((receiver, _)) => Err(self.unknown_method(&receiver, name, at, env)),
+                    None => Err(self.unknown_name(name, at, env)),
                 }
             }
         }
     }
 
-    fn unknown_method(&mut self, receiver: &Value, name: &Name, env: &Env) -> Stop {
+    fn unknown_method(&mut self, receiver: &Value, name: &str, at: Span, env: &Env) -> Stop {
         let found = receiver.describe(self);
         let candidates: Vec<&str> = self
             .modules
@@ -213,14 +217,14 @@ impl Elaborator<'_> {
             .into_iter()
             .chain(super::builtin::FUNCTIONS.iter().copied())
             .collect();
-        let help = match nearest(&name.text, candidates) {
+        let help = match nearest(name, candidates) {
             Some(near) => format!("did you mean `.{near}(…)`?"),
             None => "any `shape`, `warp` or `blend` that takes this first can stand after the dot".into(),
         };
         self.error(
             Code::UnknownMember,
-            name.span,
-            format!("{found} has no `{}`", name.text),
+            at,
+            format!("{found} has no `{}`", name),
             help,
         )
     }
@@ -244,7 +248,7 @@ impl Elaborator<'_> {
         let mut failed = false;
         for arg in args {
             if let Some(label) = &arg.name
-                && !(label.text == "seed" && name.starts_with("hash"))
+                && !(&*label.text == "seed" && name.starts_with("hash"))
             {
                 self.error(
                     Code::UnknownArgument,
@@ -279,7 +283,8 @@ impl Elaborator<'_> {
             && env.local(alias).is_none()
             && let Some(module) = self.modules.alias(env.module, alias)
         {
-            let items = self.modules.own(module, &name.text);
+            let modules = self.modules;
+            let items = modules.own(module, &name.text);
             if items.is_empty() {
                 return Err(self.unknown_in(module, alias, name));
             }
@@ -310,7 +315,7 @@ impl Elaborator<'_> {
             && matches!(axis.as_str(), "x" | "y" | "z")
             && env.local(axis).is_none()
             && args.is_none()
-            && matches!(name.text.as_str(), "x" | "y" | "z")
+            && matches!(&*name.text, "x" | "y" | "z")
             && matches!(self.modules.resolve(env.module, axis), Resolution::Unknown)
         {
             return Err(self.error(
@@ -327,7 +332,7 @@ impl Elaborator<'_> {
             {
                 return picked;
             }
-            if let (Value::List(items), "count") = (&value, name.text.as_str()) {
+            if let (Value::List(items), "count") = (&value, &*name.text) {
                 return Ok(self.constant(items.len() as f64));
             }
             if let Value::Number(..) | Value::Bool(_) | Value::Text(_) | Value::Matrix(..) = &value {
@@ -347,11 +352,11 @@ impl Elaborator<'_> {
         }
         // What goes wrong with the call has its place behind the dot.
         let call = Span { start: name.span.start, ..span };
-        self.call_name(name, vec![(value, receiver.span)], args.unwrap_or(&[]), call, env)
+        self.call_name(&name.text, name.span, vec![(value, receiver.span)], args.unwrap_or(&[]), call, env)
     }
 
     fn swizzle(&mut self, v: &[NodeId], name: &Name) -> Option<Elaborated<Value>> {
-        let letters = name.text.as_str();
+        let letters = &*name.text;
         let sets = ["xyzw", "rgba"];
         let set = sets.iter().find(|s| letters.chars().all(|c| s.contains(c)))?;
         if letters.is_empty() || letters.len() > 4 {
@@ -598,8 +603,7 @@ impl Elaborator<'_> {
         // A formula makes a space of its own where it makes a shape; else it sees the caller's `p`.
         let own_space = |dimensions: u8, e: &mut Self| {
             let point = e.graph.point();
-            let cells: Vec<NodeId> = point.into_iter().take(usize::from(dimensions)).collect();
-            env.at(Some(cells.into()))
+            env.at(Some(point.into_iter().take(usize::from(dimensions)).collect()))
         };
         let formula_env = match function.kind {
             FunctionKind::Field => own_space(3, self),
@@ -688,7 +692,7 @@ impl Elaborator<'_> {
                         _ => span,
                     };
                     let takes = parameters.len();
-                    let list: Vec<&str> = parameters.iter().map(|p| p.name.text.as_str()).collect();
+                    let list: Vec<&str> = parameters.iter().map(|p| &*p.name.text).collect();
                     self.error(
                         Code::ExtraArgument,
                         at,
@@ -703,7 +707,7 @@ impl Elaborator<'_> {
         for arg in args {
             let Some(label) = &arg.name else { continue };
             let Some(at) = parameters.iter().position(|p| p.name.text == label.text) else {
-                let names: Vec<&str> = parameters.iter().map(|p| p.name.text.as_str()).collect();
+                let names: Vec<&str> = parameters.iter().map(|p| &*p.name.text).collect();
                 let help = match nearest(&label.text, names.iter().copied()) {
                     Some(near) => format!("did you mean `{near}`?"),
                     None => format!("its arguments are {}", names.join(", ")),
@@ -761,7 +765,7 @@ impl Elaborator<'_> {
                         ),
                         format!(
                             "write `{name}({})`",
-                            parameters.iter().map(|p| p.name.text.as_str()).collect::<Vec<_>>().join(", ")
+                            parameters.iter().map(|p| &*p.name.text).collect::<Vec<_>>().join(", ")
                         ),
                     );
                     failed = true;
@@ -874,11 +878,11 @@ impl Elaborator<'_> {
                 .find_map(|b| if let Value::Shape(id) = b.value { Some(self.dimensions(id)) } else { None })
                 .unwrap_or(3),
         };
-        let leaf_point: Rc<[NodeId]> = {
+        let leaf_point: NodeList = {
             let point = self.graph.point();
             point.into_iter().take(usize::from(dimensions)).collect()
         };
-        let point: Option<Rc<[NodeId]>> = match function.kind {
+        let point: Option<NodeList> = match function.kind {
             FunctionKind::Field | FunctionKind::Field2 => Some(leaf_point.clone()),
             FunctionKind::Warp | FunctionKind::Warp2 => match &receiver {
                 Some(Value::Vector(v)) => Some(v.clone()),
@@ -909,7 +913,7 @@ impl Elaborator<'_> {
                 (None, None) => return Err(Stop),
             };
             values.push(value.clone());
-            env = env.with(&parameter.name.text, value);
+            env = env.and(&parameter.name.text, value);
         }
         self.check_requirements(item, function, &values, &places)?;
         // Outside of formulas a number among shapes has no point at which it would be one of them.
@@ -969,7 +973,7 @@ impl Elaborator<'_> {
                 let node = e.to_number(&value, function.body.span, &here)?;
                 let node = e.claimed(node, function, &values, &env);
                 let exact = matches!(&function.claim, Some(c) if c.kind == ClaimKind::Exact);
-                let name = (!modules.is_prelude(item.module)).then(|| function.name.text.as_str().into());
+                let name = (!modules.is_prelude(item.module)).then(|| function.name.text.clone());
                 Ok(Value::Shape(e.formula_shape(node, dimensions, name, exact, span)))
             }
             FunctionKind::Warp | FunctionKind::Warp2 => {
@@ -981,7 +985,7 @@ impl Elaborator<'_> {
                 for (parameter, value) in function.parameters.iter().zip(numbers.iter_mut()).take(operand_count) {
                     let number = e.to_number(value, span, &here)?;
                     *value = Value::number(number);
-                    here = here.with(&parameter.name.text, value.clone());
+                    here = here.and(&parameter.name.text, value.clone());
                 }
                 let value = e.expression(&function.body, &here)?;
                 let node = e.to_number(&value, function.body.span, &here)?;
@@ -1006,7 +1010,7 @@ impl Elaborator<'_> {
         function: &ast::Function,
         receiver: Option<Value>,
         env: &Env,
-        point: Option<Rc<[NodeId]>>,
+        point: Option<NodeList>,
         span: Span,
     ) -> Elaborated<Value> {
         let n = if function.kind == FunctionKind::Warp { 3 } else { 2 };
@@ -1092,9 +1096,9 @@ impl Elaborator<'_> {
                         _ => ClaimGroup::Values(0),
                     });
                     let constant = self.graph.leaf(Leaf::Variable(i as u32));
-                    claim_env = claim_env.with(&parameter.name.text, Value::number(constant));
-                    claim_env =
-                        claim_env.with(&format!("value:{}", parameter.name.text), value.clone());
+                    claim_env = claim_env.and(&parameter.name.text, Value::number(constant));
+                    let name = format!("value:{}", parameter.name.text).into();
+                    claim_env = claim_env.and(&name, value.clone());
                 }
                 match self.expression(formula, &claim_env) {
                     Ok(Value::Number(formula, _)) => formula,
@@ -1144,7 +1148,7 @@ impl Elaborator<'_> {
                 Some(list) => (list, true),
                 None => (requirement.parameter.as_str(), false),
             };
-            let Some(at) = function.parameters.iter().position(|p| p.name.text == wanted) else {
+            let Some(at) = function.parameters.iter().position(|p| *p.name.text == *wanted) else {
                 continue;
             };
             let Some((span, parts)) = places.get(at) else { continue };
@@ -1245,23 +1249,23 @@ impl Elaborator<'_> {
                     ));
                 }
             };
-            env = env.with(&parameter.name.text, value);
+            env = env.and(&parameter.name.text, value);
         }
         let point = self.graph.point();
-        env = Env { point: Some(point.to_vec().into()), normal: true, ..env };
+        env = Env { point: Some(point.into()), normal: true, ..env };
         let env = self.bind_lets(lets, &env)?;
         let default = self.default_material();
         let Some(mut material) = self.graph.materials.get(default.0 as usize).cloned() else {
             return Err(Stop);
         };
-        material.name = name.text.as_str().into();
+        material.name = name.text.clone();
         const KEYS: [&str; 9] = [
             "color", "roughness", "metallic", "reflectivity", "emission", "bump", "texture",
             "texture_scale", "solid",
         ];
         let mut failed = false;
         for entry in entries {
-            let key = entry.key.text.as_str();
+            let key = &*entry.key.text;
             if !KEYS.contains(&key) {
                 let help = match nearest(key, KEYS) {
                     Some(near) => format!("did you mean `{near}`?"),
@@ -1386,29 +1390,29 @@ impl Elaborator<'_> {
         let point = self.graph.point();
         let value = self.graph.field(shape, point);
         let (own, paints) = match mask {
-            None => (Some(material), Vec::new()),
-            Some(mask) => (None, vec![(mask, material)]),
+            None => (Some(material), Arc::default()),
+            Some(mask) => (None, [(mask, material)].into()),
         };
         Value::Shape(self.graph.add_shape(Shape {
             name: None,
             dimensions,
             value,
-            variables: [].into(),
+            variables: Arc::default(),
             exactness: Exactness::Formula,
             material: own,
-            paints: paints.into(),
+            paints,
             span: self.place(span),
         }))
     }
 }
 
 fn declared_name(item: &ast::Item) -> String {
-    super::load::item_name(item).map(|n| n.text.clone()).unwrap_or_default()
+    super::load::item_name(item).map(|n| n.text.to_string()).unwrap_or_default()
 }
 
 /// Whether a parameter of a blend is one of the distances that it combines.
 pub fn is_operand(p: &Parameter) -> bool {
-    p.ty.is_none() && p.default.is_none() && matches!(p.name.text.as_str(), "a" | "b" | "c" | "d")
+    p.ty.is_none() && p.default.is_none() && matches!(&*p.name.text, "a" | "b" | "c" | "d")
 }
 
 /// The one parameter that is a vector, and its number of components.
@@ -1440,7 +1444,7 @@ fn second_type(f: &ast::Function) -> Option<&Type> {
 
 /// `box(size)`, as advice.
 fn signature(f: &ast::Function) -> String {
-    let names: Vec<&str> = f.parameters.iter().map(|p| p.name.text.as_str()).collect();
+    let names: Vec<&str> = f.parameters.iter().map(|p| &*p.name.text).collect();
     format!("{} {}({})", kind_words(f.kind), f.name.text, names.join(", "))
 }
 

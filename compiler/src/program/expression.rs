@@ -13,6 +13,7 @@ use crate::syntax::ast::{
     UnaryOp,
 };
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// How a `for` joins its bodies.
 pub enum Joined {
@@ -69,7 +70,7 @@ impl Elaborator<'_> {
             }
             ExprKind::Color(bytes) => {
                 let linear = bytes.map(|b| self.graph.constant(srgb_to_linear(b)));
-                Ok(Value::Vector(linear.to_vec().into()))
+                Ok(Value::Vector(linear.into()))
             }
             ExprKind::Str(text) => Ok(Value::Text(text.as_str().into())),
             ExprKind::Name(name) => self.name(name, expr.span, env),
@@ -110,18 +111,20 @@ impl Elaborator<'_> {
         if let Some(value) = env.local(name) {
             return Ok(value.clone());
         }
-        match self.modules.resolve(env.module, name) {
+        let modules = self.modules;
+        let meaning = modules.resolve(env.module, name);
+        match &meaning {
             Resolution::Items(items) if !self.modules.is_prelude(items.first().map_or(0, |i| i.module)) => {
-                return self.item_value(&items, span, env);
+                return self.item_value(items, span, env);
             }
-            Resolution::Ambiguous(paths) => return Err(self.ambiguous(name, &paths, span)),
+            Resolution::Ambiguous(paths) => return Err(self.ambiguous(name, paths, span)),
             _ => {}
         }
         if let Some(value) = self.built_in_name(name, span, env) {
             return value;
         }
-        match self.modules.resolve(env.module, name) {
-            Resolution::Items(items) => self.item_value(&items, span, env),
+        match meaning {
+            Resolution::Items(items) => self.item_value(items, span, env),
             _ => Err(self.unknown_name(name, span, env)),
         }
     }
@@ -130,7 +133,7 @@ impl Elaborator<'_> {
     fn built_in_name(&mut self, name: &str, span: Span, env: &Env) -> Option<Elaborated<Value>> {
         let axis = |e: &mut Self, i: usize| {
             let cells = (0..3).map(|k| e.graph.constant(if k == i { 1.0 } else { 0.0 }));
-            Value::Vector(cells.collect::<Vec<_>>().into())
+            Value::Vector(cells.collect())
         };
         Some(Ok(match name {
             "p" => match &env.point {
@@ -154,7 +157,7 @@ impl Elaborator<'_> {
                     )));
                 }
                 let cells = (0..3).map(|i| self.graph.leaf(Leaf::Variable(WORLD + i)));
-                Value::Vector(cells.collect::<Vec<_>>().into())
+                Value::Vector(cells.collect())
             }
             "normal" => {
                 if !env.normal {
@@ -166,7 +169,7 @@ impl Elaborator<'_> {
                     )));
                 }
                 let cells = (0..3).map(|i| self.graph.leaf(Leaf::Normal(i)));
-                Value::Vector(cells.collect::<Vec<_>>().into())
+                Value::Vector(cells.collect())
             }
             "time" => Value::number(self.graph.leaf(Leaf::Time)),
             "pi" => self.constant(std::f64::consts::PI),
@@ -955,7 +958,7 @@ impl Elaborator<'_> {
                     Ok(values) => {
                         for ((name, _), value) in l.bindings.iter().zip(values) {
                             self.hint(&value, &name.text);
-                            env = env.with(&name.text, value);
+                            env = env.and(&name.text, value);
                         }
                     }
                     Err(Stop) => failed = true,
@@ -966,7 +969,7 @@ impl Elaborator<'_> {
                 match self.expression(value, &env) {
                     Ok(value) => {
                         self.hint(&value, &name.text);
-                        env = env.with(&name.text, value);
+                        env = env.and(&name.text, value);
                     }
                     Err(Stop) => failed = true,
                 }
@@ -987,7 +990,9 @@ impl Elaborator<'_> {
             Value::Number(node, _) | Value::Bool(node) => self.graph.name_node(*node, name),
             Value::Vector(v) => {
                 for (node, suffix) in v.iter().zip(["x", "y", "z", "w"]) {
-                    self.graph.name_node(*node, &format!("{name}_{suffix}"));
+                    if self.graph.node_name(*node).is_none() {
+                        self.graph.name_node(*node, &format!("{name}_{suffix}"));
+                    }
                 }
             }
             _ => {}
@@ -1005,9 +1010,9 @@ impl Elaborator<'_> {
             self.step(l.span)?;
             let mut inner = env.clone();
             for ((name, _), value) in l.bindings.iter().zip(&values) {
-                inner = inner.with(&name.text, value.clone());
+                inner = inner.and(&name.text, value.clone());
             }
-            inner = inner.with(&turns.index.text, index);
+            inner = inner.and(&turns.index.text, index);
             if let Some(limit) = live {
                 let turn = self.graph.constant(turn as f64);
                 let more = self.graph.op(Op::Lt, &[turn, limit]);
@@ -1284,19 +1289,19 @@ impl Elaborator<'_> {
         &mut self,
         value: NodeId,
         dimensions: u8,
-        name: Option<Rc<str>>,
+        name: Option<Arc<str>>,
         exact: bool,
         span: Span,
     ) -> ShapeId {
         self.locate(value, span);
         self.graph.add_shape(Shape {
-            name: name.map(|n| (&*n).into()),
+            name,
             dimensions,
             value,
-            variables: [].into(),
+            variables: Arc::default(),
             exactness: if exact { Exactness::Exact } else { Exactness::Formula },
             material: None,
-            paints: [].into(),
+            paints: Arc::default(),
             span: self.place(span),
         })
     }

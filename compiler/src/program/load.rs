@@ -36,7 +36,7 @@ static PRELUDE_TREE: LazyLock<(Sources, Arc<Module>, Vec<Diagnostic>)> = LazyLoc
         ast.items.extend(file.items);
     }
     let mut module = Module::new(FileId(0), String::new(), ast);
-    module.index_names();
+    module.index_names(0);
     (sources, Arc::new(module), diagnostics)
 });
 
@@ -69,7 +69,7 @@ pub struct Module {
     pub ast: ast::File,
     /// Its imports.
     pub imports: Vec<Import>,
-    names: FxHashMap<String, Vec<usize>>,
+    names: FxHashMap<Arc<str>, Vec<ItemRef>>,
 }
 
 impl Module {
@@ -77,10 +77,11 @@ impl Module {
         Self { file, path, ast, imports: Vec::new(), names: FxHashMap::default() }
     }
 
-    fn index_names(&mut self) {
-        for (index, item) in self.ast.items.iter().enumerate() {
-            if let Some(name) = item_name(item) {
-                self.names.entry(name.text.clone()).or_default().push(index);
+    /// Finds its names. `module` is its own index.
+    fn index_names(&mut self, module: usize) {
+        for (item, declared) in self.ast.items.iter().enumerate() {
+            if let Some(name) = item_name(declared) {
+                self.names.entry(name.text.clone()).or_default().push(ItemRef { module, item });
             }
         }
     }
@@ -98,9 +99,9 @@ pub fn item_name(item: &Item) -> Option<&Name> {
 
 /// What a name stands for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Resolution {
+pub enum Resolution<'a> {
     /// Declarations of that name: one of a user's, or the overloads of the prelude.
-    Items(Vec<ItemRef>),
+    Items(&'a [ItemRef]),
     /// Several imports bring it; their paths.
     Ambiguous(Vec<String>),
     /// Nothing declares it.
@@ -208,20 +209,23 @@ impl Reader<'_> {
         self.broken |= !found.is_empty();
         self.diagnostics.extend(found);
         let mut module = Module::new(file, path.to_owned(), ast);
-        module.index_names();
-        self.report_doubles(&module);
         let index = self.list.len();
+        module.index_names(index);
+        self.report_doubles(&module);
         self.by_path.insert(path.to_owned(), index);
-        self.list.push(Arc::new(module.clone()));
+        // Its place is kept for it: what it imports comes after it.
+        self.list.push(Arc::new(Module::new(file, path.to_owned(), ast::File::default())));
         self.stack.push(path.to_owned());
-        for item in &module.ast.items.clone() {
+        let mut imports = Vec::new();
+        for item in &module.ast.items {
             let ItemKind::Import { path: target, path_span, alias } = &item.kind else { continue };
             if let Some(target) = self.import(path, target, *path_span) {
-                let alias = alias.as_ref().map(|a| a.text.clone());
-                module.imports.push(Import { alias, module: target });
+                let alias = alias.as_ref().map(|a| a.text.to_string());
+                imports.push(Import { alias, module: target });
             }
         }
         self.stack.pop();
+        module.imports = imports;
         if let Some(slot) = self.list.get_mut(index) {
             *slot = Arc::new(module);
         }
@@ -284,11 +288,11 @@ impl Reader<'_> {
             let (kind, name, span) = match &item.kind {
                 ItemKind::Scene(_) => (None, "scene", item.span),
                 ItemKind::Block { kind, name, kind_span, .. } => {
-                    (Some(*kind), name.as_ref().map_or("", |n| n.text.as_str()), *kind_span)
+                    (Some(*kind), name.as_ref().map_or("", |n| &*n.text), *kind_span)
                 }
-                ItemKind::Import { alias: Some(alias), .. } => (None, alias.text.as_str(), alias.span),
+                ItemKind::Import { alias: Some(alias), .. } => (None, &*alias.text, alias.span),
                 _ => match item_name(item) {
-                    Some(name) => (None, name.text.as_str(), name.span),
+                    Some(name) => (None, &*name.text, name.span),
                     None => continue,
                 },
             };
@@ -415,32 +419,28 @@ impl Modules {
     }
 
     /// What a text itself declares by a name.
-    pub fn own(&self, module: usize, name: &str) -> Vec<ItemRef> {
-        self.list
-            .get(module)
-            .and_then(|m| m.names.get(name))
-            .map(|items| items.iter().map(|&item| ItemRef { module, item }).collect())
-            .unwrap_or_default()
+    pub fn own(&self, module: usize, name: &str) -> &[ItemRef] {
+        self.list.get(module).and_then(|m| m.names.get(name)).map_or(&[], |items| items)
     }
 
     /// What a name means in a text: its own declaration, else an import's, else the prelude's.
-    pub fn resolve(&self, module: usize, name: &str) -> Resolution {
+    pub fn resolve(&self, module: usize, name: &str) -> Resolution<'_> {
         let own = self.own(module, name);
-        if let Some(&first) = own.first() {
-            return Resolution::Items(if self.is_prelude(module) { own } else { vec![first] });
+        if !own.is_empty() {
+            return Resolution::Items(if self.is_prelude(module) { own } else { own.get(..1).unwrap_or(own) });
         }
-        let mut found: Vec<ItemRef> = Vec::new();
+        let mut found: Vec<&[ItemRef]> = Vec::new();
         for import in self.list.get(module).map_or(&[][..], |m| &m.imports) {
             if import.alias.is_none() {
                 let items = self.own(import.module, name);
-                found.extend(items.first().filter(|i| !found.contains(i)));
+                found.extend(items.get(..1).filter(|i| !found.contains(i)));
             }
         }
         match found.len() {
             0 => {}
-            1 => return Resolution::Items(found),
+            1 => return Resolution::Items(found.first().copied().unwrap_or(&[])),
             _ => {
-                let paths = found.iter().map(|i| self.path(i.module).to_owned()).collect();
+                let paths = found.iter().copied().flatten().map(|i| self.path(i.module).to_owned()).collect();
                 return Resolution::Ambiguous(paths);
             }
         }
@@ -453,7 +453,7 @@ impl Modules {
         let mut names: Vec<&str> = Vec::new();
         let mut take = |m: usize| {
             if let Some(m) = self.list.get(m) {
-                names.extend(m.names.keys().map(String::as_str));
+                names.extend(m.names.keys().map(|n| &**n));
             }
         };
         take(module);

@@ -14,12 +14,13 @@ pub mod value;
 use crate::analysis::Facts;
 use crate::compiled::{Options, Parameter, SceneBlocks};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::graph::{Exactness, Graph, NodeId, Shape, ShapeId};
+use crate::graph::{Exactness, Graph, NodeId, NodeList, Shape, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast::{self, FunctionKind, ItemKind};
 use load::{ItemRef, Modules};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::rc::Rc;
+use std::sync::Arc;
 use value::Value;
 
 /// An error has been reported; what depends on it is left out.
@@ -31,7 +32,7 @@ pub type Elaborated<T> = Result<T, Stop>;
 
 /// Local names, newest first.
 pub struct Scope {
-    name: Rc<str>,
+    name: Arc<str>,
     value: Value,
     outer: Option<Rc<Scope>>,
 }
@@ -44,7 +45,7 @@ pub struct Env {
     /// Local names.
     pub scope: Option<Rc<Scope>>,
     /// `p`, where there is one: two or three coordinates.
-    pub point: Option<Rc<[NodeId]>>,
+    pub point: Option<NodeList>,
     /// Whether `normal` can be read.
     pub normal: bool,
 }
@@ -56,13 +57,19 @@ impl Env {
     }
 
     /// With one more local name.
-    pub fn with(&self, name: &str, value: Value) -> Self {
-        let scope = Rc::new(Scope { name: name.into(), value, outer: self.scope.clone() });
-        Self { scope: Some(scope), ..self.clone() }
+    pub fn with(&self, name: &Arc<str>, value: Value) -> Self {
+        self.clone().and(name, value)
+    }
+
+    /// This with one more local name.
+    pub fn and(mut self, name: &Arc<str>, value: Value) -> Self {
+        let outer = self.scope.take();
+        self.scope = Some(Rc::new(Scope { name: name.clone(), value, outer }));
+        self
     }
 
     /// With another `p`.
-    pub fn at(&self, point: Option<Rc<[NodeId]>>) -> Self {
+    pub fn at(&self, point: Option<NodeList>) -> Self {
         Self { point, ..self.clone() }
     }
 
@@ -317,10 +324,10 @@ impl Elaborator<'_> {
             name: None,
             dimensions,
             value,
-            variables: [].into(),
+            variables: Arc::default(),
             exactness: Exactness::Formula,
             material: None,
-            paints: [].into(),
+            paints: Arc::default(),
             span: self.place(span),
         })
     }
@@ -370,9 +377,9 @@ impl Elaborator<'_> {
         let args = self.stand_ins(&function.parameters, function.kind == FunctionKind::Blend);
         let point = self.graph.point();
         let receiver = match function.kind {
-            FunctionKind::Warp => Some(Value::Vector(point.to_vec().into())),
+            FunctionKind::Warp => Some(Value::Vector(point.into())),
             FunctionKind::Warp2 => {
-                Some(Value::Vector(point.iter().take(2).copied().collect::<Vec<_>>().into()))
+                Some(Value::Vector(point.into_iter().take(2).collect()))
             }
             _ => None,
         };
@@ -410,13 +417,13 @@ impl Elaborator<'_> {
             Type::Bool => Value::Bool(one),
             Type::Int => Value::Number(one, true),
             Type::Float | Type::Field | Type::Str => Value::number(one),
-            Type::Vec(n) => Value::Vector(vec![one; usize::from(*n)].into()),
-            Type::Color => Value::Vector(vec![one; 3].into()),
+            Type::Vec(n) => Value::Vector(NodeList::of(one, usize::from(*n))),
+            Type::Color => Value::Vector(NodeList::of(one, 3)),
             Type::Mat(n) => {
                 let zero = self.graph.constant(0.0);
                 let n = usize::from(*n);
                 let cells = (0..n * n).map(|i| if i % (n + 1) == 0 { one } else { zero });
-                Value::Matrix(n as u8, cells.collect::<Vec<_>>().into())
+                Value::Matrix(n as u8, cells.collect())
             }
             Type::Shape | Type::Shape2 => {
                 let dimensions = if *ty == Type::Shape { 3 } else { 2 };

@@ -3,7 +3,7 @@
 use super::{Elaborated, Elaborator, Env};
 use crate::diagnostic::Code;
 use crate::graph::kernel::Op;
-use crate::graph::{MaterialId, NodeId, ShapeId};
+use crate::graph::{MaterialId, NodeId, NodeList, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast::Type;
 use std::rc::Rc;
@@ -16,9 +16,9 @@ pub enum Value {
     /// A condition.
     Bool(NodeId),
     /// Two to four numbers.
-    Vector(Rc<[NodeId]>),
+    Vector(NodeList),
     /// So many columns and rows, column by column.
-    Matrix(u8, Rc<[NodeId]>),
+    Matrix(u8, NodeList),
     /// A text.
     Text(Rc<str>),
     /// A list.
@@ -177,9 +177,9 @@ impl Elaborator<'_> {
             }
             (Value::Number(..), Type::Float | Type::Field) => Ok(value),
             (Value::Number(node, _), Type::Vec(n)) => {
-                Ok(Value::Vector(vec![*node; usize::from(*n)].into()))
+                Ok(Value::Vector(NodeList::of(*node, usize::from(*n))))
             }
-            (Value::Number(node, _), Type::Color) => Ok(Value::Vector(vec![*node; 3].into())),
+            (Value::Number(node, _), Type::Color) => Ok(Value::Vector(NodeList::of(*node, 3))),
             (Value::Shape(_) | Value::Nothing, Type::Field | Type::Float) => {
                 self.to_number(&value, span, env).map(Value::number)
             }
@@ -334,9 +334,9 @@ impl Elaborator<'_> {
     }
 
     /// The components of a number or vector as a vector of length `n`.
-    pub fn to_vector(&mut self, value: &Value, n: usize, span: Span) -> Elaborated<Rc<[NodeId]>> {
+    pub fn to_vector(&mut self, value: &Value, n: usize, span: Span) -> Elaborated<NodeList> {
         match value {
-            Value::Number(node, _) => Ok(vec![*node; n].into()),
+            Value::Number(node, _) => Ok(NodeList::of(*node, n)),
             Value::Vector(v) if v.len() == n => Ok(v.clone()),
             other => {
                 let found = other.describe(self);

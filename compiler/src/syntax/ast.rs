@@ -1,12 +1,13 @@
 //! The tree that the parser makes. Every node has its place; what could not be read is a hole.
 
 use crate::source::Span;
+use std::sync::Arc;
 
 /// A name with its place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Name {
     /// The text.
-    pub text: String,
+    pub text: Arc<str>,
     /// Where it stands.
     pub span: Span,
 }

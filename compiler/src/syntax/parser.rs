@@ -190,7 +190,7 @@ impl<'t> Parser<'t> {
     }
 
     fn name_of(&self, token: Token) -> ast::Name {
-        ast::Name { text: token.text(self.text).to_string(), span: self.span(token) }
+        ast::Name { text: token.text(self.text).into(), span: self.span(token) }
     }
 
     /// Whether a line ends between the token before and this one.

@@ -435,7 +435,7 @@ impl Parser<'_> {
             self.name_of(token)
         } else {
             self.missing("a name", "write `for i in 0..n { … }`");
-            Name { text: String::new(), span: self.span_from(self.end()) }
+            Name { text: "".into(), span: self.span_from(self.end()) }
         };
         if self.eat_word("in").is_none() {
             self.missing("`in`", "write `for i in 0..n { … }`");
