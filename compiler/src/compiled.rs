@@ -261,6 +261,15 @@ pub struct Module {
     pub skipped: Vec<String>,
 }
 
+impl Module {
+    /// The text below the comment at its head, which names places in the source: what a device is given, and what two modules must share
+    /// to be the same to it.
+    pub fn code(&self) -> &str {
+        let head: usize = self.wgsl.split_inclusive('\n').take_while(|line| line.starts_with("//")).map(str::len).sum();
+        self.wgsl.get(head..).unwrap_or(&self.wgsl)
+    }
+}
+
 /// A point and direction of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -456,6 +465,9 @@ impl Compiled {
         }
         bytes
     }
+
+    /// Boxes for [`Compiled::follow`] that take no longer than a frame.
+    pub const QUICK: usize = 64;
 
     /// Finds the factors for the values at hand, where they depend on parameters, with at most so many boxes each. They are no larger than
     /// those for the whole ranges, and proven in the same way.

@@ -5,6 +5,7 @@ pub mod compiled;
 pub mod diagnostic;
 pub mod emit;
 pub mod evaluate;
+pub mod factors;
 pub mod functions;
 pub mod graph;
 pub mod pipeline;

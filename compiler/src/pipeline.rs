@@ -73,7 +73,8 @@ fn run(
         outcome.diagnostics.extend(found);
         finished(Stage::Analyse);
         if !outcome.has_errors() {
-            match emit::emit(&graph, root, &functions, &elaboration.blocks, &elaboration.parameters, options) {
+            let (blocks, parameters) = (&elaboration.blocks, &elaboration.parameters);
+            match emit::emit(&graph, root, &functions, blocks, parameters, options, &outcome.sources) {
                 Ok(module) => {
                     outcome.compiled = Some(Compiled {
                         graph,

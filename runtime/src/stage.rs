@@ -7,9 +7,6 @@ use std::sync::Arc;
 use surefoot_compiler::compiled::{Compiled, Live, Parameter};
 use surefoot_compiler::graph::{Leaf, Node, NodeId};
 
-/// How many boxes a factor may cost each time that a slider moves.
-const BOXES: usize = 64;
-
 /// The scene that is on, with its live values.
 #[derive(Debug, Default)]
 pub struct Stage {
@@ -106,7 +103,7 @@ impl Stage {
         else {
             return false;
         };
-        scene.follow(live, BOXES);
+        scene.follow(live, Compiled::QUICK);
         let changed = picture.update(queue, scene, live, view);
         std::mem::take(&mut self.fresh) || changed
     }

@@ -79,8 +79,8 @@ fn laying_out_does_not_change_a_scene() {
         before = before.with(&path_of(path), text);
     }
     for path in all.iter().map(path_of).filter(|path| !path.contains('/')) {
-        let wgsl = |loader| compile(loader, &path, &Options::default()).compiled.map(|c| c.module.wgsl);
-        let (before, after) = (wgsl(&before), wgsl(&after));
+        let code = |loader| compile(loader, &path, &Options::default()).compiled.map(|c| c.module.code().to_owned());
+        let (before, after) = (code(&before), code(&after));
         assert!(before.is_some(), "{path} does not compile");
         assert!(before == after, "{path} is another scene when it is laid out");
     }

@@ -4,13 +4,17 @@ use super::library;
 use super::uniforms::Candidates;
 use super::write::vector_type;
 use crate::compiled::{Export, Options, Parameter, Uniform, UniformSource};
-use crate::graph::Graph;
+use crate::factors;
+use crate::graph::{Factor, Graph, Proof};
+use crate::source::Sources;
 use std::fmt::Write;
 
 /// What the comment speaks of.
 pub struct Facts<'a> {
     /// For factors.
     pub graph: &'a Graph,
+    /// For the places of factors.
+    pub sources: &'a Sources,
     /// The functions of the module.
     pub exports: &'a [Export],
     /// Prefix, group and binding.
@@ -77,10 +81,12 @@ pub fn write(facts: &Facts) -> String {
     let extent = number(facts.extent);
     let has_factor = facts.fields.iter().any(|f| matches!(f.source, UniformSource::Factor(_)));
     if has_factor {
+        let unproven = facts.graph.factors.iter().any(|f| f.proof == Proof::Measured);
+        let but = if unproven { "// Those that are UNPROVEN may be too large: rays may step through.\n" } else { "" };
         let _ = write!(
             text,
             "//\n// A factor says how far a ray may step: the field times it is a bound. Each holds for every value that the\n\
-             // parameters can take within their ranges, up to a distance of {extent} from the scene's own origin.\n"
+             // parameters can take within their ranges, up to a distance of {extent} from the scene's own origin.\n{but}"
         );
     }
     let traces = |e: &Export| matches!(e, Export::Trace | Export::Shadow);
@@ -147,10 +153,22 @@ fn about(facts: &Facts, field: &Uniform) -> String {
         UniformSource::OcclusionReach => "how far occlusion reaches".to_owned(),
         UniformSource::OcclusionStrength => "how strong occlusion is".to_owned(),
         UniformSource::Factor(i) => match facts.graph.factors.get(i as usize) {
-            Some(f) => format!("factor: {}", one_line(&f.reason)),
+            Some(f) => factor(facts.sources, f),
             None => String::new(),
         },
     }
+}
+
+/// How a factor is known and what it comes from. Of the file only its own name, so that the same text gives the same module in any folder.
+fn factor(sources: &Sources, factor: &Factor) -> String {
+    let (_, operation) = factors::written(sources, factor.span);
+    let (file, line, column) = sources.position(factor.span.file, factor.span.start);
+    let file = file.rsplit(['/', '\\']).next().unwrap_or(file);
+    let proof = match factor.proof {
+        Proof::Measured => "UNPROVEN, measured at samples",
+        other => other.name(),
+    };
+    format!("factor: {proof}, {operation} at {file}:{line}:{column}")
 }
 
 /// The parameters that are in the text and not in the module, and why.

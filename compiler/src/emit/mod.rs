@@ -23,6 +23,7 @@ use crate::compiled::{Export, Live, Module, Options, Parameter, SceneBlocks, Uni
 use crate::functions::Functions;
 use crate::graph::kernel::Terms;
 use crate::graph::{Function, Graph, ShapeId, WORLD};
+use crate::source::Sources;
 use body::{Body, Code, Space, world_count};
 use library::Helpers;
 use names::{Scope, identifier};
@@ -73,7 +74,7 @@ impl fmt::Display for EmitError {
 
 impl std::error::Error for EmitError {}
 
-/// The module of a scene: the functions that `options` asks for, and what they need.
+/// The module of a scene: the functions that `options` asks for, and what they need. `sources` are the texts that the graph came from.
 pub fn emit(
     graph: &Graph,
     root: ShapeId,
@@ -81,6 +82,7 @@ pub fn emit(
     blocks: &SceneBlocks,
     parameters: &[Parameter],
     options: &Options,
+    sources: &Sources,
 ) -> Result<Module, EmitError> {
     let prefix = &options.prefix;
     check_prefix(prefix)?;
@@ -139,6 +141,7 @@ pub fn emit(
     let (fields, size) = context.uniforms.layout();
     let facts = header::Facts {
         graph,
+        sources,
         exports: &exports,
         options,
         uniforms: &context.uniforms,

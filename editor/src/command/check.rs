@@ -6,6 +6,8 @@ use serde_json::{Value, json};
 use std::path::Path;
 use surefoot_compiler::compiled::{Compiled, Parameter};
 use surefoot_compiler::diagnostic::{self, Diagnostic, Severity};
+use surefoot_compiler::factors::{self, Explained};
+use surefoot_compiler::graph::Proof;
 use surefoot_compiler::source::Sources;
 use surefoot_compiler::syntax::ast::Type;
 use surefoot_compiler::{Options, Outcome};
@@ -19,18 +21,29 @@ pub struct Args {
     /// Write one JSON object for each scene, on a line of its own.
     #[arg(long)]
     json: bool,
+    /// Say of each factor what it comes from, how it is known, what it costs and what would lower it.
+    #[arg(long)]
+    factors: bool,
+    /// Make it an error where a factor is measured and not proven.
+    #[arg(long)]
+    strict: bool,
 }
 
 /// Checks every scene.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
+    let options = Options { strict: args.strict, ..Options::default() };
     let mut exit = Exit::Fine;
     for scene in &args.scenes {
         let readable = files::read(Path::new(scene));
-        let outcome = surefoot_compiler::compile(&FileLoader, scene, &Options::default());
+        let outcome = surefoot_compiler::compile(&FileLoader, scene, &options);
         if args.json {
             print(format!("{}\n", report(scene, &outcome)).as_bytes())?;
         } else {
             print(summary(scene, &outcome).as_bytes())?;
+            if let Some(compiled) = outcome.compiled.as_ref().filter(|_| args.factors) {
+                let explained = explained(&outcome.sources, compiled);
+                print(factors_text(&explained, colored(&std::io::stdout())).as_bytes())?;
+            }
         }
         exit = exit.max(match (&readable, outcome.has_errors()) {
             (Err(_), _) => Exit::Usage,
@@ -89,16 +102,7 @@ fn diagnostic_json(sources: &Sources, diagnostic: &Diagnostic) -> Value {
 }
 
 fn scene_json(sources: &Sources, compiled: &Compiled) -> Value {
-    let factors = compiled.graph.factors.iter().map(|factor| {
-        let (file, line, column) = sources.position(factor.span.file, factor.span.start);
-        json!({
-            "lipschitz": factor.lipschitz,
-            "reason": factor.reason,
-            "file": file,
-            "line": line,
-            "column": column,
-        })
-    });
+    let explained = explained(sources, compiled);
     let summary = &compiled.summary;
     json!({
         "nodes": summary.nodes,
@@ -107,9 +111,63 @@ fn scene_json(sources: &Sources, compiled: &Compiled) -> Value {
         "bound_operations": compiled.module.operations.1,
         "kind": summary.kind.name(),
         "factor": summary.factor,
-        "factors": factors.collect::<Vec<_>>(),
+        "factors": explained.iter().map(factor_json).collect::<Vec<_>>(),
         "bounds": summary.bounds.map(|[min, max]| json!({ "min": min, "max": max })),
     })
+}
+
+/// The scene's factors, those for the values at hand at the parameters' defaults.
+fn explained(sources: &Sources, compiled: &Compiled) -> Vec<Explained> {
+    let mut live = compiled.live();
+    compiled.follow(&mut live, Compiled::QUICK);
+    factors::explain(compiled, sources, &live)
+}
+
+fn factor_json(factor: &Explained) -> Value {
+    let (file, line, column) = &factor.place;
+    let parameter = |(name, [min, max]): &(String, [f64; 2])| json!({ "name": name, "min": min, "max": max });
+    // JSON has no infinity: a side without an end is null.
+    let region = factor.region.map(|[min, max]| json!({ "min": min, "max": max }));
+    json!({
+        "file": file,
+        "line": line,
+        "column": column,
+        "operation": factor.operation,
+        "text": factor.text,
+        "factor": factor.factor,
+        "live": factor.live,
+        "depth": factor.depth,
+        "product": factor.product,
+        "region": region,
+        "proof": factor.proof.name(),
+        "form": factor.form,
+        "uniform": factor.uniform,
+        "parameters": factor.parameters.iter().map(parameter).collect::<Vec<_>>(),
+        "reason": factor.reason,
+        "advice": factor.advice,
+    })
+}
+
+/// For a person: a factor and what is known of it, those within it set in.
+fn factors_text(explained: &[Explained], color: bool) -> String {
+    if explained.is_empty() {
+        return "  no factor: every step is a whole distance\n".to_owned();
+    }
+    let mut text = String::new();
+    for factor in explained {
+        let indent = "  ".repeat(factor.depth + 1);
+        let (red, plain) = if color && factor.proof == Proof::Measured { ("\u{1b}[31m", "\u{1b}[0m") } else { ("", "") };
+        text.push_str(&format!("{indent}{red}{}{plain}\n", factor.headline()));
+        let known = format!("{red}{}{plain}: {}", factor.knowledge(), factor.reason);
+        let following = factor.following("at the defaults");
+        let lower = format!("lower it with {}", factor.advice);
+        for line in [known, following, factor.cost(), lower] {
+            if !line.is_empty() {
+                text.push_str(&format!("{indent}  {line}\n"));
+            }
+        }
+    }
+    text
 }
 
 fn parameter_json(parameter: &Parameter) -> Value {

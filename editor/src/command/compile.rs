@@ -32,6 +32,9 @@ pub struct Args {
     /// The language to write.
     #[arg(long, default_value = "wgsl", value_parser = PossibleValuesParser::new(Target::ALL.map(Target::name)))]
     target: String,
+    /// Make it an error where a factor is measured and not proven.
+    #[arg(long)]
+    strict: bool,
 }
 
 fn export(name: &str) -> Result<Export, String> {
@@ -61,6 +64,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         prefix: args.prefix.clone(),
         group: args.group,
         binding: args.binding,
+        strict: args.strict,
         ..Options::default()
     };
     let outcome = compile_file(&args.scene, &options)?;

@@ -43,6 +43,9 @@ pub struct Args {
     /// What draws it.
     #[arg(long, value_enum, default_value_t)]
     device: Device,
+    /// Make it an error where a factor is measured and not proven.
+    #[arg(long)]
+    strict: bool,
 }
 
 /// Reads `1280x720`.
@@ -78,7 +81,7 @@ fn frames(text: &str) -> Result<Range<u32>, String> {
 
 /// Draws and writes.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
-    let options = Options { choose: values::choices(&args.set), ..Options::default() };
+    let options = Options { choose: values::choices(&args.set), strict: args.strict, ..Options::default() };
     let outcome = compile_file(&args.scene, &options)?;
     show_diagnostics(&outcome);
     let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };

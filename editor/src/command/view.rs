@@ -14,13 +14,22 @@ pub struct Args {
     /// Append what happens (compilations, frames, …) to this file, one JSON object a line.
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
+    /// Make it an error where a factor is measured and not proven.
+    #[arg(long)]
+    strict: bool,
+}
+
+impl Args {
+    fn options(&self) -> Options {
+        Options { strict: self.strict, ..Options::default() }
+    }
 }
 
 /// Opens the window; where there can be none, writes a picture.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
     match window(args)? {
         None => Ok(Exit::Fine),
-        Some(why) => picture(&args.scene, &why),
+        Some(why) => picture(args, &why),
     }
 }
 
@@ -41,7 +50,7 @@ fn window(args: &Args) -> Result<Option<String>, Failure> {
             return Ok(Some("there is no display".to_owned()));
         }
     }
-    Ok(crate::window::open(&args.scene, log).err())
+    Ok(crate::window::open(&args.scene, args.options(), log).err())
 }
 
 #[cfg(not(feature = "gui"))]
@@ -51,8 +60,9 @@ fn window(args: &Args) -> Result<Option<String>, Failure> {
 }
 
 /// Where there is no window: `SCENE.png` in the working directory.
-fn picture(scene: &str, why: &str) -> Result<Exit, Failure> {
-    let outcome = compile_file(scene, &Options::default())?;
+fn picture(args: &Args, why: &str) -> Result<Exit, Failure> {
+    let scene = &args.scene;
+    let outcome = compile_file(scene, &args.options())?;
     eprintln!("surefoot: no window: {why}");
     show_diagnostics(&outcome);
     let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };

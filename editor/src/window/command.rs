@@ -2,7 +2,7 @@
 
 use super::document::{Document, Resolution};
 use super::orbit::Orbit;
-use super::session::{Place, Question, Session, problems};
+use super::session::{Place, Question, Session, factors, problems};
 use super::world::World;
 use serde_json::json;
 use std::path::Path;
@@ -300,6 +300,7 @@ fn arrived(session: &mut Session, world: &mut World, update: Update) {
     let swapped = update.ready.is_some();
     if let Some(ready) = update.ready {
         session.said.reads_time = reads_time(&ready.compiled);
+        session.said.factors = factors(&ready.compiled, &update.words);
         session.stage.put(ready);
         session.said.swaps += 1;
     }

@@ -27,12 +27,13 @@ use serde_json::json;
 use session::{Question, Session};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
+use surefoot_compiler::Options;
 use surefoot_runtime::Gpu;
 use surefoot_runtime::live::SharedLoader;
 use world::World;
 
-/// Shows a scene until the window is closed; the error is why there is no window.
-pub fn open(scene: &str, log: Log) -> Result<(), String> {
+/// Shows a scene until the window is closed; the error is why there is no window. `asked` is what the compiler is asked for.
+pub fn open(scene: &str, asked: Options, log: Log) -> Result<(), String> {
     let mut options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Surefoot")
@@ -46,7 +47,7 @@ pub fn open(scene: &str, log: Log) -> Result<(), String> {
     }
     let scene = scene.to_owned();
     let create = move |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
-        let app = App::new(cc, &scene, Arc::new(FileLoader), log)?;
+        let app = App::new(cc, &scene, asked, Arc::new(FileLoader), log)?;
         Ok(Box::new(app))
     };
     eframe::run_native("surefoot", options, Box::new(create)).map_err(|error| error.to_string())
@@ -68,6 +69,7 @@ impl App {
     fn new(
         cc: &eframe::CreationContext<'_>,
         scene: &str,
+        asked: Options,
         loader: SharedLoader,
         log: Log,
     ) -> Result<Self, String> {
@@ -79,12 +81,13 @@ impl App {
         let text = loader.read(scene).unwrap_or_default();
         let document = Document::new(scene, &String::from_utf8_lossy(&text));
         let mut session = Session::new(document);
+        session.options = asked;
         if let Some(gpu) = &gpu {
             session.meter.adapter = gpu.name().to_owned();
             session.meter.software = gpu.is_software();
         }
         log.event("opened", json!({ "scene": scene, "adapter": session.meter.adapter }));
-        let world = World::new(scene, loader, gpu.clone(), log.clone(), wake.clone())?;
+        let world = World::new(scene, &session.options, loader, gpu.clone(), log.clone(), wake.clone())?;
         let canvas = gpu
             .zip(cc.wgpu_render_state.clone())
             .map(|(gpu, render)| Canvas::new(gpu, render, log, wake));

@@ -7,6 +7,8 @@ use std::time::Duration;
 use surefoot_compiler::Options;
 use surefoot_compiler::compiled::{Camera, Compiled, Parameter};
 use surefoot_compiler::diagnostic::Severity;
+use surefoot_compiler::factors::Explained;
+use surefoot_compiler::source::Span;
 use surefoot_runtime::live::{Times, Words};
 use surefoot_runtime::{Stage, ViewMode};
 
@@ -75,6 +77,8 @@ pub struct Said {
     pub words: Arc<Words>,
     /// The same, as the window shows it.
     pub problems: Vec<Problem>,
+    /// The factors of the scene that is drawn, each with its place.
+    pub factors: Vec<(Place, Explained)>,
     /// What went wrong behind the compiler.
     pub failure: Option<String>,
     /// What went wrong when the picture was drawn.
@@ -164,6 +168,15 @@ impl Session {
         found.map(|(_, camera)| *camera)
     }
 
+    /// The factors of the scene that is drawn, with their places, as large as they are for the values at hand.
+    pub fn factors(&self) -> impl Iterator<Item = (&Place, Explained)> {
+        let at_hand = self.scene().zip(self.stage.live());
+        self.said.factors.iter().map(move |(place, factor)| {
+            let live = at_hand.map_or(factor.live, |(scene, live)| live.factor(&scene.graph, factor.index));
+            (place, Explained { live, ..factor.clone() })
+        })
+    }
+
     /// A parameter of the scene that is drawn.
     pub fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.scene()?.parameters.iter().find(|p| p.name == name)
@@ -206,21 +219,27 @@ impl Documents {
     }
 }
 
+/// The factors of a scene with their places in the texts that it was compiled from.
+pub fn factors(compiled: &Compiled, words: &Words) -> Vec<(Place, Explained)> {
+    let explained = surefoot_compiler::factors::explain(compiled, &words.sources, &compiled.live());
+    explained.into_iter().map(|factor| (place(words, factor.span), factor)).collect()
+}
+
+fn place(words: &Words, span: Span) -> Place {
+    let (file, line, column) = words.sources.position(span.file, span.start);
+    let (_, end_line, end_column) = words.sources.position(span.file, span.end);
+    Place { file: file.to_owned(), start: (line, column), end: (end_line, end_column) }
+}
+
 /// The compiler's words as the window shows them.
 pub fn problems(words: &Words) -> Vec<Problem> {
     let problem = |d: &surefoot_compiler::diagnostic::Diagnostic| {
-        let (file, line, column) = words.sources.position(d.span.file, d.span.start);
-        let (_, end_line, end_column) = words.sources.position(d.span.file, d.span.end);
         Problem {
             severity: d.severity,
             code: d.code.row().name,
             message: d.message.clone(),
             help: d.help.clone(),
-            place: Place {
-                file: file.to_owned(),
-                start: (line, column),
-                end: (end_line, end_column),
-            },
+            place: place(words, d.span),
         }
     };
     words.diagnostics.iter().map(problem).collect()

@@ -47,7 +47,7 @@ fn window(scene: &str) -> Harness<'static, App> {
     let builder =
         Harness::builder().with_size([1100.0, 700.0]).with_max_steps(2).with_step_dt(0.02).wgpu();
     let mut harness = builder.build_eframe(move |cc| {
-        App::new(cc, &scene, Arc::new(FileLoader), Log::default()).unwrap()
+        App::new(cc, &scene, Options::default(), Arc::new(FileLoader), Log::default()).unwrap()
     });
     until(&mut harness, |app| app.session.said.words.files.len() == 1);
     until(&mut harness, |app| app.session.said.failure.is_none());
@@ -332,4 +332,43 @@ fn a_file_that_is_no_scene_is_shown_with_its_errors() {
     let mut harness = window(&folder.scene());
     until(&mut harness, |app| app.session.error().is_some());
     harness.get_by_label_contains("no picture yet");
+}
+
+#[test]
+fn a_pointer_over_a_term_shows_its_factor() {
+    let text = "param rate = 0.5 in 0..2\nscene = box((1, 2, 1)).twist(y, rate)\n";
+    let folder = Folder::new("factor", text);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    harness.ctx.all_styles_mut(|style| style.interaction.tooltip_delay = 0.0);
+    let source = harness.get_by_role(Role::MultilineTextInput).rect();
+    // The lines are 17 high; the second one holds the twist.
+    let hover = |harness: &mut Harness<'_, App>, x: f32| {
+        harness.hover_at(egui::pos2(source.left() + x, source.top() + 4.0 + 1.5 * 17.0));
+        harness.run_steps(8);
+        harness.query_all_by_label_contains("from twist at").count()
+    };
+    let shown: Vec<f32> = (0..24).map(|i| 20.0 * i as f32).filter(|x| hover(&mut harness, *x) > 0).collect();
+    // `twist(y, rate)` is 14 letters of about 8 points, behind 23 others.
+    let (Some(first), Some(last)) = (shown.first(), shown.last()) else { panic!("no factor is shown") };
+    assert!(*first > 160.0 && *last < 400.0 && last - first >= 60.0, "{shown:?}");
+    assert!(hover(&mut harness, *first) > 0);
+    harness.get_by_label_contains("derived within");
+    harness.get_by_label_contains("for all rate in 0..2");
+    harness.get_by_label_contains("narrower range of `rate`");
+    pixel(&mut harness, MIDDLE);
+    assert_eq!(harness.query_all_by_label("unproven").count(), 0);
+}
+
+#[test]
+fn an_unproven_scene_is_marked() {
+    let folder = Folder::new("unproven", "field f = 1 / p.x - 2\nscene = f\n");
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    harness.get_by_label("unproven");
+    pixel(&mut harness, MIDDLE);
+    write(&mut harness, "scene = sphere(1)\n");
+    until(&mut harness, |app| app.session.said.swaps == 2);
+    harness.run_steps(2);
+    assert_eq!(harness.query_all_by_label("unproven").count(), 0);
 }

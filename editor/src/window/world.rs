@@ -33,6 +33,7 @@ impl World {
     /// Follows a scene. `wake` is called from other threads when there is something to hear.
     pub fn new(
         scene: &str,
+        options: &Options,
         loader: SharedLoader,
         gpu: Option<Gpu>,
         log: Log,
@@ -40,7 +41,7 @@ impl World {
     ) -> Result<Self, String> {
         let live = LiveScene::start(Setup {
             path: scene.to_owned(),
-            options: Options::default(),
+            options: options.clone(),
             loader: loader.clone(),
             compile: Arc::new(surefoot_compiler::compile),
             target: gpu.clone().map(|gpu| (gpu, FORMAT)),

@@ -34,7 +34,7 @@ pub fn evaluate(
     let label = "surefoot evaluate";
     let stage = wgpu::ShaderStages::COMPUTE;
     let size = u64::from(compiled.module.uniform_size);
-    let wgsl = format!("{}\n{text}", compiled.module.wgsl);
+    let wgsl = format!("{}\n{text}", compiled.module.code());
     let program = gpu.catch(|| {
         let module_layout = uniform_layout(gpu, label, size, stage);
         let points_layout = points_layout(gpu, label);

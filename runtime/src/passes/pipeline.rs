@@ -33,7 +33,7 @@ impl ScenePipeline {
         let module_size = u64::from(compiled.module.uniform_size);
         let scene_size = size_of::<SceneUniforms>() as u64;
         let key = PipelineKey {
-            wgsl: format!("{}\n{}", compiled.module.wgsl, features.wgsl()),
+            wgsl: format!("{}\n{}", compiled.module.code(), features.wgsl()),
             constants: Vec::new(),
             format,
         };

@@ -15,6 +15,8 @@ use egui::{
 };
 use std::ops::Range;
 use surefoot_compiler::diagnostic::Severity;
+use surefoot_compiler::factors::Explained;
+use surefoot_compiler::graph::Proof;
 use surefoot_compiler::syntax::{TokenClass, tokens};
 
 /// Shows the text and what belongs to it.
@@ -155,6 +157,7 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
                 .show(ui);
             icons::name(ui, id, "Source text");
             numbers(ui, &output, session, document);
+            factor(&output, session, document);
             if let Some(place) = &session.documents.jump {
                 jump(ui, id, &output, &document.text, place);
                 commands.push(Command::Jumped);
@@ -164,6 +167,42 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
             }
         });
     });
+}
+
+/// What the term under the pointer costs, when the pointer rests on one that has a factor.
+fn factor(output: &TextEditOutput, session: &Session, document: &Document) {
+    let Some(at) = output.response.hover_pos() else { return };
+    let at = at - output.galley_pos;
+    // Beside the text is no term.
+    if !output.galley.rows.iter().any(|row| row.rect().contains(at.to_pos2())) {
+        return;
+    }
+    let at = output.galley.cursor_from_pos(at).index.0;
+    let text = &document.text;
+    let holds = |place: &Place| {
+        place.file == document.name && (character(text, place.start)..character(text, place.end)).contains(&at)
+    };
+    // Of terms within terms the innermost.
+    let size = |place: &Place| character(text, place.end) - character(text, place.start);
+    let under = session.factors().filter(|(place, _)| holds(place)).min_by_key(|(place, _)| size(place));
+    if let Some((_, factor)) = under {
+        output.response.clone().on_hover_ui_at_pointer(|ui| explain(ui, &factor));
+    }
+}
+
+/// All that is known of a factor.
+fn explain(ui: &mut Ui, factor: &Explained) {
+    let unproven = factor.proof == Proof::Measured;
+    ui.set_max_width(440.0);
+    ui.label(RichText::new(factor.headline()).strong());
+    let known = RichText::new(format!("{}: {}", factor.knowledge(), factor.reason));
+    ui.label(if unproven { known.color(theme::ERROR) } else { known });
+    let following = factor.following("now");
+    if !following.is_empty() {
+        ui.label(following);
+    }
+    ui.label(factor.cost());
+    ui.label(RichText::new(format!("lower it with {}", factor.advice)).color(theme::WEAK));
 }
 
 /// Puts the cursor on a place and brings it into view.

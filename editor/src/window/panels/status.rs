@@ -5,6 +5,7 @@ use crate::window::theme;
 use egui::{RichText, Ui};
 use std::time::Duration;
 use surefoot_compiler::compiled::Compiled;
+use surefoot_compiler::functions::Kind;
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, session: &Session) {
@@ -40,7 +41,8 @@ pub fn show(ui: &mut Ui, session: &Session) {
                 "kernel operations in one evaluation of the field; its bound takes {bound}"
             );
             entry(ui, "operations", &field.to_string(), &hover);
-            factor(ui, scene);
+            factor(ui, session);
+            unproven(ui, scene);
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let hover = match meter.software {
@@ -62,19 +64,28 @@ fn entry(ui: &mut Ui, name: &str, value: &str, hover: &str) {
     });
 }
 
-/// The largest factor; the others and their reasons when the pointer rests on it.
-fn factor(ui: &mut Ui, scene: &Compiled) {
-    let factors = &scene.graph.factors;
-    let largest = factors.iter().map(|f| f.lipschitz).fold(1.0, f64::max);
+/// The largest factor for the values at hand; all of them and what they come from when the pointer rests on it.
+fn factor(ui: &mut Ui, session: &Session) {
+    let factors: Vec<_> = session.factors().map(|(_, factor)| factor).collect();
+    let largest = factors.iter().map(|f| f.live).fold(1.0, f64::max);
     let mut hover =
         "by how much the field is divided, so that a ray never steps too far".to_owned();
     for factor in factors.iter().take(12) {
-        hover.push_str(&format!("\n{:.3}  {}", factor.lipschitz, factor.reason));
+        hover.push_str(&format!("\n{}{}", "    ".repeat(factor.depth), factor.headline()));
     }
     if factors.len() > 12 {
         hover.push_str(&format!("\nand {} more", factors.len() - 12));
     }
     entry(ui, "factor", &format!("{largest:.2}"), &hover);
+}
+
+/// A mark where something in the scene is only measured.
+fn unproven(ui: &mut Ui, scene: &Compiled) {
+    if scene.summary.kind != Kind::Unproven {
+        return;
+    }
+    let hover = "a factor of this scene is measured and not proven: rays may step through; the problems say which";
+    ui.label(RichText::new("unproven").color(theme::ERROR)).on_hover_text(hover);
 }
 
 fn milliseconds(time: Duration) -> String {

@@ -1,0 +1,366 @@
+//! What a person may know of each factor: what it comes from, where it holds, what it costs, and what would lower it.
+
+use crate::compiled::{Compiled, Live};
+use crate::functions::Functions;
+use crate::graph::kernel::Op;
+use crate::graph::{Factor, Function, Graph, Node, NodeId, Proof, ShapeId};
+use crate::source::{Sources, Span};
+use rustc_hash::FxHashSet;
+
+/// A factor, explained.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Explained {
+    /// Index into [`Graph::factors`].
+    pub index: u32,
+    /// How many factors stand around it in the bound: theirs multiply with its own.
+    pub depth: usize,
+    /// It and those around it, multiplied.
+    pub product: f64,
+    /// The factor for all values of the parameters.
+    pub factor: f64,
+    /// The factor for the values at hand; never the larger.
+    pub live: f64,
+    /// How it is known.
+    pub proof: Proof,
+    /// What it comes from: the name of what is called there, or `formula`.
+    pub operation: String,
+    /// The same as it is written, on one line.
+    pub text: String,
+    /// Where that stands.
+    pub span: Span,
+    /// Name of the text, line and column of its beginning (both from 1).
+    pub place: (String, u32, u32),
+    /// Where it holds, least and greatest corner in the space of what it comes from; none where it holds everywhere.
+    pub region: Option<[[f64; 3]; 2]>,
+    /// The closed form behind it, where there is one.
+    pub form: Option<String>,
+    /// The names of the parameters on which it depends, each with its range.
+    pub parameters: Vec<(String, [f64; 2])>,
+    /// The name of its field in the uniform block; none where the module does not read it.
+    pub uniform: Option<String>,
+    /// Why it is needed.
+    pub reason: String,
+    /// What would lower it.
+    pub advice: String,
+}
+
+/// Every factor of a scene, those that stand around others before them. `sources` are the texts that the scene was compiled from; `live`
+/// says for which values of the parameters [`Explained::live`] is meant.
+pub fn explain(compiled: &Compiled, sources: &Sources, live: &Live) -> Vec<Explained> {
+    let graph = &compiled.graph;
+    let mut explained: Vec<Explained> = Vec::new();
+    for (index, parent) in tree(graph, compiled.root, &compiled.functions) {
+        let Some(factor) = graph.factors.get(index as usize) else { continue };
+        let (depth, product) = parent.and_then(|p| explained.get(p)).map_or((0, 1.0), |p| (p.depth + 1, p.product));
+        let one = one(compiled, sources, live, index, factor);
+        explained.push(Explained { depth, product: product * factor.lipschitz, ..one });
+    }
+    explained
+}
+
+/// The factors in the bound of the scene, each once, with the place of the one that stands around it in the same list.
+fn tree(graph: &Graph, root: ShapeId, functions: &Functions) -> Vec<(u32, Option<usize>)> {
+    let bound = |shape| functions.formulas.get(&(shape, Function::Bound)).copied();
+    let mut found: Vec<(u32, Option<usize>)> = Vec::new();
+    let mut seen: FxHashSet<NodeId> = FxHashSet::default();
+    let mut open: Vec<(NodeId, Option<usize>)> = bound(root).map(|b| (b, None)).into_iter().collect();
+    while let Some((node, around)) = open.pop() {
+        if !seen.insert(node) {
+            continue;
+        }
+        let factor = |id: &NodeId| match graph.node(*id) {
+            Node::Factor(index) => Some(*index),
+            _ => None,
+        };
+        match graph.node(node) {
+            Node::Op(Op::Mul, args) if args.iter().any(|a| factor(a).is_some()) => {
+                let index = args.iter().find_map(factor).unwrap_or(0);
+                if !found.iter().any(|(known, _)| *known == index) {
+                    found.push((index, around));
+                }
+                let here = found.iter().position(|(known, _)| *known == index);
+                open.extend(args.iter().filter(|a| factor(a).is_none()).map(|a| (*a, here)));
+            }
+            Node::Call(shape, Function::Bound, _) => open.extend(bound(*shape).map(|b| (b, around))),
+            _ => open.extend(graph.arguments(node).iter().rev().map(|a| (*a, around))),
+        }
+    }
+    found
+}
+
+fn one(compiled: &Compiled, sources: &Sources, live: &Live, index: u32, factor: &Factor) -> Explained {
+    let (text, operation) = written(sources, factor.span);
+    let (file, line, column) = sources.position(factor.span.file, factor.span.start);
+    let search = compiled.functions.searches.get(index as usize).and_then(Option::as_ref);
+    let region = search.map(|s| s.domain.point).filter(|b| b.0.iter().any(|i| i.is_finite()) && !b.is_empty());
+    let corners = region.map(|b| [b.0.map(|i| i.lo), b.0.map(|i| i.hi)]);
+    let mut explained = Explained {
+        index,
+        depth: 0,
+        product: 1.0,
+        factor: factor.lipschitz,
+        live: live.factor(&compiled.graph, index),
+        proof: factor.proof,
+        form: form(sources, &operation, &text, factor.lipschitz, corners),
+        operation,
+        text,
+        span: factor.span,
+        place: (file.to_owned(), line, column),
+        region: corners,
+        parameters: search.map_or_else(Vec::new, |s| parameters(compiled, &s.parameters)),
+        uniform: uniform(compiled, index),
+        reason: factor.reason.clone(),
+        advice: String::new(),
+    };
+    explained.advice = advice(&explained);
+    explained
+}
+
+/// What stands at a place on one line, and the name of what is called there.
+pub fn written(sources: &Sources, span: Span) -> (String, String) {
+    let text = sources.text(span).split_whitespace().collect::<Vec<_>>().join(" ");
+    let operation = called(&text).unwrap_or("formula").to_owned();
+    (text, operation)
+}
+
+/// The name in `name(…)` or `name`, where the text is nothing more than that.
+fn called(text: &str) -> Option<&str> {
+    let end = text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
+    let (name, rest) = text.split_at_checked(end)?;
+    if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
+        return None;
+    }
+    let mut depth = 0;
+    for (at, c) in rest.char_indices() {
+        match c {
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            _ if depth == 0 => return None,
+            _ => {}
+        }
+        if depth == 0 {
+            return (at + 1 == rest.len()).then_some(name);
+        }
+    }
+    rest.is_empty().then_some(name)
+}
+
+fn uniform(compiled: &Compiled, index: u32) -> Option<String> {
+    let source = crate::compiled::UniformSource::Factor(index);
+    compiled.module.uniforms.iter().find(|u| u.source == source).map(|u| u.name.clone())
+}
+
+/// The parameters that have these components, and the range of the first of each that is among them.
+fn parameters(compiled: &Compiled, components: &[u32]) -> Vec<(String, [f64; 2])> {
+    let mut found: Vec<(String, [f64; 2])> = Vec::new();
+    for &component in components {
+        let Some(known) = compiled.graph.parameters.get(component as usize) else { continue };
+        let holds = |p: &&crate::compiled::Parameter| {
+            p.first.is_some_and(|first| (first..first + p.default.len() as u32).contains(&component))
+        };
+        let Some(parameter) = compiled.parameters.iter().find(holds) else { continue };
+        if !found.iter().any(|(name, _)| *name == parameter.name) {
+            let degrees = |x: f64| if parameter.degrees { x.to_degrees() } else { x };
+            found.push((parameter.name.clone(), [degrees(known.min), degrees(known.max)]));
+        }
+    }
+    found
+}
+
+/// How the factor of a known operation follows from its arguments.
+fn form(sources: &Sources, operation: &str, text: &str, lipschitz: f64, region: Option<[[f64; 3]; 2]>) -> Option<String> {
+    // A turn that goes along with the place, or a shear: the identity and a rank-one term across it, whose norm t gives a largest
+    // singular value of t/2 + √(1 + t²/4); so t is the factor less its reciprocal.
+    let slide = lipschitz - 1.0 / lipschitz;
+    match operation {
+        "twist" => {
+            let axis = match text.split(['(', ',']).nth(1).map(str::trim) {
+                Some("x") => 0,
+                Some("y") => 1,
+                Some("z") => 2,
+                _ => return Some(format!("rate times radius is {}", short(slide))),
+            };
+            let [low, high] = region?;
+            let far = |i: usize| low.get(i).zip(high.get(i)).map_or(0.0, |(l, h)| l.abs().max(h.abs()));
+            let radius = (0..3).filter(|i| *i != axis).map(|i| far(i).powi(2)).sum::<f64>().sqrt();
+            let known = radius > 0.0 && radius.is_finite();
+            known.then(|| format!("rate {} over radius {}", short(slide / radius), short(radius)))
+        }
+        "shear" => Some(format!("rate {}", short(slide))),
+        _ => claim(sources, operation).map(|claim| format!("at most {claim} by its closed form")),
+    }
+}
+
+/// What the prelude claims of an operation, as it is written there.
+fn claim(sources: &Sources, operation: &str) -> Option<String> {
+    let prelude = sources.iter().filter(|(id, _)| crate::program::load::in_prelude(Span::new(*id, 0, 0)));
+    for (_, file) in prelude {
+        for kind in ["blend", "field", "field2"] {
+            let Some(start) = file.text.find(&format!("\n{kind} {operation}(")) else { continue };
+            let declaration = file.text.get(start + 1..)?;
+            let head = declaration.split(" =").next()?;
+            let claim = head.split(") lipschitz ").nth(1);
+            return claim.map(|c| c.split_whitespace().collect::<Vec<_>>().join(" "));
+        }
+    }
+    None
+}
+
+/// What would lower a factor.
+fn advice(known: &Explained) -> String {
+    if known.proof == Proof::Measured {
+        return "a region, `.within(box(…))`, a clamp of what grows, or divisors kept away from zero: then it can be proven".to_owned();
+    }
+    if known.live < 0.9 * known.factor && !known.parameters.is_empty() {
+        let ranges: Vec<String> = known.parameters.iter().map(|(name, _)| format!("`{name}`")).collect();
+        return format!("a narrower range of {}", ranges.join(" or "));
+    }
+    let region = known.region.is_some();
+    match known.operation.as_str() {
+        "twist" | "bend" if region => "a smaller rate, or a narrower region: `.within(cylinder(…))` before it is moved",
+        "twist" | "bend" | "shear" => "a smaller rate",
+        "taper" => "less narrowing, or a clamp of what is narrowed to a smaller part",
+        "scale" | "stretch" | "matrix" => "a stretch that is more alike along its axes",
+        "displace" => "a smaller amplitude or a lower frequency",
+        name if name.contains("union") || name.contains("intersection") || name.contains("difference") => {
+            "operands that are nearer to distances: the group is as steep as its steepest one"
+        }
+        "metaballs" | "mix" => "operands of less weight, or a narrower region with `.within(box(…))`",
+        _ if region => "a narrower region with `.within(box(…))`, or a `clamp` of what is steep",
+        _ => "smaller multiples, or a `clamp` of what is steep",
+    }
+    .to_owned()
+}
+
+impl Explained {
+    /// `×1.62 from twist at column.sdf:12:31, rate 1 over radius 1`.
+    pub fn headline(&self) -> String {
+        let (file, line, column) = &self.place;
+        let form = self.form.as_ref().map_or(String::new(), |f| format!(", {f}"));
+        format!("{} from {} at {file}:{line}:{column}{form}", times(self.factor), self.operation)
+    }
+
+    /// How it is known and where: `derived within x -1..1, y -2..2, z -1..1`.
+    pub fn knowledge(&self) -> String {
+        let how = match self.proof {
+            Proof::Measured => "unproven: measured at samples",
+            other => other.name(),
+        };
+        match self.region {
+            None => how.to_owned(),
+            Some([low, high]) => {
+                let sides = ["x", "y", "z"].iter().zip(low.iter().zip(high));
+                let finite = sides.filter(|(_, (l, h))| l.is_finite() && h.is_finite());
+                let sides: Vec<String> = finite.map(|(axis, (l, h))| format!("{axis} {}..{}", short(*l), short(h))).collect();
+                format!("{how} within {}", sides.join(", "))
+            }
+        }
+    }
+
+    /// For which parameters it holds and how large it is now; empty where it depends on none. `now` says when that is.
+    pub fn following(&self, now: &str) -> String {
+        if self.parameters.is_empty() {
+            return String::new();
+        }
+        let ranges: Vec<String> =
+            self.parameters.iter().map(|(name, [low, high])| format!("{name} in {}..{}", short(*low), short(*high))).collect();
+        format!("{} for all {}; {} {now}", times(self.factor), ranges.join(", "), times(self.live))
+    }
+
+    /// What it costs: `about 1.6 times the steps near it`.
+    pub fn cost(&self) -> String {
+        let together = if self.depth > 0 { format!("; {} times with those around it", rough(self.product)) } else { String::new() };
+        if self.factor <= 1.0 {
+            return format!("fewer steps near it: the formula is flatter than a distance{together}");
+        }
+        match self.factor < 1.05 {
+            true => format!("hardly more steps near it{together}"),
+            false => format!("about {} times the steps near it{together}", rough(self.factor)),
+        }
+    }
+}
+
+/// `×1.62`; `×1.0014` near one.
+fn times(factor: f64) -> String {
+    if (factor - 1.0).abs() < 0.01 { format!("×{factor:.4}") } else { format!("×{}", short(factor)) }
+}
+
+/// Three digits that count.
+fn short(value: f64) -> String {
+    let digits = match value.abs() {
+        a if a >= 100.0 => 0,
+        a if a >= 10.0 => 1,
+        _ => 2,
+    };
+    let text = format!("{value:.digits$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+/// Two digits that count.
+fn rough(value: f64) -> String {
+    if value < 10.0 { format!("{value:.1}") } else { format!("{value:.0}") }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+mod tests {
+    use super::*;
+    use crate::{MemoryLoader, Options, Outcome, compile};
+
+    fn outcome(text: &str) -> Outcome {
+        compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default())
+    }
+
+    fn explained(text: &str) -> Vec<Explained> {
+        let outcome = outcome(text);
+        let compiled = outcome.compiled.unwrap();
+        let mut live = compiled.live();
+        compiled.follow(&mut live, 64);
+        explain(&compiled, &outcome.sources, &live)
+    }
+
+    #[test]
+    fn names_are_those_of_whole_calls() {
+        assert_eq!(called("twist(y, (1 + 2))"), Some("twist"));
+        assert_eq!(called("wave"), Some("wave"));
+        for other in ["length(p) - 1", "(a + b)", "a | b", "2 * f(p)", "", "f(", "f(p).g()"] {
+            assert_eq!(called(other), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn a_twist_says_its_rate_and_radius() {
+        let found = explained("param rate = 0.5 in 0..2 \"how far\"\nscene = box((1, 2, 1)).twist(y, rate)\n");
+        let [twist] = found.as_slice() else { panic!("{found:?}") };
+        assert_eq!((twist.operation.as_str(), twist.text.as_str()), ("twist", "twist(y, rate)"));
+        assert_eq!(twist.place, ("main.sdf".to_owned(), 2, 24));
+        assert_eq!(twist.proof, Proof::Derived);
+        assert_eq!(twist.parameters, [("rate".to_owned(), [0.0, 2.0])]);
+        assert!(twist.live < 0.75 * twist.factor, "{twist:?}");
+        // From the factor and the region's corner comes out again the largest rate of the range, up to what the search adds.
+        let form = twist.form.as_ref().unwrap();
+        let rate: f64 = form.split_whitespace().nth(1).unwrap().parse().unwrap();
+        assert!((2.0..2.2).contains(&rate) && form.contains(" over radius "), "{form}");
+        assert!(twist.advice.contains("`rate`") && twist.uniform.is_some());
+    }
+
+    #[test]
+    fn factors_within_factors_multiply() {
+        let found = explained("scene = box((1, 2, 1)).twist(y, 1).within(cylinder(0.8, 2)).bend(z, y, 0.3).within(box(3))\n");
+        let depths: Vec<_> = found.iter().map(|f| (f.operation.as_str(), f.depth)).collect();
+        assert_eq!(depths, [("bend", 0), ("twist", 1)]);
+        assert!((found[1].product - found[0].factor * found[1].factor).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_measured_factor_says_that_it_is_unproven() {
+        let found = explained("field f = 1 / p.x - 2\nscene = f\n");
+        let [f] = found.as_slice() else { panic!("{found:?}") };
+        assert_eq!(f.proof, Proof::Measured);
+        assert!(f.knowledge().contains("unproven") && f.advice.contains("within"));
+        assert!(explained("scene = sphere(1)\n").is_empty());
+    }
+}
