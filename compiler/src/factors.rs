@@ -18,7 +18,7 @@ pub struct Explained {
     pub product: f64,
     /// The factor for all values of the parameters.
     pub factor: f64,
-    /// The factor for the values at hand; never the larger.
+    /// The factor for the parameters' defaults; never the larger.
     pub live: f64,
     /// How it is known.
     pub proof: Proof,
@@ -44,15 +44,16 @@ pub struct Explained {
     pub advice: String,
 }
 
-/// Every factor of a scene, those that stand around others before them. `sources` are the texts that the scene was compiled from; `live`
-/// says for which values of the parameters [`Explained::live`] is meant.
-pub fn explain(compiled: &Compiled, sources: &Sources, live: &Live) -> Vec<Explained> {
+/// Every factor of a scene, those that stand around others before them. `sources` are the texts that the scene was compiled from.
+pub fn explain(compiled: &Compiled, sources: &Sources) -> Vec<Explained> {
+    let mut live = compiled.live();
+    compiled.follow(&mut live, Compiled::QUICK);
     let graph = &compiled.graph;
     let mut explained: Vec<Explained> = Vec::new();
     for (index, parent) in tree(graph, compiled.root, &compiled.functions) {
         let Some(factor) = graph.factors.get(index as usize) else { continue };
         let (depth, product) = parent.and_then(|p| explained.get(p)).map_or((0, 1.0), |p| (p.depth + 1, p.product));
-        let one = one(compiled, sources, live, index, factor);
+        let one = one(compiled, sources, &live, index, factor);
         explained.push(Explained { depth, product: product * factor.lipschitz, ..one });
     }
     explained
@@ -317,9 +318,7 @@ mod tests {
     fn explained(text: &str) -> Vec<Explained> {
         let outcome = outcome(text);
         let compiled = outcome.compiled.unwrap();
-        let mut live = compiled.live();
-        compiled.follow(&mut live, 64);
-        explain(&compiled, &outcome.sources, &live)
+        explain(&compiled, &outcome.sources)
     }
 
     #[test]

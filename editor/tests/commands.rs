@@ -90,6 +90,48 @@ fn check_tells_a_machine_everything() {
 }
 
 #[test]
+fn check_explains_factors_and_strict_refuses_what_is_measured() {
+    let folder = folder("factors");
+    std::fs::write(folder.join("column.sdf"), "param rate = 0.5 in 0..2\nscene = box((1, 2, 1)).twist(y, rate)\n").unwrap();
+    std::fs::write(folder.join("steep.sdf"), "field f = 1 / p.x - 2\nscene = f\n").unwrap();
+    let (code, out, _) = run(&folder, &["check", "--factors", "column.sdf", "good.sdf"]);
+    assert_eq!(code, 0);
+    for words in [
+        "from twist at column.sdf:2:24, rate 2",
+        "derived within x -",
+        "for all rate in 0..2; ×",
+        "at the defaults",
+        "times the steps near it",
+        "lower it with a narrower range of `rate`",
+        "good.sdf: fine\n  no factor: every step is a whole distance\n",
+    ] {
+        assert!(out.contains(words), "{words} is not in\n{out}");
+    }
+    let (_, out, _) = run(&folder, &["check", "--json", "column.sdf"]);
+    let report: Value = serde_json::from_str(&out).unwrap();
+    let factor = &report["scene"]["factors"][0];
+    assert_eq!((&factor["file"], &factor["line"], &factor["column"]), (&"column.sdf".into(), &2.into(), &24.into()));
+    assert_eq!((&factor["operation"], &factor["proof"]), (&"twist".into(), &"derived".into()));
+    assert!(factor["live"].as_f64() < factor["factor"].as_f64());
+    assert!(factor["region"]["max"][1].as_f64().unwrap() >= 1.0);
+    assert_eq!(factor["parameters"][0]["name"], "rate");
+    let (_, wgsl, _) = run(&folder, &["compile", "column.sdf"]);
+    let line = "factor: derived, twist at column.sdf:2:24";
+    assert!(wgsl.lines().any(|l| l.contains(factor["uniform"].as_str().unwrap()) && l.contains(line)), "{wgsl}");
+
+    let (code, out, _) = run(&folder, &["check", "--factors", "steep.sdf"]);
+    assert!(code == 0 && out.contains("unproven: measured at samples") && !out.contains('\u{1b}'), "{out}");
+    let (_, wgsl, _) = run(&folder, &["compile", "steep.sdf"]);
+    assert!(wgsl.contains("factor: UNPROVEN, measured at samples, formula at steep.sdf:1:11"), "{wgsl}");
+    for command in ["check", "compile"] {
+        let (code, out, err) = run(&folder, &[command, "--strict", "steep.sdf"]);
+        assert!(code == 1 && (out + &err).contains("error[no-bound]"), "{command}");
+    }
+    let (code, _, err) = run(&folder, &["render", "--strict", "steep.sdf", "-o", "a.png", "--device", "cpu"]);
+    assert!(code == 1 && err.contains("error[no-bound]"), "{err}");
+}
+
+#[test]
 fn compile_writes_every_language_and_nothing_on_an_error() {
     let folder = folder("compile");
     for target in ["wgsl", "glsl", "hlsl", "msl", "spirv"] {

@@ -41,7 +41,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         } else {
             print(summary(scene, &outcome).as_bytes())?;
             if let Some(compiled) = outcome.compiled.as_ref().filter(|_| args.factors) {
-                let explained = explained(&outcome.sources, compiled);
+                let explained = factors::explain(compiled, &outcome.sources);
                 print(factors_text(&explained, colored(&std::io::stdout())).as_bytes())?;
             }
         }
@@ -102,7 +102,7 @@ fn diagnostic_json(sources: &Sources, diagnostic: &Diagnostic) -> Value {
 }
 
 fn scene_json(sources: &Sources, compiled: &Compiled) -> Value {
-    let explained = explained(sources, compiled);
+    let explained = factors::explain(compiled, sources);
     let summary = &compiled.summary;
     json!({
         "nodes": summary.nodes,
@@ -114,13 +114,6 @@ fn scene_json(sources: &Sources, compiled: &Compiled) -> Value {
         "factors": explained.iter().map(factor_json).collect::<Vec<_>>(),
         "bounds": summary.bounds.map(|[min, max]| json!({ "min": min, "max": max })),
     })
-}
-
-/// The scene's factors, those for the values at hand at the parameters' defaults.
-fn explained(sources: &Sources, compiled: &Compiled) -> Vec<Explained> {
-    let mut live = compiled.live();
-    compiled.follow(&mut live, Compiled::QUICK);
-    factors::explain(compiled, sources, &live)
 }
 
 fn factor_json(factor: &Explained) -> Value {

@@ -221,7 +221,7 @@ impl Documents {
 
 /// The factors of a scene with their places in the texts that it was compiled from.
 pub fn factors(compiled: &Compiled, words: &Words) -> Vec<(Place, Explained)> {
-    let explained = surefoot_compiler::factors::explain(compiled, &words.sources, &compiled.live());
+    let explained = surefoot_compiler::factors::explain(compiled, &words.sources);
     explained.into_iter().map(|factor| (place(words, factor.span), factor)).collect()
 }
 

@@ -10,7 +10,7 @@ use egui::cache::{ComputerMut, FrameCache};
 use egui::text::{CCursor, CCursorRange, LayoutJob, TextFormat};
 use egui::text_edit::{TextEditOutput, TextEditState};
 use egui::{
-    Align, Align2, Button, Color32, Frame, Id, Margin, RichText, ScrollArea, Stroke, TextBuffer,
+    Align, Align2, Button, Color32, Frame, Id, Margin, Response, RichText, ScrollArea, Stroke, TextBuffer,
     TextEdit, Ui, vec2,
 };
 use std::ops::Range;
@@ -186,7 +186,7 @@ fn factor(output: &TextEditOutput, session: &Session, document: &Document) {
     let size = |place: &Place| character(text, place.end) - character(text, place.start);
     let under = session.factors().filter(|(place, _)| holds(place)).min_by_key(|(place, _)| size(place));
     if let Some((_, factor)) = under {
-        output.response.clone().on_hover_ui_at_pointer(|ui| explain(ui, &factor));
+        Response::clone(&output.response).on_hover_ui_at_pointer(|ui| explain(ui, &factor));
     }
 }
 
