@@ -1,0 +1,216 @@
+//! Judges what the compiler makes of a scene: a bound without holes, or a diagnostic with a place.
+
+use super::falsify::{Claim, falsify};
+use crate::clock::Stopwatch;
+use crate::mutations::Random;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Duration;
+use surefoot_compiler::diagnostic::Code;
+use surefoot_compiler::evaluate::Tape;
+use surefoot_compiler::graph::Function;
+use surefoot_compiler::{Compiled, Live, MemoryLoader, Options, Outcome, compile};
+
+/// How carefully a scene is judged.
+#[derive(Clone, Copy, Debug)]
+pub struct Care {
+    /// Points at which the bound is tried, over all rounds.
+    pub points: usize,
+    /// The longest that the compiler may take, of the processor's time.
+    pub longest: Duration,
+}
+
+/// What became of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// It is drawn, and nothing was found wrong at so many points.
+    Proven(usize),
+    /// It is refused, and the first diagnostic that says so has this code.
+    Refused(Code),
+    /// Something is wrong.
+    Wrong(Fault),
+}
+
+/// What is wrong, and in words where.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fault {
+    /// Of which kind.
+    pub kind: FaultKind,
+    /// With numbers.
+    pub words: String,
+}
+
+/// Kinds of what may be wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum FaultKind {
+    /// The field changes its sign within the bound.
+    Hole,
+    /// Field and bound have different signs.
+    Sign,
+    /// A value is not a number, or infinite.
+    NotFinite,
+    /// Refused without a diagnostic, or one without a place in the text.
+    NoDiagnostic,
+    /// The compiler took too long.
+    Slow,
+    /// The compiler panicked.
+    Panic,
+}
+
+/// Operations of a scene's tape.
+const OPERATIONS: usize = 4_000_000;
+/// Half the side of the cube about the origin in which points are strewn.
+const HALF: f64 = 4.0;
+/// Directions in which each ball is searched, and at which parts of its radius.
+const DIRECTIONS: usize = 8;
+const PARTS: [f64; 4] = [0.3, 0.7, 0.95, 0.999];
+/// A ray that stands before a jump steps across it by no more than this.
+const HAIR: f64 = 1.1e-4;
+
+/// Compiles a program and looks for what is wrong with what comes out; `seed` chooses the points.
+pub fn check(text: &str, seed: u64, care: Care) -> Verdict {
+    let loader = MemoryLoader::new().with("main.sdf", text);
+    let watch = Stopwatch::start();
+    let Ok(outcome) = catch_unwind(AssertUnwindSafe(|| compile(&loader, "main.sdf", &Options::default()))) else {
+        return wrong(FaultKind::Panic, "the compiler panicked".to_owned());
+    };
+    let time = watch.time();
+    if time > care.longest {
+        return wrong(FaultKind::Slow, format!("{} ms", time.as_millis()));
+    }
+    match &outcome.compiled {
+        None => refusal(&outcome, text),
+        Some(scene) => match catch_unwind(AssertUnwindSafe(|| try_bound(scene, seed, care.points))) {
+            Ok(Ok(points)) => Verdict::Proven(points),
+            Ok(Err(fault)) => Verdict::Wrong(fault),
+            Err(_) => wrong(FaultKind::Panic, "evaluating panicked".to_owned()),
+        },
+    }
+}
+
+fn wrong(kind: FaultKind, words: String) -> Verdict {
+    Verdict::Wrong(Fault { kind, words })
+}
+
+/// A refused scene has an error, and each error names a part of the text.
+fn refusal(outcome: &Outcome, text: &str) -> Verdict {
+    let errors = || outcome.diagnostics.iter().filter(|d| d.severity == surefoot_compiler::diagnostic::Severity::Error);
+    let Some(first) = errors().next() else {
+        return wrong(FaultKind::NoDiagnostic, "refused without an error".to_owned());
+    };
+    for error in errors() {
+        let file = outcome.sources.iter().find(|(id, _)| *id == error.span.file).map(|(_, f)| f.name.to_string());
+        let place = text.get(error.span.start as usize..error.span.end as usize).unwrap_or("");
+        if file.as_deref() != Some("main.sdf") || place.trim().is_empty() || error.help.is_empty() {
+            return wrong(FaultKind::NoDiagnostic, format!("{:?} at {:?} of {file:?}: {}", error.code, error.span, error.message));
+        }
+    }
+    Verdict::Refused(first.code)
+}
+
+/// Looks for a sign change of the field within the bound, at the start and at other values of what is live.
+/// Returns the number of points tried.
+fn try_bound(scene: &Compiled, seed: u64, points: usize) -> Result<usize, Fault> {
+    let mut random = Random::new(seed);
+    let live_at_all = scene.graph.parameters.len() + usize::from(scene.module.uniforms.iter().any(|u| u.name == "time"));
+    let rounds = if live_at_all > 0 { 4 } else { 1 };
+    let mut tried = 0;
+    for round in 0..rounds {
+        let live = setting(scene, round, &mut random);
+        tried += try_setting(scene, &live, points / rounds, &mut random)?;
+    }
+    Ok(tried)
+}
+
+/// Values of what is live: the start, one end of each range, the other end or any, any.
+fn setting(scene: &Compiled, round: usize, random: &mut Random) -> Live {
+    let mut live = scene.live();
+    if round > 0 {
+        live.time = unit(random) * 20.0;
+    }
+    for (value, parameter) in live.components.iter_mut().zip(&scene.graph.parameters) {
+        let any = parameter.min + (parameter.max - parameter.min) * unit(random);
+        *value = match (round, random.below(3)) {
+            (0, _) => *value,
+            (1, 0) => parameter.min,
+            (1, 1) => parameter.max,
+            _ => any,
+        };
+    }
+    live
+}
+
+fn try_setting(scene: &Compiled, live: &Live, points: usize, random: &mut Random) -> Result<usize, Fault> {
+    let fault = |kind, words| Err(Fault { kind, words });
+    let roots = [Function::Field, Function::Bound, Function::Distance].map(|f| scene.functions.formulas[&(scene.root, f)]);
+    let Ok(tape) = Tape::new(&scene.graph, &scene.functions, &roots, live, OPERATIONS) else { return Ok(0) };
+    let mut evaluator = tape.evaluator();
+    let mut starts: Vec<[f64; 3]> = (0..points).map(|_| in_cube(random).map(|c| c * HALF)).collect();
+    // Half of them are walked toward the surface by their bounds, and stop at different distances before it.
+    let walking = starts.len() / 2;
+    let directions: Vec<[f64; 3]> = (0..walking).map(|_| direction(random)).collect();
+    for _ in 0..10 {
+        let mut moved = starts[..walking].to_vec();
+        evaluator.at(&starts[..walking], &[], |i, values| {
+            let step = values[1].abs().min(HALF);
+            if step > 1e-3 {
+                // Back and forth: what leaves the cube is of no interest.
+                let outward = (0..3).map(|k| moved[i][k] * directions[i][k]).sum::<f64>() > 2.0;
+                moved[i] = along(moved[i], directions[i], if outward { -0.9 * step } else { 0.9 * step });
+            }
+        });
+        starts[..walking].copy_from_slice(&moved);
+    }
+    let extent = scene.blocks.extent;
+    starts.retain(|p| p.iter().map(|c| c * c).sum::<f64>().sqrt() < extent);
+    let mut claims = Vec::with_capacity(starts.len());
+    let mut found = None;
+    evaluator.at(&starts, &[], |i, values| {
+        let [field, bound, distance] = [values[0], values[1], values[2]];
+        if !(field.is_finite() && bound.is_finite() && distance.is_finite()) && found.is_none() {
+            let words = format!("at {:?} the field is {field}, the bound {bound}, the distance {distance}", starts[i]);
+            found = Some(Fault { kind: FaultKind::NotFinite, words });
+        }
+        if field.signum() != bound.signum() && field.abs() > 1e-9 && bound.abs() > 1e-9 && found.is_none() {
+            let words = format!("at {:?} the field is {field} and the bound {bound}; {live:?}", starts[i]);
+            found = Some(Fault { kind: FaultKind::Sign, words });
+        }
+        let radius = if bound.abs() <= HAIR { 0.0 } else { bound.abs().min(2.0 * HALF) };
+        claims.push(Claim { point: starts[i], radius, field });
+    });
+    if let Some(fault) = found {
+        return Err(fault);
+    }
+    let violations = falsify(&mut evaluator, &claims, || direction(random), DIRECTIONS, &PARTS, extent);
+    if let Some(violation) = violations.first() {
+        let claim = claims[violation.claim];
+        let words = format!(
+            "{} times: from {:?} (field {}, bound {}) to {:?} (field {}); {live:?}",
+            violations.len(), claim.point, claim.field, claim.radius, violation.at, violation.field
+        );
+        return fault(FaultKind::Hole, words);
+    }
+    Ok(claims.len())
+}
+
+fn along(p: [f64; 3], d: [f64; 3], t: f64) -> [f64; 3] {
+    [0, 1, 2].map(|i| p[i] + t * d[i])
+}
+
+/// In 0..1.
+fn unit(random: &mut Random) -> f64 {
+    (random.next() >> 11) as f64 / (1u64 << 53) as f64
+}
+
+fn in_cube(random: &mut Random) -> [f64; 3] {
+    [0; 3].map(|_| 2.0 * unit(random) - 1.0)
+}
+
+fn direction(random: &mut Random) -> [f64; 3] {
+    loop {
+        let v = in_cube(random);
+        let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+        if length > 0.1 && length < 1.0 {
+            return v.map(|c| c / length);
+        }
+    }
+}
