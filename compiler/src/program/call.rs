@@ -5,6 +5,7 @@ use super::load::{ItemRef, Resolution};
 use super::value::{type_words, Value};
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
+use crate::graph::kernel::Op;
 use crate::graph::{Claim, ClaimGroup, Exactness, Function, Leaf, Material, MaterialId, Node, NodeId, NodeList, Shape, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast::{
@@ -21,6 +22,9 @@ pub struct Requirement {
     relation: String,
     bound: f64,
 }
+
+/// Where a live value must be above a limit, it is kept so far above it.
+const LEAST: f64 = 1e-5;
 
 /// A value that was given for a parameter.
 #[derive(Clone)]
@@ -915,7 +919,12 @@ impl Elaborator<'_> {
             values.push(value.clone());
             env = env.and(&parameter.name.text, value);
         }
-        self.check_requirements(item, function, &values, &places)?;
+        for (at, kept) in self.require(item, function, &values, &places)? {
+            if let (Some(parameter), Some(value)) = (function.parameters.get(at), values.get_mut(at)) {
+                *value = kept.clone();
+                env = env.and(&parameter.name.text, kept);
+            }
+        }
         // Outside of formulas a number among shapes has no point at which it would be one of them.
         if function.kind == FunctionKind::Blend && any_shape && in_formula.is_none() && caller.is_some() {
             let number = values.iter().take(operand_count).position(|v| matches!(v, Value::Number(..)));
@@ -1123,16 +1132,18 @@ impl Elaborator<'_> {
             .collect()
     }
 
-    /// Reports constant arguments that the documentation rules out.
-    fn check_requirements(
+    /// Reports constant arguments that the documentation rules out. Answers what becomes of those that are not constant and might be ruled
+    /// out at some values, by the index of their parameter: they are kept within what is allowed.
+    fn require(
         &mut self,
         item: ItemRef,
         function: &ast::Function,
         values: &[Value],
         places: &[(Span, Vec<Span>)],
-    ) -> Elaborated<()> {
+    ) -> Elaborated<Vec<(usize, Value)>> {
+        let mut kept = Vec::new();
         if !self.modules.is_prelude(item.module) {
-            return Ok(());
+            return Ok(kept);
         }
         let requirements = match self.requirements.get(&item) {
             Some(known) => known.clone(),
@@ -1203,8 +1214,34 @@ impl Elaborator<'_> {
                     ),
                 ));
             }
+            let limit = match requirement.relation.as_str() {
+                ">=" => (Op::Max, requirement.bound),
+                ">" => (Op::Max, requirement.bound + LEAST),
+                "<=" => (Op::Min, requirement.bound),
+                "<" => (Op::Min, requirement.bound - LEAST),
+                _ => continue,
+            };
+            let within: Vec<NodeId> = nodes.iter().map(|n| self.keep_within(*n, limit)).collect();
+            if within != nodes {
+                kept.extend(match (values.get(at), within.first()) {
+                    (Some(Value::Number(_, kind)), Some(n)) => Some((at, Value::Number(*n, *kind))),
+                    (Some(Value::Vector(_)), _) => Some((at, Value::Vector(within.into()))),
+                    _ => None,
+                });
+            }
         }
-        Ok(())
+        Ok(kept)
+    }
+
+    /// A number that is not constant, kept on one side of a limit: `Max` keeps it at or above.
+    fn keep_within(&mut self, node: NodeId, (op, limit): (Op, f64)) -> NodeId {
+        let range = self.facts.live_range(&self.graph, node);
+        let inside = if op == Op::Max { range.lo >= limit } else { range.hi <= limit };
+        if inside || self.graph.as_constant(node).is_some() {
+            return node;
+        }
+        let limit = self.graph.constant(limit);
+        self.graph.op(op, &[node, limit])
     }
 
     /// A material of a declaration and its arguments.

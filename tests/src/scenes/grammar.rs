@@ -282,7 +282,8 @@ const SHAPE: &[&str] = &[
     "metaballs(seeds)",
     "metaballs([(<vector>, <size>), (<vector>, <size>), (<vector>, 0.8)], <small>)",
     "metaballs([for i in 0..4 { (cos(i), sin(2 * i), 0.3 * i, <size>) }])",
-    "nothing",
+    "(nothing | <same>)",
+    "(<same> - nothing)",
     // Of drawings.
     "<drawing>.extrude(<size>)",
     "<drawing>.extrude(<size>, <small>)",
@@ -296,7 +297,7 @@ const SHAPE: &[&str] = &[
     "(<same> & <same>)",
     "(<same> - <same>)",
     "(<same> - <same>)",
-    "!(<same>)",
+    "(!<same>)",
     "union(<same>, <same>)",
     "intersection(<same>, <same>)",
     "difference(<same>, <same>)",
@@ -360,7 +361,7 @@ const SHAPE: &[&str] = &[
     "(for cell in grid(<size>) { if hash(cell) > 0.5 { sphere(0.3 * <size>) } else { box(0.4 * <size>) } })",
     "(for k in polar(<axis>, <count> + 1) { <same>.translate(<vector>).scale(0.5 + 0.1 * k) })",
     "(for it in [<same>, <same>] { it.translate(<vector>) })",
-    "[<same>, <same>][<count> % 2]",
+    "[<same>, <same>][<count> % 2].translate(0, 0, 0.2)",
     // Choosing.
     "(if on { <same> } else { <same> })",
     "(if <number> > 0 { <same> } else if lean > 0.2 { <same> } else { sphere(0.4) })",
@@ -402,7 +403,7 @@ const BODY: &[&str] = &[
     "smooth_union(<formula>, length(p) - <size>, <small>)",
     "box(<sizes>).at(<point>)",
     "<shape>.at(<point>) + <small> * <formula>",
-    "<shape>.at(p) * <shape>.at(<point>)",
+    "(<shape>).at(p) * (<shape>).at(<point>)",
 ];
 
 const DRAWING: &[&str] = &[
@@ -422,7 +423,7 @@ const DRAWING: &[&str] = &[
     "(<same> | <same>)",
     "(<same> & <same>)",
     "(<same> - <same>)",
-    "!(<same>)",
+    "(!<same>)",
     "smooth_union(<same>, <same>, <size>)",
     "chamfer_difference(<same>, <same>, <small>)",
     "stairs_union(<same>, <same>, <small>)",

@@ -68,7 +68,7 @@ impl Maker<'_> {
             Literal::Small if odd < 2 => [0.0, -0.1][odd],
             Literal::Small => hundredths(0.02, 0.4),
             Literal::Whole => 1.0 + self.random.below(5) as f64,
-            Literal::Degrees => self.random.below(400) as f64 - 20.0,
+            Literal::Degrees => self.random.below(400) as f64,
         }
     }
 }
