@@ -428,14 +428,18 @@ pub fn hull_of_pieces(facts: &mut Facts, graph: &Graph, tape: &Tape, leaf: &dyn 
             }
         });
     });
-    let mut dual = all.unwrap_or(Dual::constant(Interval::ALL));
+    (both_sides(tape, all.unwrap_or(Dual::constant(Interval::ALL)), leaf), runs)
+}
+
+/// What a run says of a tape, with both signs for the gradient of mirrored axes.
+pub fn both_sides(tape: &Tape, mut dual: Dual, leaf: &dyn Fn(Leaf) -> Dual) -> Dual {
     for (i, g) in (0..3u8).zip(&mut dual.gradient) {
         let side = leaf(Leaf::P(i)).value;
         if tape.is_mirrored(i) && side.lo < 0.0 && side.hi > 0.0 {
             *g = g.hull(g.neg());
         }
     }
-    (dual, runs)
+    dual
 }
 
 /// The constant of the shape that a step calls, in the shape's own space.
@@ -459,7 +463,8 @@ fn call(facts: &mut Facts, graph: &Graph, shape: ShapeId, args: &[Dual], norm: f
     if moving_variables && let Some(s) = graph.shape(shape) {
         // A variable moves with the point: the shape's formula is followed with the arguments' own derivatives.
         let variables = s.variables.clone();
-        let tape = facts.tape(graph, s.value);
+        // Other arguments may move along with a coordinate, so that its two sides are no mirror images.
+        let tape = facts.tape(graph, s.value).unmirrored();
         let pinned = facts.pinned.clone();
         let leaf = |leaf: Leaf| match leaf {
             Leaf::P(i) => args.get(usize::from(i)).copied().unwrap_or(Dual::constant(Interval::ALL)),

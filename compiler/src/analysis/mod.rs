@@ -287,8 +287,10 @@ impl Facts {
         let tape = self.tape(graph, value);
         let dual = if exact {
             // Known without a look at its kinks.
-            let plain = self.all_duals(graph, &tape, &domain).last().copied();
-            Dual { jumps: 0, ..plain.unwrap_or(Dual::constant(Interval::ALL)).limited(1.0) }
+            let plain = self.all_duals(graph, &tape, &domain).last().copied().unwrap_or(Dual::constant(Interval::ALL));
+            let pinned = self.pinned.clone();
+            let whole = dual::both_sides(&tape, plain, &|leaf| leaf_dual(graph, &pinned, leaf, &domain));
+            Dual { jumps: 0, ..whole.limited(1.0) }
         } else {
             self.dual_of(graph, &tape, &domain).0
         };

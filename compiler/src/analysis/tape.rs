@@ -126,6 +126,11 @@ impl Tape {
         self.mirrored.get(usize::from(coordinate)).copied().unwrap_or(false)
     }
 
+    /// The same tape, of which it is not known that coordinates are read by one `abs` alone.
+    pub fn unmirrored(&self) -> Tape {
+        Tape { mirrored: [false; 3], ..self.clone() }
+    }
+
     /// Whether any step reads a coordinate.
     pub fn reads(&self, coordinate: usize) -> bool {
         self.steps.iter().any(|s| matches!(s, Step::Leaf(Leaf::P(i)) if usize::from(*i) == coordinate))
