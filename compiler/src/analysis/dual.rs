@@ -442,7 +442,7 @@ pub fn both_sides(tape: &Tape, mut dual: Dual, leaf: &dyn Fn(Leaf) -> Dual) -> D
     dual
 }
 
-/// The constant of the shape that a step calls, in the shape's own space.
+/// The constant of the shape that a step calls, in the shape's own space; none where it sees more that moves than its own point.
 fn own_constant(
     facts: &mut Facts,
     graph: &Graph,
@@ -451,6 +451,9 @@ fn own_constant(
     step: Option<&usize>,
 ) -> Option<f64> {
     let Some(Step::Call(shape, args)) = tape.steps.get(*step?) else { return None };
+    if args.iter().skip(3).any(|&a| values.get(a).is_none_or(|d| d.norm > 0.0)) {
+        return None;
+    }
     let ranges: Vec<Interval> =
         args.iter().map(|&a| values.get(a).map_or(Interval::ALL, |d| d.value)).collect();
     Some(facts.shape_dual(graph, *shape, &ranges).norm)

@@ -5,8 +5,9 @@ use crate::clock::Stopwatch;
 use crate::mutations::Random;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
-use surefoot_compiler::diagnostic::Code;
+use surefoot_compiler::diagnostic::{Code, Severity};
 use surefoot_compiler::evaluate::Tape;
+use surefoot_compiler::functions::Kind;
 use surefoot_compiler::graph::Function;
 use surefoot_compiler::{Compiled, Live, MemoryLoader, Options, Outcome, compile};
 
@@ -24,6 +25,8 @@ pub struct Care {
 pub enum Verdict {
     /// It is drawn, and nothing was found wrong at so many points.
     Proven(usize),
+    /// It is drawn with a mark that says what is not proven.
+    Unproven,
     /// It is refused, and the first diagnostic that says so has this code.
     Refused(Code),
     /// Something is wrong.
@@ -58,6 +61,8 @@ pub enum FaultKind {
 
 /// Operations of a scene's tape.
 const OPERATIONS: usize = 4_000_000;
+/// Boxes that a factor for one setting may cost.
+const FOLLOWED: usize = 64;
 /// Half the side of the cube about the origin in which points are strewn.
 const HALF: f64 = 4.0;
 /// Directions in which each ball is searched, and at which parts of its radius.
@@ -78,7 +83,10 @@ pub fn check(text: &str, seed: u64, care: Care) -> Verdict {
         return wrong(FaultKind::Slow, format!("{} ms", time.as_millis()));
     }
     match &outcome.compiled {
-        None => refusal(&outcome, text),
+        None => said(&outcome, text, Severity::Error).map_or_else(Verdict::Wrong, Verdict::Refused),
+        Some(scene) if scene.summary.kind == Kind::Unproven => {
+            said(&outcome, text, Severity::Warning).map_or_else(Verdict::Wrong, |_| Verdict::Unproven)
+        }
         Some(scene) => match catch_unwind(AssertUnwindSafe(|| try_bound(scene, seed, care.points))) {
             Ok(Ok(points)) => Verdict::Proven(points),
             Ok(Err(fault)) => Verdict::Wrong(fault),
@@ -91,20 +99,21 @@ fn wrong(kind: FaultKind, words: String) -> Verdict {
     Verdict::Wrong(Fault { kind, words })
 }
 
-/// A refused scene has an error, and each error names a part of the text.
-fn refusal(outcome: &Outcome, text: &str) -> Verdict {
-    let errors = || outcome.diagnostics.iter().filter(|d| d.severity == surefoot_compiler::diagnostic::Severity::Error);
-    let Some(first) = errors().next() else {
-        return wrong(FaultKind::NoDiagnostic, "refused without an error".to_owned());
-    };
-    for error in errors() {
-        let file = outcome.sources.iter().find(|(id, _)| *id == error.span.file).map(|(_, f)| f.name.to_string());
-        let place = text.get(error.span.start as usize..error.span.end as usize).unwrap_or("");
-        if file.as_deref() != Some("main.sdf") || place.trim().is_empty() || error.help.is_empty() {
-            return wrong(FaultKind::NoDiagnostic, format!("{:?} at {:?} of {file:?}: {}", error.code, error.span, error.message));
+/// A scene that is refused or marked has a diagnostic of this severity, and each names a part of the text and says what helps.
+/// Returns the code of the first.
+fn said(outcome: &Outcome, text: &str, severity: Severity) -> Result<Code, Fault> {
+    let fault = |words| Err(Fault { kind: FaultKind::NoDiagnostic, words });
+    let all = || outcome.diagnostics.iter().filter(|d| d.severity == severity);
+    let marks = || all().filter(|d| severity == Severity::Error || d.code == Code::Unproven);
+    let Some(first) = marks().next() else { return fault("nothing says why".to_owned()) };
+    for said in all() {
+        let file = outcome.sources.iter().find(|(id, _)| *id == said.span.file).map(|(_, f)| f.name.to_string());
+        let place = text.get(said.span.start as usize..said.span.end as usize).unwrap_or("");
+        if file.as_deref() != Some("main.sdf") || place.trim().is_empty() || said.help.is_empty() {
+            return fault(format!("{:?} at {:?} of {file:?}: {}", said.code, said.span, said.message));
         }
     }
-    Verdict::Refused(first.code)
+    Ok(first.code)
 }
 
 /// Looks for a sign change of the field within the bound, at the start and at other values of what is live.
@@ -115,7 +124,11 @@ fn try_bound(scene: &Compiled, seed: u64, points: usize) -> Result<usize, Fault>
     let rounds = if live_at_all > 0 { 4 } else { 1 };
     let mut tried = 0;
     for round in 0..rounds {
-        let live = setting(scene, round, &mut random);
+        let mut live = setting(scene, round, &mut random);
+        // Half of the settings with the factors that follow the sliders.
+        if round % 2 == 1 {
+            scene.follow(&mut live, FOLLOWED);
+        }
         tried += try_setting(scene, &live, points / rounds, &mut random)?;
     }
     Ok(tried)
