@@ -17,6 +17,7 @@ use std::time::{Duration, Instant};
 use surefoot_compiler::diagnostic::{self, Severity};
 use surefoot_compiler::source::Sources;
 use surefoot_compiler::{Compiled, MemoryLoader, Options, compile, syntax};
+use surefoot_tests::clock::Stopwatch;
 use surefoot_tests::mutations::{self, Corpus};
 
 /// Inputs of an ordinary run.
@@ -66,13 +67,6 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// The processor's time that this thread has had; the clock's where the system does not say.
-fn time_had(since: Instant) -> Duration {
-    let said = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = said.and_then(|s| s.split(' ').next()?.parse().ok());
-    nanoseconds.map_or_else(|| since.elapsed(), Duration::from_nanos)
-}
-
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(name)
 }
@@ -97,13 +91,12 @@ fn corpus() -> Corpus {
 
 /// Everything that an input is asked; says what is wrong.
 fn check(bytes: &[u8]) -> Result<(), String> {
-    let begin = Instant::now();
-    let had = time_had(begin);
+    let watch = Stopwatch::start();
     let held = HELD.get();
     MOST.set(held);
     let done = catch_unwind(AssertUnwindSafe(|| ask(bytes)));
     let most = (MOST.get() - held) as usize;
-    let time = time_had(begin) - had;
+    let time = watch.time();
     let compiled = match done {
         Err(_) => return Err(format!("a panic: {}", PANIC.take())),
         Ok(wrong) => wrong?,

@@ -118,7 +118,7 @@ fn said(outcome: &Outcome, text: &str, severity: Severity) -> Result<Code, Fault
 
 /// Looks for a sign change of the field within the bound, at the start and at other values of what is live.
 /// Returns the number of points tried.
-fn try_bound(scene: &Compiled, seed: u64, points: usize) -> Result<usize, Fault> {
+pub fn try_bound(scene: &Compiled, seed: u64, points: usize) -> Result<usize, Fault> {
     let mut random = Random::new(seed);
     let live_at_all = scene.graph.parameters.len() + usize::from(scene.module.uniforms.iter().any(|u| u.name == "time"));
     let rounds = if live_at_all > 0 { 4 } else { 1 };

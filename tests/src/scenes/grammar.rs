@@ -58,8 +58,6 @@ pub enum Sort {
     Pair,
     /// A colour.
     Color,
-    /// A material.
-    Material,
 }
 
 /// Of which kind a literal is.
@@ -134,7 +132,6 @@ const SORTS: &[(&str, Sort)] = &[
     ("sizes", Sort::Sizes),
     ("pair", Sort::Pair),
     ("color", Sort::Color),
-    ("material", Sort::Material),
 ];
 
 const LITERALS: &[(&str, Literal)] = &[
@@ -206,7 +203,6 @@ fn lists(sort: Sort) -> &'static [&'static [&'static str]] {
         Sort::Sizes => &[SIZES],
         Sort::Pair => &[PAIR],
         Sort::Color => &[COLOR],
-        Sort::Material => &[MATERIAL],
     }
 }
 
@@ -739,4 +735,3 @@ const PAIR: &[&str] = &["(<signed>, <signed>)", "(<signed>, <signed>)", "(<numbe
 
 const COLOR: &[&str] = &["#d08770", "(0.2, 0.4, <little>)", "hsv(<little>, 0.5, 0.8)", "palette(<number>, 0.5, 0.5, 1, (0, 0.33, 0.67))", "#fa0"];
 
-const MATERIAL: &[&str] = &["paint_a"];
