@@ -16,7 +16,7 @@ use surefoot_tests::scenes::shrink::shrink;
 use surefoot_tests::scenes::{Term, scene};
 
 /// Scenes of an ordinary run, and points in each.
-const SCENES: u64 = 300;
+const SCENES: u64 = 1000;
 const POINTS: usize = 1000;
 /// Points in each scene of a long run.
 const MANY_POINTS: usize = 10_000;
@@ -137,7 +137,7 @@ fn what_is_too_steep_is_found() {
 fn a_scene_shrinks_to_what_matters() {
     let matters = |term: &Term| {
         let text = term.text();
-        text.contains("torus(") && text.contains(".twist(")
+        text.lines().any(|line| line.starts_with("scene") && line.contains("(torus(") && line.contains(".twist("))
     };
     let large = (0..).map(scene).find(|s| matters(s) && s.text().len() > 600).unwrap();
     let small = shrink(&large, 2000, matters);

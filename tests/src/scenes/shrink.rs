@@ -3,21 +3,20 @@
 use super::grammar::{Literal, Piece, Sort, forms};
 use super::{Part, Term};
 
-/// The smallest scene found that `fails` says still fails, changing one place at a time; it is asked at most `budget` times.
+/// The shortest scene found that `fails` says still fails, changing one place at a time; it is asked at most `budget` times.
 pub fn shrink(scene: &Term, budget: usize, mut fails: impl FnMut(&Term) -> bool) -> Term {
     let mut best = scene.clone();
     let mut left = budget;
     loop {
         let before = best.clone();
         let mut index = 0;
-        while index < places(&best) {
+        while index < best.size() {
             let mut path = Vec::new();
             let place = find(&best, index, &mut path);
             let shorter = candidates(place);
             let smaller = shorter.into_iter().find_map(|part| {
                 let changed = with(&best, &path, part);
-                // What is not used is not printed, so a change there changes nothing.
-                if left == 0 || changed.text() == best.text() {
+                if left == 0 || changed.text().len() >= best.text().len() {
                     return None;
                 }
                 left -= 1;
@@ -38,10 +37,6 @@ pub fn shrink(scene: &Term, budget: usize, mut fails: impl FnMut(&Term) -> bool)
 enum Place<'t> {
     Term(&'t Term),
     Number(Literal, f64),
-}
-
-fn places(term: &Term) -> usize {
-    term.size()
 }
 
 /// The place with this index, counted from the root down; `path` becomes the way to it.
@@ -82,16 +77,14 @@ fn with(term: &Term, path: &[usize], part: Part) -> Term {
     changed
 }
 
-/// What may stand in a place instead, the smallest first.
+/// What may stand in a place instead, the simplest first.
 fn candidates(place: Place<'_>) -> Vec<Part> {
     match place {
         Place::Term(term) if term.sort == Sort::File => Vec::new(),
         Place::Term(term) => {
             let mut all: Vec<Term> = simplest(term.sort);
             inside(term, term.sort, &mut all);
-            all.retain(|other| other != term && other.size() <= term.size());
-            // Of one size only what stands earlier in the grammar counts as simpler, or it would go round in circles.
-            all.retain(|other| other.size() < term.size() || other.form < term.form);
+            all.retain(|other| other != term);
             all.into_iter().map(Part::Term).collect()
         }
         Place::Number(kind, n) => {
@@ -103,17 +96,12 @@ fn candidates(place: Place<'_>) -> Vec<Part> {
             if kind == Literal::Whole {
                 all.retain(|m| *m >= 1.0);
             }
-            // Rounder, or the same roundness earlier in the list.
-            let digits = |x: f64| x.to_string().len();
-            let rank = |x: f64| (digits(x), all.iter().position(|m| *m == x).unwrap_or(usize::MAX));
-            let own = rank(n);
-            let better: Vec<f64> = all.iter().copied().filter(|m| *m != n && rank(*m) < own).collect();
-            better.into_iter().map(Part::Number).collect()
+            all.into_iter().map(Part::Number).collect()
         }
     }
 }
 
-/// The forms of a sort that hold nothing but numbers, each with those at one.
+/// The first forms of a sort that hold nothing but numbers, each with those at one.
 fn simplest(sort: Sort) -> Vec<Term> {
     let fill = |(index, pieces): (usize, &Vec<Piece>)| {
         let mut parts = Vec::new();
@@ -128,10 +116,7 @@ fn simplest(sort: Sort) -> Vec<Term> {
         Some(Term { sort, form: index, parts })
     };
     let ends = forms(sort).iter().enumerate().filter(|(_, form)| form.ends);
-    let mut all: Vec<Term> = ends.map(|(i, form)| (i, &form.pieces)).filter_map(fill).collect();
-    all.sort_by_key(Term::size);
-    all.truncate(6);
-    all
+    ends.map(|(i, form)| (i, &form.pieces)).filter_map(fill).take(6).collect()
 }
 
 /// A short term of a sort that holds none of the sort `not`.
