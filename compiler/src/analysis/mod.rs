@@ -4,6 +4,7 @@
 
 pub mod branches;
 pub mod dual;
+pub mod matrix;
 pub mod region;
 pub mod search;
 pub mod steep;

@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod falsify;
+mod forms;
 pub mod grammar;
 pub mod shrink;
 
