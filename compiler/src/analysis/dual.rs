@@ -3,8 +3,8 @@
 //! The norm is kept beside the components, because `length` has a gradient of norm one though each of its components
 //! can reach one, and because a turn by any angle, varying or not, is an isometry.
 
-use super::matrix::matrix_norm;
 use super::branches::{self, Branches, Side};
+use super::matrix::matrix_norm;
 use super::tape::{Step, Tape};
 use super::{leaf_range, Box3, Domain, Facts, Pinned};
 use crate::graph::algebra::{Algebra, Intervals};
