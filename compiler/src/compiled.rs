@@ -495,17 +495,26 @@ impl Compiled {
         live.followed = Some(Followed { components: live.components.clone(), factors });
     }
 
-    /// The factors for the whole ranges of the parameters, looked for with at most so many boxes each: numbers for [`Live::tightened`].
-    pub fn tighten(&self, boxes: usize) -> Vec<f64> {
-        let searches = self.graph.factors.iter().zip(&self.functions.searches);
-        searches
-            .map(|(factor, search)| match search {
-                Some(search) if factor.proof == Proof::Derived => {
-                    search.run(&self.graph, Rc::new([]), boxes).min(factor.lipschitz)
-                }
-                _ => factor.lipschitz,
-            })
-            .collect()
+    /// Whether a longer search can make a factor smaller.
+    pub fn can_tighten(&self, factor: usize) -> bool {
+        let derived = self.graph.factors.get(factor).is_some_and(|f| f.proof == Proof::Derived);
+        derived && self.functions.searches.get(factor).is_some_and(Option::is_some)
+    }
+
+    /// A factor for the whole ranges of the parameters, looked for with at most so many boxes: a number for [`Live::tightened`]. It is never
+    /// above the one that the compiler found at once.
+    pub fn tighten(&self, factor: usize, boxes: usize) -> f64 {
+        let first = self.graph.factors.get(factor).map_or(1.0, |f| f.lipschitz);
+        match self.functions.searches.get(factor) {
+            Some(Some(search)) if self.can_tighten(factor) => search.run(&self.graph, Rc::new([]), boxes).min(first),
+            _ => first,
+        }
+    }
+
+    /// The steepest of so many samples of what a factor was found from: no constant is smaller.
+    pub fn sampled_factor(&self, factor: usize, samples: usize) -> f64 {
+        let search = self.functions.searches.get(factor).and_then(Option::as_ref);
+        search.map_or(1.0, |s| s.sample(&self.graph, samples))
     }
 
     /// The scene around the field at one moment.

@@ -92,6 +92,8 @@ struct Treatment {
     /// The formula is trusted only here; beyond it the distance to this box is the bound.
     region: Option<(Box3, f64)>,
     proof: Proof,
+    /// Whether the constant is that of all space.
+    everywhere: bool,
 }
 
 /// A constant, how it is known, and of what over which domain.
@@ -571,8 +573,8 @@ impl Builder<'_> {
         } else {
             let at = match treatment.region {
                 Some((region, reach)) => domain.at(region.grow(reach)),
-                None if treatment.proof == Proof::Derived => domain.clone(),
-                None => domain.at(Box3::ALL),
+                None if treatment.everywhere => domain.at(Box3::ALL),
+                None => domain.clone(),
             };
             let known = Known {
                 lipschitz: treatment.constant,
@@ -601,7 +603,7 @@ impl Builder<'_> {
         };
         let Some((region, reach)) = region else {
             let region = Some((Box3::EMPTY, 0.0));
-            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven });
+            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, everywhere: false });
         };
         let near = domain.at(region.grow(reach).intersect(&Box3::cube(self.extent)));
         let steepest = self.facts.sampled_constant(self.graph, node, &near, SAMPLES);
@@ -621,6 +623,7 @@ impl Builder<'_> {
             jumps: self.facts.constant(self.graph, node, &near, 1).jumps,
             region: Some((region, reach)),
             proof: Proof::Measured,
+            everywhere: false,
         })
     }
 
@@ -661,26 +664,31 @@ impl Builder<'_> {
         }
         if all.lipschitz == 0.0 {
             // The same everywhere: any step is right, and so is this.
-            return Some(Treatment { constant: 1.0, jumps: all.jumps, region: None, proof: Proof::Proven });
+            return Some(Treatment { constant: 1.0, jumps: all.jumps, region: None, proof: Proof::Proven, everywhere: true });
         }
         let claimed = matches!(self.graph.node(node), Node::Claim(_, Claim::Lipschitz(..)));
-        let by_rule = if claimed { Proof::Claimed } else { Proof::Proven };
+        let mut by_rule = if claimed { Proof::Claimed } else { Proof::Proven };
         let plain = all.lipschitz.is_finite() && (!all.jumps || continuous);
+        if plain && all.lipschitz > UNIT && !claimed {
+            // What repeats, and what is a sum, can be searched over all space.
+            all = self.facts.constant(self.graph, node, &everywhere, BUDGET);
+            by_rule = Proof::Derived;
+        }
         let long = self.facts.weight(self.graph, node) > LONG;
         if plain && all.lipschitz <= if long { 4.0 } else { GENTLE } {
-            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule });
+            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true });
         }
         // A region of its own: tighter, or the only way.
         let Some((region, reach)) = self.region_of(node, domain) else {
             // Nothing solid in the extent.
             let region = Some((Box3::EMPTY, 0.0));
-            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven });
+            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, everywhere: false });
         };
         let bounded = region != domain.point;
         let near = domain.at(region.grow(reach));
         let constant = self.facts.constant(self.graph, node, &near, BUDGET);
         if plain && all.lipschitz <= STEEPEST && (!bounded || constant.lipschitz > 0.85 * all.lipschitz) {
-            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule });
+            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true });
         }
         if constant.lipschitz > STEEPEST || constant.lipschitz.is_nan() {
             return None;
@@ -695,12 +703,13 @@ impl Builder<'_> {
             jumps: constant.jumps && !continuous,
             region: needed.then_some((region, reach)),
             proof: Proof::Derived,
+            everywhere: false,
         })
     }
 
     /// Where a formula is solid within its domain, and how far beyond that it is trusted. None where it is nowhere solid.
     fn region_of(&mut self, node: NodeId, domain: &Domain) -> Option<(Box3, f64)> {
-        let region = self.facts.region(self.graph, node, domain, 0.0);
+        let region = self.facts.solid_region(self.graph, node, domain);
         if region.is_empty() {
             return None;
         }

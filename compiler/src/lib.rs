@@ -16,4 +16,5 @@ pub mod source;
 pub mod syntax;
 
 pub use compiled::{Compiled, Export, Frame, Live, Loader, MemoryLoader, Module, Options, Outcome};
-pub use pipeline::{compile, compile_observed, Stage};
+pub use analysis::memory::Memory;
+pub use pipeline::{compile, compile_observed, compile_remembering, Stage};

@@ -1,5 +1,7 @@
 //! The list of passes, on one screen: text → trees → graph → functions → module.
 
+use crate::analysis::Facts;
+use crate::analysis::memory::Memory;
 use crate::compiled::{Compiled, Loader, Options, Outcome};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::{emit, functions, program};
@@ -41,8 +43,19 @@ pub fn compile_observed(
     options: &Options,
     finished: &mut dyn FnMut(Stage),
 ) -> Outcome {
+    compile_remembering(loader, path, options, &mut Memory::default(), finished)
+}
+
+/// The same, with what earlier compilations found: only what an edit changed is searched again. The outcome does not depend on it.
+pub fn compile_remembering(
+    loader: &dyn Loader,
+    path: &str,
+    options: &Options,
+    memory: &mut Memory,
+    finished: &mut dyn FnMut(Stage),
+) -> Outcome {
     // A program may nest deeper than the caller's thread has room for.
-    stacker::maybe_grow(STACK / 2, STACK, || run(loader, path, options, finished))
+    stacker::maybe_grow(STACK / 2, STACK, || run(loader, path, options, memory, finished))
 }
 
 /// Room for the deepest nesting that is read, in a build without optimisation.
@@ -52,6 +65,7 @@ fn run(
     loader: &dyn Loader,
     path: &str,
     options: &Options,
+    memory: &mut Memory,
     finished: &mut dyn FnMut(Stage),
 ) -> Outcome {
     let loaded = program::load::load(loader, path);
@@ -62,14 +76,16 @@ fn run(
         files: loaded.files,
         compiled: None,
     };
-    let elaboration = program::elaborate(&loaded.modules, options);
-    outcome.diagnostics.extend(elaboration.diagnostics);
+    let facts = Facts::with(std::mem::take(memory));
+    let mut elaboration = program::elaborate(&loaded.modules, options, facts);
+    outcome.diagnostics.append(&mut elaboration.diagnostics);
     finished(Stage::Elaborate);
     if let (Some(root), false) = (elaboration.root, outcome.has_errors()) {
-        let (mut graph, mut facts) = (elaboration.graph, elaboration.facts);
+        let mut graph = elaboration.graph;
+        let facts = &mut elaboration.facts;
         let root = functions::bind_world(&mut graph, root);
         let (functions, summary, found) =
-            functions::build(&mut graph, &mut facts, root, &elaboration.blocks, options.strict);
+            functions::build(&mut graph, facts, root, &elaboration.blocks, options.strict);
         outcome.diagnostics.extend(found);
         finished(Stage::Analyse);
         if !outcome.has_errors() {
@@ -99,6 +115,7 @@ fn run(
             finished(Stage::Emit);
         }
     }
+    *memory = elaboration.facts.memory;
     tidy(&mut outcome.diagnostics);
     outcome
 }

@@ -6,6 +6,7 @@ pub mod headless;
 pub mod live;
 pub mod passes;
 pub mod stage;
+pub mod tighten;
 pub mod view;
 
 pub use frame::Picture;

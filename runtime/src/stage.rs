@@ -2,6 +2,7 @@
 
 use crate::frame::Picture;
 use crate::live::Ready;
+use crate::tighten::Tightening;
 use crate::view::View;
 use std::sync::Arc;
 use surefoot_compiler::compiled::{Compiled, Live, Parameter};
@@ -18,6 +19,7 @@ pub struct Stage {
     pub playing: bool,
     animated: bool,
     fresh: bool,
+    tightening: Option<Tightening>,
 }
 
 impl Stage {
@@ -35,6 +37,7 @@ impl Stage {
         live.time = self.time;
         self.animated = reads_time(&ready.compiled);
         self.live = Some(live);
+        self.tightening = Tightening::start(ready.compiled.clone());
         self.scene = Some(ready.compiled);
         self.picture = ready.picture;
         self.fresh = true;
@@ -103,6 +106,9 @@ impl Stage {
         else {
             return false;
         };
+        if let Some(factors) = self.tightening.as_ref().and_then(Tightening::newest) {
+            live.tightened = factors;
+        }
         scene.follow(live, Compiled::QUICK);
         let changed = picture.update(queue, scene, live, view);
         std::mem::take(&mut self.fresh) || changed

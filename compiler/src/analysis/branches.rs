@@ -69,6 +69,7 @@ impl Branches {
             Some(Step::Op(Op::Abs, args)) => {
                 if let Some(&a) = args.first() {
                     next.limit(a, if first { Interval::new(0.0, f64::INFINITY) } else { Interval::new(f64::NEG_INFINITY, 0.0) });
+                    next.sign(tape, values, a, !first);
                 }
             }
             Some(Step::Op(Op::Select, args)) => {
@@ -101,6 +102,13 @@ impl Branches {
         }
     }
 
+    /// A step is at most zero, or at least: if it is a difference, that says which of the two is the smaller.
+    fn sign(&mut self, tape: &Tape, values: &[Dual], step: usize, negative: bool) {
+        if let Some(Step::Op(Op::Sub, args)) = tape.steps.get(step) {
+            self.order(tape, values, args, negative);
+        }
+    }
+
     /// Of a pair of steps the first is at most the second, or at least.
     fn order(&mut self, tape: &Tape, values: &[Dual], pair: &[usize], ascending: bool) {
         let &[a, b] = pair else { return };
@@ -108,6 +116,11 @@ impl Branches {
         let range = |s: usize| values.get(s).map_or(Interval::ALL, |d| d.value);
         self.limit(low, Interval::new(f64::NEG_INFINITY, range(high).hi));
         self.limit(high, Interval::new(range(low).lo, f64::INFINITY));
+        if range(high) == Interval::ZERO {
+            self.sign(tape, values, low, true);
+        } else if range(low) == Interval::ZERO {
+            self.sign(tape, values, high, false);
+        }
         // Whatever else is asked of the same two is known now.
         for (i, other) in tape.steps.iter().enumerate() {
             let Step::Op(op, args) = other else { continue };
@@ -191,12 +204,12 @@ pub fn each_piece(
     graph: &Graph,
     tape: &Tape,
     leaf: &dyn Fn(Leaf) -> Dual,
-    visit: &mut dyn FnMut(&[Dual]),
+    visit: &mut dyn FnMut(&[Dual], Option<&Branches>),
 ) -> usize {
     let mut kink = None;
     let Some(whole) = dual::run(facts, graph, tape, None, &mut kink, leaf) else { return 1 };
     let Some(kink) = kink else {
-        visit(&whole);
+        visit(&whole, None);
         return 1;
     };
     // A jump stays one, whichever side is looked at.
@@ -207,7 +220,7 @@ pub fn each_piece(
     let mut open = vec![(Branches::none(tape.steps.len()), whole.clone(), kink)];
     while let Some((branches, values, kink)) = open.pop() {
         if runs + 2 > most {
-            visit(&values);
+            visit(&values, Some(&branches));
             visited = true;
             continue;
         }
@@ -222,14 +235,14 @@ pub fn each_piece(
             match undecided {
                 Some(kink) => open.push((next, piece, kink)),
                 None => {
-                    visit(&piece);
+                    visit(&piece, Some(&next));
                     visited = true;
                 }
             }
         }
     }
     if !visited {
-        visit(&whole);
+        visit(&whole, None);
     }
     runs
 }

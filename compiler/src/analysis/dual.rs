@@ -382,7 +382,7 @@ fn is_mirrored(tape: &Tape, values: &[Dual], step: usize) -> bool {
 }
 
 /// The side of a kink that the values alone decide.
-fn side_of(op: Op, args: &[Dual]) -> Option<Side> {
+pub(super) fn side_of(op: Op, args: &[Dual]) -> Option<Side> {
     let value = |i: usize| args.get(i).map_or(Interval::ALL, |d| d.value);
     let (a, b) = (value(0), value(1));
     let (first, second) = match op {
@@ -415,16 +415,22 @@ fn on_side(op: Op, args: &[Dual], side: Side) -> Dual {
     }
 }
 
+/// Longer formulas are not looked at as functions of their distances.
+const MOST_STEPS: usize = 400;
+
 /// Value, gradient and norm of a tape's last step over all of its pieces, and how many runs that took. The gradient of mirrored axes has
 /// both signs.
 pub fn hull_of_pieces(facts: &mut Facts, graph: &Graph, tape: &Tape, leaf: &dyn Fn(Leaf) -> Dual) -> (Dual, usize) {
     let mut all: Option<Dual> = None;
-    let runs = branches::each_piece(facts, graph, tape, leaf, &mut |values| {
-        let Some(last) = values.last() else { return };
+    let runs = branches::each_piece(facts, graph, tape, leaf, &mut |values, branches| {
+        let Some(mut last) = values.last().copied() else { return };
+        if last.norm > 1.0 && values.len() <= MOST_STEPS {
+            last = last.limited(super::atoms::norm_by_atoms(tape, values, branches));
+        }
         all = Some(match all {
-            None => *last,
+            None => last,
             Some(known) => {
-                let (gradient, norm) = known.hull(*last);
+                let (gradient, norm) = known.hull(last);
                 Dual { value: known.value.hull(last.value), gradient, norm, jumps: known.jumps | last.jumps }
             }
         });

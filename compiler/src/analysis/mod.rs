@@ -2,9 +2,14 @@
 //!
 //! Everything here holds for the whole range of every parameter and for any time.
 
+pub mod atoms;
 pub mod branches;
+pub mod constant;
+pub mod domain;
 pub mod dual;
 pub mod matrix;
+pub mod memory;
+pub mod period;
 pub mod region;
 pub mod search;
 pub mod steep;
@@ -12,157 +17,28 @@ pub mod tape;
 
 use crate::graph::algebra::Intervals;
 use crate::graph::interval::Interval;
-use crate::graph::{Exactness, Graph, Leaf, NodeId, ShapeId, WORLD};
+use crate::graph::{Exactness, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
+use constant::STEPS;
+pub use constant::Constant;
+pub use domain::{Box3, Domain};
 use dual::Dual;
+use memory::{Content, Memory};
 use rustc_hash::{FxHashMap, FxHashSet};
-use std::collections::BinaryHeap;
 use std::rc::Rc;
 use tape::Tape;
 
-/// A box: the product of three intervals.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Box3(pub [Interval; 3]);
-
-impl Box3 {
-    /// All of space.
-    pub const ALL: Self = Self([Interval::ALL; 3]);
-    /// Nothing.
-    pub const EMPTY: Self = Self([Interval::EMPTY; 3]);
-
-    /// The cube about the origin with this half side.
-    pub fn cube(half: f64) -> Self {
-        Self([Interval::new(-half, half); 3])
-    }
-
-    /// One side; all numbers for an axis that does not exist.
-    pub fn axis(&self, i: usize) -> Interval {
-        self.0.get(i).copied().unwrap_or(Interval::ALL)
-    }
-
-    /// Replaces one side.
-    pub fn with_axis(mut self, i: usize, side: Interval) -> Self {
-        if let Some(slot) = self.0.get_mut(i) {
-            *slot = side;
-        }
-        self
-    }
-
-    /// Whether it holds no point.
-    pub fn is_empty(&self) -> bool {
-        self.0.iter().any(|i| i.is_empty())
-    }
-
-    /// Whether all sides are finite.
-    pub fn is_finite(&self) -> bool {
-        self.0.iter().all(|i| i.is_finite())
-    }
-
-    /// Smallest box that holds both.
-    pub fn hull(&self, other: &Self) -> Self {
-        if self.is_empty() {
-            return *other;
-        }
-        if other.is_empty() {
-            return *self;
-        }
-        let mut sides = self.0;
-        for (a, b) in sides.iter_mut().zip(&other.0) {
-            *a = a.hull(*b);
-        }
-        Self(sides)
-    }
-
-    /// What both hold.
-    pub fn intersect(&self, other: &Self) -> Self {
-        let mut sides = self.0;
-        for (a, b) in sides.iter_mut().zip(&other.0) {
-            *a = a.intersect(*b);
-        }
-        Self(sides)
-    }
-
-    /// Grown by `amount` on every side.
-    pub fn grow(&self, amount: f64) -> Self {
-        Self(self.0.map(|i| i.grow(amount)))
-    }
-
-    /// Length of the longest side.
-    pub fn size(&self) -> f64 {
-        self.0.iter().map(|i| i.width()).fold(0.0, f64::max)
-    }
-}
-
-/// Where a formula is looked at: a box of points, and an interval for each variable.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Domain {
-    /// Points of the own space.
-    pub point: Box3,
-    /// Variables in ascending order.
-    pub variables: Vec<(u32, Interval)>,
-    /// Whether what lies beyond the box is of no interest, because something around the formula has a region.
-    pub narrowed: bool,
-}
-
-impl Domain {
-    /// A box, with nothing known of variables.
-    pub fn of(point: Box3) -> Self {
-        Self { point, variables: Vec::new(), narrowed: false }
-    }
-
-    /// What is known of a variable.
-    pub fn variable(&self, v: u32) -> Interval {
-        match self.variables.binary_search_by_key(&v, |(v, _)| *v) {
-            Ok(i) => self.variables.get(i).map_or(Interval::ALL, |(_, r)| *r),
-            Err(_) => Interval::ALL,
-        }
-    }
-
-    /// The same with another box.
-    pub fn at(&self, point: Box3) -> Self {
-        Self { point, variables: self.variables.clone(), narrowed: self.narrowed }
-    }
-
-    /// Smallest domain that holds both.
-    pub fn hull(&self, other: &Self) -> Self {
-        let mut variables = self.variables.clone();
-        for (v, r) in &other.variables {
-            match variables.binary_search_by_key(v, |(v, _)| *v) {
-                Ok(i) => {
-                    if let Some(slot) = variables.get_mut(i) {
-                        slot.1 = slot.1.hull(*r);
-                    }
-                }
-                Err(i) => variables.insert(i, (*v, *r)),
-            }
-        }
-        Self { point: self.point.hull(&other.point), variables, narrowed: self.narrowed && other.narrowed }
-    }
-
-    /// Its bits, to look things up by.
-    pub fn key(&self) -> Vec<u64> {
-        let bits = |i: &Interval| [i.lo.to_bits(), i.hi.to_bits()];
-        self.point.0.iter().chain(self.variables.iter().map(|(_, r)| r)).flat_map(bits).collect()
-    }
-}
-
-/// A constant of a formula over a domain.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Constant {
-    /// No two values differ by more than this times the distance of their points, on each piece.
-    pub lipschitz: f64,
-    /// Whether the formula may jump in the domain.
-    pub jumps: bool,
-}
-
 /// What is known of the graph's nodes, kept so that nothing is computed twice.
 pub struct Facts {
+    /// What was found in this compilation and those before.
+    pub memory: Memory,
+    contents: FxHashMap<NodeId, Content>,
     tapes: FxHashMap<NodeId, Rc<Tape>>,
     weights: FxHashMap<NodeId, usize>,
     duals: FxHashMap<(ShapeId, Vec<u64>), Dual>,
     ranges: FxHashMap<(ShapeId, Vec<u64>), Interval>,
     regions: FxHashMap<(NodeId, Vec<u64>, u64), Box3>,
-    constants: FxHashMap<(NodeId, Vec<u64>), Constant>,
-    maps: FxHashMap<(Vec<NodeId>, Vec<u64>), Constant>,
+    constants: FxHashMap<(NodeId, Vec<u64>, usize), Constant>,
+    maps: FxHashMap<(Vec<NodeId>, Vec<u64>, usize), Constant>,
     /// Boxes that hold all points at which a node is at most zero, where whoever made the node knows.
     solids: FxHashMap<NodeId, Box3>,
     /// How many more shapes the contraction at hand may enter.
@@ -182,6 +58,8 @@ pub struct Facts {
 impl Default for Facts {
     fn default() -> Self {
         Self {
+            memory: Memory::default(),
+            contents: FxHashMap::default(),
             tapes: FxHashMap::default(),
             weights: FxHashMap::default(),
             duals: FxHashMap::default(),
@@ -201,6 +79,11 @@ impl Default for Facts {
 }
 
 impl Facts {
+    /// No facts, but what earlier compilations found.
+    pub fn with(memory: Memory) -> Self {
+        Self { memory, ..Self::default() }
+    }
+
     /// Remembers a box that holds every point at which a node is at most zero.
     pub fn know_solid(&mut self, node: NodeId, solid: Box3) {
         self.solids.insert(node, solid);
@@ -314,105 +197,6 @@ impl Facts {
         dual::run(self, graph, tape, None, &mut None, &|leaf| leaf_dual(graph, &pinned, leaf, domain)).unwrap_or_default()
     }
 
-    /// A Lipschitz constant of a node over a domain, looked for with at most `budget` boxes.
-    pub fn constant(
-        &mut self,
-        graph: &Graph,
-        node: NodeId,
-        domain: &Domain,
-        budget: usize,
-    ) -> Constant {
-        let key = (node, domain.key());
-        if let Some(known) = self.constants.get(&key) {
-            return *known;
-        }
-        let tape = self.tape(graph, node);
-        let weight = self.weight(graph, node);
-        let budget = budget.min((self.steps / weight.max(1)).max(8));
-        let constant = self.supremum(&tape, domain, budget, |facts, d| {
-            let (dual, runs) = facts.dual_of(graph, &tape, d);
-            Norm { norm: dual.norm, jumps: dual.jumps != 0, runs }
-        });
-        self.constants.insert(key, constant);
-        constant
-    }
-
-    /// A bound of the norm of the Jacobian of a point's three coordinates over a domain.
-    pub fn map_constant(
-        &mut self,
-        graph: &Graph,
-        point: &[NodeId],
-        domain: &Domain,
-        budget: usize,
-    ) -> Constant {
-        let key = (point.to_vec(), domain.key());
-        if let Some(known) = self.maps.get(&key) {
-            return *known;
-        }
-        let tape = Tape::new(graph, point);
-        let rows: Vec<usize> = tape.roots().collect();
-        let budget = budget.min((self.steps / tape.steps.len().max(1)).max(8));
-        let constant = self.supremum(&tape, domain, budget, |facts, d| {
-            let mut norm = Norm { norm: 0.0, jumps: false, runs: 0 };
-            let pinned = facts.pinned.clone();
-            let leaf = |leaf| leaf_dual(graph, &pinned, leaf, d);
-            let runs = branches::each_piece(facts, graph, &tape, &leaf, &mut |duals| {
-                norm.jumps |= rows.iter().any(|&r| duals.get(r).is_some_and(|d| d.jumps != 0));
-                norm.norm = norm.norm.max(dual::map_norm(&tape, duals, &rows));
-            });
-            facts.boxes += runs as u64;
-            Norm { runs, ..norm }
-        });
-        self.maps.insert(key, constant);
-        constant
-    }
-
-    /// The largest of `norm` over a domain, the worst box split again and again.
-    fn supremum(
-        &mut self,
-        tape: &Tape,
-        domain: &Domain,
-        budget: usize,
-        mut norm: impl FnMut(&mut Self, &Domain) -> Norm,
-    ) -> Constant {
-        let first = norm(self, domain);
-        // What the formula does not read needs no splitting.
-        let axes: Vec<usize> = (0..3).filter(|&i| tape.reads(i)).collect();
-        let splits = axes.iter().all(|&i| domain.point.axis(i).is_finite()) && !axes.is_empty();
-        if !splits || budget <= 1 {
-            return Constant { lipschitz: first.norm, jumps: first.jumps };
-        }
-        let mut least: f64 = 0.0;
-        let mut open = BinaryHeap::from([Part { norm: first.norm, jumps: first.jumps, region: domain.point }]);
-        let mut used = first.runs;
-        while used < budget {
-            let Some(worst) = open.pop() else { break };
-            let width = |i: &usize| worst.region.axis(*i).width();
-            let Some(&widest) = axes.iter().max_by(|a, b| width(a).total_cmp(&width(b))) else { break };
-            // Not the middle itself, where what is symmetric has its kinks.
-            let inside = Box3(worst.region.0.map(|i| Interval::point(if i.is_finite() { i.lo + 0.4837 * i.width() } else { i.middle() })));
-            let at = norm(self, &domain.at(inside));
-            if at.norm.is_finite() {
-                least = least.max(at.norm);
-            }
-            if worst.norm <= least * 1.02 || width(&widest) < 1e-9 {
-                open.push(worst);
-                break;
-            }
-            let side = worst.region.axis(widest);
-            let half = side.middle();
-            for part in [Interval::new(side.lo, half), Interval::new(half, side.hi)] {
-                let region = worst.region.with_axis(widest, part);
-                let found = norm(self, &domain.at(region));
-                used += found.runs;
-                open.push(Part { norm: found.norm, jumps: found.jumps, region });
-            }
-        }
-        let largest = open.peek().map_or(0.0, |p| p.norm);
-        let jumps = first.jumps && open.iter().any(|p| p.jumps);
-        Constant { lipschitz: largest.min(first.norm), jumps }
-    }
-
     /// A box that holds all of a repetition's body, over all of its cells.
     pub fn body_region(
         &mut self,
@@ -429,52 +213,7 @@ impl Facts {
             .map(|&v| (v, cells(v).map_or(Interval::ALL, |(lo, hi)| Interval::new(lo, hi))))
             .collect();
         let domain = Domain { point: Box3::cube(extent), variables, narrowed: false };
-        self.region(graph, value, &domain, 0.0)
-    }
-}
-
-/// How many steps of a formula one constant may cost while a scene is compiled.
-const STEPS: usize = 20_000;
-
-/// What one box tells.
-struct Norm {
-    /// A bound of the gradient's norm.
-    norm: f64,
-    /// Whether the formula may jump in it.
-    jumps: bool,
-    /// How often the formula was run.
-    runs: usize,
-}
-
-/// A box that waits to be split; the one with the largest norm comes first.
-struct Part {
-    norm: f64,
-    jumps: bool,
-    region: Box3,
-}
-
-impl PartialEq for Part {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Part {}
-
-impl PartialOrd for Part {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Part {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        let corner = |p: &Self| p.region.0.map(|i| i.lo);
-        // Ties by place, so that the order depends on nothing else.
-        self.norm.total_cmp(&other.norm).then_with(|| {
-            let pairs = corner(self).into_iter().zip(corner(other));
-            pairs.map(|(a, b)| a.total_cmp(&b)).find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
-        })
+        self.solid_region(graph, value, &domain)
     }
 }
 
@@ -526,11 +265,11 @@ impl Graph {
         while !roots.is_empty() {
             for id in self.reachable(&std::mem::take(&mut roots)) {
                 match self.node(id) {
-                    crate::graph::Node::Leaf(Leaf::Parameter(i)) => {
+                    Node::Leaf(Leaf::Parameter(i)) => {
                         read.insert(*i);
                     }
-                    crate::graph::Node::Call(s, ..) if seen.insert(*s) => roots.extend(self.shape(*s).map(|s| s.value)),
-                    crate::graph::Node::Claim(_, crate::graph::Claim::Lipschitz(formula, _)) => roots.push(*formula),
+                    Node::Call(s, ..) if seen.insert(*s) => roots.extend(self.shape(*s).map(|s| s.value)),
+                    Node::Claim(_, crate::graph::Claim::Lipschitz(formula, _)) => roots.push(*formula),
                     _ => {}
                 }
             }
@@ -560,10 +299,10 @@ impl Graph {
             }
             for id in self.reachable(&std::mem::take(&mut roots)) {
                 match self.node(id) {
-                    crate::graph::Node::Leaf(Leaf::Parameter(i)) => {
+                    Node::Leaf(Leaf::Parameter(i)) => {
                         read.insert(*i);
                     }
-                    crate::graph::Node::Call(s, _, _) if !seen.contains(s) => shapes.push(*s),
+                    Node::Call(s, _, _) if !seen.contains(s) => shapes.push(*s),
                     _ => {}
                 }
             }

@@ -1,7 +1,8 @@
 //! Where no constant is to be had: which term is to blame, and how steep the formula is at samples.
 
 use super::tape::Step;
-use super::{leaf_range, Box3, Domain, Facts};
+use super::search::spread;
+use super::{Domain, Facts};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Graph, NodeId};
@@ -80,33 +81,11 @@ impl Facts {
         let mut steepest: f64 = 0.0;
         let mut looked = 0;
         for i in 0..samples {
-            // The points of an additive recurrence that fills a box evenly (Roberts 2018).
-            let part = |k: i32| ((i as f64 + 0.5) * PLASTIC.powi(-k)).fract();
-            let at = |axis: usize, k: i32| {
-                let side = domain.point.axis(axis);
-                Interval::point(if side.is_finite() { side.lo + part(k) * side.width() } else { side.middle() })
-            };
-            let mut here = domain.at(Box3([at(0, 1), at(1, 2), at(2, 3)]));
-            for (v, range) in &mut here.variables {
-                if range.is_finite() {
-                    *range = Interval::point(range.lo + part(3 + *v as i32 % 7) * range.width());
-                }
-            }
-            let values: Vec<f64> = graph
-                .parameters
-                .iter()
-                .enumerate()
-                .map(|(k, p)| pinned.get(k).copied().unwrap_or(p.min + part(11 + k as i32 % 7) * (p.max - p.min)))
-                .collect();
-            let time = Interval::point(20.0 * part(5));
+            let (here, values) = spread(graph, domain, &pinned, i);
+            let time = Interval::point(0.37 * i as f64 % 20.0);
             let leaf = |leaf| match leaf {
                 crate::graph::Leaf::Time => super::dual::Dual::constant(time),
-                other => match other {
-                    crate::graph::Leaf::P(_) | crate::graph::Leaf::Variable(_) => {
-                        super::leaf_dual(graph, &values, other, &here)
-                    }
-                    other => super::dual::Dual::constant(leaf_range(graph, &values, other, &here)),
-                },
+                other => super::leaf_dual(graph, &values, other, &here),
             };
             let norm = super::dual::hull_of_pieces(self, graph, &tape, &leaf).0.norm;
             // A pole itself is met by chance alone; what counts is how steep it is around.
@@ -119,5 +98,3 @@ impl Facts {
     }
 }
 
-/// The real root of x⁴ = x + 1, whose powers are the steps of the recurrence in three dimensions.
-const PLASTIC: f64 = 1.220_744_084_605_759_6;

@@ -575,6 +575,21 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
             }
             _ => None,
         },
+        // log(exp(u) + exp(v)) is max(u, v) + log(1 + exp(-|u - v|)), where nothing overflows and each slope is between 0 and 1.
+        Op::Log if graph.gathers() => {
+            let (Op::Add, &[x, y]) = graph.operation(a)? else { return None };
+            let (Op::Exp, &[u]) = graph.operation(x)? else { return None };
+            let (Op::Exp, &[v]) = graph.operation(y)? else { return None };
+            let larger = graph.op(Op::Max, &[u, v]);
+            let apart = graph.op(Op::Sub, &[u, v]);
+            let apart = graph.op(Op::Abs, &[apart]);
+            let apart = graph.op(Op::Neg, &[apart]);
+            let smaller = graph.op(Op::Exp, &[apart]);
+            let one = graph.constant(1.0);
+            let sum = graph.op(Op::Add, &[one, smaller]);
+            let rest = graph.op(Op::Log, &[sum]);
+            Some(graph.op(Op::Add, &[larger, rest]))
+        }
         Op::Length2 | Op::Length3 | Op::Length4 => {
             // A component that is always zero does not count.
             if !args.iter().any(|&x| graph.as_constant(x) == Some(0.0)) {

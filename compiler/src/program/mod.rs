@@ -146,13 +146,13 @@ pub struct Elaboration {
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Elaborates the program whose texts are `modules`; the scene is that of the first text.
-pub fn elaborate(modules: &Modules, options: &Options) -> Elaboration {
+/// Elaborates the program whose texts are `modules`; the scene is that of the first text. `facts` know what was found before.
+pub fn elaborate(modules: &Modules, options: &Options, facts: Facts) -> Elaboration {
     let mut e = Elaborator {
         modules,
         options,
         graph: Graph::new(),
-        facts: Facts::default(),
+        facts,
         diagnostics: Vec::new(),
         parameters: Vec::new(),
         parameter_values: FxHashMap::default(),

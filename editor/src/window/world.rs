@@ -4,10 +4,11 @@ use super::command::Command;
 use super::log::Log;
 use super::session::Session;
 use serde_json::json;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use surefoot_compiler::compiled::{Loader, Options, Outcome};
 use surefoot_compiler::source::Sources;
+use surefoot_compiler::{Memory, compile_remembering};
 use surefoot_runtime::live::{LiveScene, Setup, SharedLoader};
 use surefoot_runtime::{Gpu, Stats, ViewMode};
 
@@ -43,7 +44,7 @@ impl World {
             path: scene.to_owned(),
             options: options.clone(),
             loader: loader.clone(),
-            compile: Arc::new(surefoot_compiler::compile),
+            compile: Arc::new(remembering()),
             target: gpu.clone().map(|gpu| (gpu, FORMAT)),
             mode: ViewMode::default(),
             wake: wake.clone(),
@@ -119,6 +120,15 @@ impl World {
 }
 
 /// An outcome that holds a file's text, or none where it can't be read as text.
+/// The compiler, with what it found before: an edit costs what it changed.
+fn remembering() -> impl Fn(&dyn Loader, &str, &Options) -> Outcome {
+    let memory = Mutex::new(Memory::default());
+    move |loader, path, options| {
+        let mut memory = memory.lock().unwrap_or_else(PoisonError::into_inner);
+        compile_remembering(loader, path, options, &mut memory, &mut |_| {})
+    }
+}
+
 fn only_read(loader: &dyn Loader, path: &str) -> Outcome {
     let mut sources = Sources::default();
     if let Some(text) = loader.read(path).ok().and_then(|bytes| String::from_utf8(bytes).ok()) {

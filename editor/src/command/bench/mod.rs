@@ -1,4 +1,7 @@
-//! `surefoot bench`: how long the compiler takes.
+//! `surefoot bench`: how long the compiler takes, and how tight its factors are.
+
+mod edits;
+mod factors;
 
 use super::{Exit, Failure, compile_file, print, show_diagnostics};
 use crate::files::FileLoader;
@@ -10,8 +13,14 @@ use surefoot_compiler::{Loader, MemoryLoader, Options, Outcome, Stage, compile_o
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Compile this scene again and again.
-    #[arg(long, value_name = "SCENE")]
-    compile: String,
+    #[arg(long, value_name = "SCENE", required_unless_present_any = ["edits", "factors"])]
+    compile: Option<String>,
+    /// Edit one number of this scene after another and compile again, with what was found before.
+    #[arg(long, value_name = "SCENE", conflicts_with = "compile")]
+    edits: Option<String>,
+    /// The factors of these scenes: how near they are to the steepest sample, at once, within an edit, and after a long search.
+    #[arg(long, value_name = "SCENES", num_args = 1.., conflicts_with_all = ["compile", "edits"])]
+    factors: Vec<String>,
     /// How often.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
     runs: u32,
@@ -25,7 +34,11 @@ type Rows = Vec<(&'static str, Vec<Duration>)>;
 
 /// Measures and prints. Files are read once and then kept, so that the disk is not what is measured.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
-    let first = compile_file(&args.compile, &Options::default())?;
+    if let Some(path) = &args.edits {
+        return edits::run(path, args.runs);
+    }
+    let Some(path) = &args.compile else { return factors::run(&args.factors) };
+    let first = compile_file(path, &Options::default())?;
     show_diagnostics(&first);
     if first.compiled.is_none() {
         return Ok(Exit::Errors);
@@ -33,16 +46,16 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let loader = in_memory(&first);
     // The first runs fill caches and are not counted.
     for _ in 0..args.runs.div_ceil(20) {
-        measure(&loader, &args.compile, &mut Vec::new());
+        measure(&loader, path, &mut Vec::new());
     }
     let mut rows = Rows::new();
     for _ in 0..args.runs {
-        measure(&loader, &args.compile, &mut rows);
+        measure(&loader, path, &mut rows);
     }
     for (_, times) in &mut rows {
         times.sort_unstable();
     }
-    let text = if args.json { in_json(args, &rows) } else { table(args, &rows) };
+    let text = if args.json { in_json(path, args.runs, &rows) } else { table(path, args.runs, &rows) };
     print(text.as_bytes())?;
     Ok(Exit::Fine)
 }
@@ -96,8 +109,8 @@ fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-fn table(args: &Args, rows: &Rows) -> String {
-    let mut text = format!("{}, {} runs{:>13}{:>12}\n", args.compile, args.runs, "median", "p95");
+fn table(path: &str, runs: u32, rows: &Rows) -> String {
+    let mut text = format!("{path}, {runs} runs{:>13}{:>12}\n", "median", "p95");
     for (name, times) in rows {
         let (median, p95) =
             (milliseconds(percentile(times, 50)), milliseconds(percentile(times, 95)));
@@ -106,7 +119,7 @@ fn table(args: &Args, rows: &Rows) -> String {
     text
 }
 
-fn in_json(args: &Args, rows: &Rows) -> String {
+fn in_json(path: &str, runs: u32, rows: &Rows) -> String {
     let stages = rows.iter().map(|(name, times)| {
         json!({
             "name": name,
@@ -116,7 +129,7 @@ fn in_json(args: &Args, rows: &Rows) -> String {
     });
     format!(
         "{}\n",
-        json!({ "scene": args.compile, "runs": args.runs, "stages": stages.collect::<Vec<_>>() })
+        json!({ "scene": path, "runs": runs, "stages": stages.collect::<Vec<_>>() })
     )
 }
 

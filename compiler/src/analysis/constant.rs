@@ -1,0 +1,224 @@
+//! Lipschitz constants: the largest norm of a gradient over a domain, the worst box split again and again.
+
+use super::tape::Tape;
+use super::{Box3, Domain, Facts, branches, dual, leaf_dual, period};
+use crate::graph::interval::Interval;
+use crate::graph::kernel::Op;
+use crate::graph::{Exactness, Function, Graph, Leaf, Node, NodeId};
+use std::collections::BinaryHeap;
+
+/// A constant of a formula over a domain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constant {
+    /// No two values differ by more than this times the distance of their points, on each piece.
+    pub lipschitz: f64,
+    /// Whether the formula may jump in the domain.
+    pub jumps: bool,
+}
+
+impl Facts {
+    /// A Lipschitz constant of a node over a domain, looked for with at most `budget` boxes.
+    pub fn constant(
+        &mut self,
+        graph: &Graph,
+        node: NodeId,
+        domain: &Domain,
+        budget: usize,
+    ) -> Constant {
+        let key = (node, domain.key(), budget);
+        if let Some(known) = self.constants.get(&key) {
+            return *known;
+        }
+        if budget > 1
+            && let Some(constant) = self.by_terms(graph, node, domain, budget)
+        {
+            self.constants.insert(key, constant);
+            return constant;
+        }
+        let tape = self.tape(graph, node);
+        let weight = self.weight(graph, node);
+        let budget = budget.min((self.steps / weight.max(1)).max(8));
+        let search = |facts: &mut Self| {
+            facts.supremum(&tape, domain, budget, |facts, d| {
+                let (dual, runs) = facts.dual_of(graph, &tape, d);
+                Norm { norm: dual.norm, jumps: dual.jumps != 0, runs }
+            })
+        };
+        let constant = if budget > 1 {
+            self.remembered_constant(graph, &[node], domain, budget, search)
+        } else {
+            search(self)
+        };
+        self.constants.insert(key, constant);
+        constant
+    }
+
+    /// Of what is a distance from another, a multiple or a sum, over all space: the constants of the terms, each found by itself.
+    fn by_terms(&mut self, graph: &Graph, node: NodeId, domain: &Domain, budget: usize) -> Option<Constant> {
+        if let Node::Call(shape, Function::Field, args) = graph.node(node) {
+            // The same formula at the same point.
+            let s = graph.shape(*shape)?;
+            let same = args.iter().zip((0..3).map(Leaf::P).chain(s.variables.iter().map(|&v| Leaf::Variable(v))));
+            let here = same.into_iter().all(|(&a, leaf)| *graph.node(a) == Node::Leaf(leaf));
+            let value = s.value;
+            return (here && s.exactness != Exactness::Exact).then(|| self.constant(graph, value, domain, budget));
+        }
+        let Node::Op(op, args) = graph.node(node) else { return None };
+        let (&a, b) = (args.first()?, args.get(1).copied());
+        let scaled = |c: Constant, k: f64| Constant { lipschitz: c.lipschitz * k, ..c };
+        match (op, b) {
+            (Op::Neg | Op::Abs, _) => Some(self.constant(graph, a, domain, budget)),
+            (Op::Add | Op::Sub, Some(b)) if graph.as_constant(b).is_some() => Some(self.constant(graph, a, domain, budget)),
+            (Op::Add | Op::Sub, Some(b)) if graph.as_constant(a).is_some() => Some(self.constant(graph, b, domain, budget)),
+            (Op::Mul, Some(b)) => match (graph.as_constant(a), graph.as_constant(b)) {
+                (Some(k), _) => Some(scaled(self.constant(graph, b, domain, budget), k.abs())),
+                (_, Some(k)) => Some(scaled(self.constant(graph, a, domain, budget), k.abs())),
+                _ => None,
+            },
+            (Op::Div, Some(b)) => {
+                let k = graph.as_constant(b).filter(|k| *k != 0.0)?;
+                Some(scaled(self.constant(graph, a, domain, budget), 1.0 / k.abs()))
+            }
+            (Op::Add | Op::Sub, Some(b)) if !domain.point.is_finite() => {
+                let tape = self.tape(graph, node);
+                if period::one_period(&tape, domain.point).is_finite() {
+                    return None;
+                }
+                let whole = self.dual_of(graph, &tape, domain).0;
+                let (first, second) = (self.constant(graph, a, domain, budget), self.constant(graph, b, domain, budget));
+                let lipschitz = (first.lipschitz + second.lipschitz).min(whole.norm);
+                Some(Constant { lipschitz, jumps: first.jumps || second.jumps })
+            }
+            _ => None,
+        }
+    }
+
+    /// A bound of the norm of the Jacobian of a point's three coordinates over a domain.
+    pub fn map_constant(
+        &mut self,
+        graph: &Graph,
+        point: &[NodeId],
+        domain: &Domain,
+        budget: usize,
+    ) -> Constant {
+        let key = (point.to_vec(), domain.key(), budget);
+        if let Some(known) = self.maps.get(&key) {
+            return *known;
+        }
+        let tape = Tape::new(graph, point);
+        let rows: Vec<usize> = tape.roots().collect();
+        let budget = budget.min((self.steps / tape.steps.len().max(1)).max(8));
+        let search = |facts: &mut Self| {
+            facts.supremum(&tape, domain, budget, |facts, d| {
+                let mut norm = Norm { norm: 0.0, jumps: false, runs: 0 };
+                let pinned = facts.pinned.clone();
+                let leaf = |leaf| leaf_dual(graph, &pinned, leaf, d);
+                let runs = branches::each_piece(facts, graph, &tape, &leaf, &mut |duals, _| {
+                    norm.jumps |= rows.iter().any(|&r| duals.get(r).is_some_and(|d| d.jumps != 0));
+                    norm.norm = norm.norm.max(dual::map_norm(&tape, duals, &rows));
+                });
+                facts.boxes += runs as u64;
+                Norm { runs, ..norm }
+            })
+        };
+        let constant = if budget > 1 {
+            self.remembered_constant(graph, point, domain, budget, search)
+        } else {
+            search(self)
+        };
+        self.maps.insert(key, constant);
+        constant
+    }
+
+    /// The largest of `norm` over a domain, the worst box split again and again.
+    fn supremum(
+        &mut self,
+        tape: &Tape,
+        domain: &Domain,
+        budget: usize,
+        norm: impl Fn(&mut Self, &Domain) -> Norm,
+    ) -> Constant {
+        let first = norm(self, domain);
+        // What the formula does not read needs no splitting.
+        let axes: Vec<usize> = (0..3).filter(|&i| tape.reads(i)).collect();
+        let domain = &domain.at(period::one_period(tape, domain.point));
+        let splits = axes.iter().all(|&i| domain.point.axis(i).is_finite()) && !axes.is_empty();
+        if !splits || budget <= 1 {
+            return Constant { lipschitz: first.norm, jumps: first.jumps };
+        }
+        let mut least: f64 = 0.0;
+        let mut open = BinaryHeap::from([Part { norm: first.norm, jumps: first.jumps, region: domain.point }]);
+        let mut used = first.runs;
+        while used < budget {
+            let Some(worst) = open.pop() else { break };
+            let width = |i: &usize| worst.region.axis(*i).width();
+            let Some(&widest) = axes.iter().max_by(|a, b| width(a).total_cmp(&width(b))) else { break };
+            // Not the middle itself, where what is symmetric has its kinks.
+            let inside = Box3(worst.region.0.map(|i| Interval::point(if i.is_finite() { i.lo + 0.4837 * i.width() } else { i.middle() })));
+            let at = norm(self, &domain.at(inside));
+            if at.norm.is_finite() {
+                least = least.max(at.norm);
+            }
+            if worst.norm <= least * 1.02 || width(&widest) < 1e-9 {
+                open.push(worst);
+                break;
+            }
+            let side = worst.region.axis(widest);
+            let half = side.middle();
+            for part in [Interval::new(side.lo, half), Interval::new(half, side.hi)] {
+                let region = worst.region.with_axis(widest, part);
+                let found = norm(self, &domain.at(region));
+                used += found.runs;
+                open.push(Part { norm: found.norm, jumps: found.jumps, region });
+            }
+        }
+        let largest = open.peek().map_or(0.0, |p| p.norm);
+        let jumps = first.jumps && open.iter().any(|p| p.jumps);
+        Constant { lipschitz: largest.min(first.norm), jumps }
+    }
+}
+
+/// How many steps of a formula one constant may cost while a scene is compiled.
+pub(super) const STEPS: usize = 20_000;
+
+/// What one box tells.
+struct Norm {
+    /// A bound of the gradient's norm.
+    norm: f64,
+    /// Whether the formula may jump in it.
+    jumps: bool,
+    /// How often the formula was run.
+    runs: usize,
+}
+
+/// A box that waits to be split; the one with the largest norm comes first.
+struct Part {
+    norm: f64,
+    jumps: bool,
+    region: Box3,
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Part {}
+
+impl PartialOrd for Part {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Part {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        let corner = |p: &Self| p.region.0.map(|i| i.lo);
+        // Ties by place, so that the order depends on nothing else.
+        self.norm.total_cmp(&other.norm).then_with(|| {
+            let pairs = corner(self).into_iter().zip(corner(other));
+            pairs.map(|(a, b)| a.total_cmp(&b)).find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+        })
+    }
+}

@@ -1,0 +1,134 @@
+//! Boxes, and where formulas are looked at.
+
+use crate::graph::interval::Interval;
+
+/// A box: the product of three intervals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Box3(pub [Interval; 3]);
+
+impl Box3 {
+    /// All of space.
+    pub const ALL: Self = Self([Interval::ALL; 3]);
+    /// Nothing.
+    pub const EMPTY: Self = Self([Interval::EMPTY; 3]);
+
+    /// The cube about the origin with this half side.
+    pub fn cube(half: f64) -> Self {
+        Self([Interval::new(-half, half); 3])
+    }
+
+    /// One side; all numbers for an axis that does not exist.
+    pub fn axis(&self, i: usize) -> Interval {
+        self.0.get(i).copied().unwrap_or(Interval::ALL)
+    }
+
+    /// Replaces one side.
+    pub fn with_axis(mut self, i: usize, side: Interval) -> Self {
+        if let Some(slot) = self.0.get_mut(i) {
+            *slot = side;
+        }
+        self
+    }
+
+    /// Whether it holds no point.
+    pub fn is_empty(&self) -> bool {
+        self.0.iter().any(|i| i.is_empty())
+    }
+
+    /// Whether all sides are finite.
+    pub fn is_finite(&self) -> bool {
+        self.0.iter().all(|i| i.is_finite())
+    }
+
+    /// Smallest box that holds both.
+    pub fn hull(&self, other: &Self) -> Self {
+        if self.is_empty() {
+            return *other;
+        }
+        if other.is_empty() {
+            return *self;
+        }
+        let mut sides = self.0;
+        for (a, b) in sides.iter_mut().zip(&other.0) {
+            *a = a.hull(*b);
+        }
+        Self(sides)
+    }
+
+    /// What both hold.
+    pub fn intersect(&self, other: &Self) -> Self {
+        let mut sides = self.0;
+        for (a, b) in sides.iter_mut().zip(&other.0) {
+            *a = a.intersect(*b);
+        }
+        Self(sides)
+    }
+
+    /// Grown by `amount` on every side.
+    pub fn grow(&self, amount: f64) -> Self {
+        Self(self.0.map(|i| i.grow(amount)))
+    }
+
+    /// Length of the longest side.
+    pub fn size(&self) -> f64 {
+        self.0.iter().map(|i| i.width()).fold(0.0, f64::max)
+    }
+}
+
+/// Where a formula is looked at: a box of points, and an interval for each variable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Domain {
+    /// Points of the own space.
+    pub point: Box3,
+    /// Variables in ascending order.
+    pub variables: Vec<(u32, Interval)>,
+    /// Whether what lies beyond the box is of no interest, because something around the formula has a region.
+    pub narrowed: bool,
+}
+
+impl Domain {
+    /// A box, with nothing known of variables.
+    pub fn of(point: Box3) -> Self {
+        Self { point, variables: Vec::new(), narrowed: false }
+    }
+
+    /// What is known of a variable.
+    pub fn variable(&self, v: u32) -> Interval {
+        match self.variables.binary_search_by_key(&v, |(v, _)| *v) {
+            Ok(i) => self.variables.get(i).map_or(Interval::ALL, |(_, r)| *r),
+            Err(_) => Interval::ALL,
+        }
+    }
+
+    /// The same with another box.
+    pub fn at(&self, point: Box3) -> Self {
+        Self { point, variables: self.variables.clone(), narrowed: self.narrowed }
+    }
+
+    /// Smallest domain that holds both.
+    pub fn hull(&self, other: &Self) -> Self {
+        let mut variables = self.variables.clone();
+        for (v, r) in &other.variables {
+            match variables.binary_search_by_key(v, |(v, _)| *v) {
+                Ok(i) => {
+                    if let Some(slot) = variables.get_mut(i) {
+                        slot.1 = slot.1.hull(*r);
+                    }
+                }
+                Err(i) => variables.insert(i, (*v, *r)),
+            }
+        }
+        Self { point: self.point.hull(&other.point), variables, narrowed: self.narrowed && other.narrowed }
+    }
+
+    /// The variables of which something is known.
+    pub fn ids(&self) -> Vec<u32> {
+        self.variables.iter().map(|(v, _)| *v).collect()
+    }
+
+    /// Its bits, to look things up by.
+    pub fn key(&self) -> Vec<u64> {
+        let bits = |i: &Interval| [i.lo.to_bits(), i.hi.to_bits()];
+        self.point.0.iter().chain(self.variables.iter().map(|(_, r)| r)).flat_map(bits).collect()
+    }
+}

@@ -1,0 +1,122 @@
+//! What searches found, kept from one compilation to the next by what they searched: an edit costs only the nodes that it changed.
+
+use super::{Box3, Constant, Domain, Facts};
+use crate::graph::{Claim, Exactness, Graph, Leaf, Node, NodeId, ShapeId};
+use rustc_hash::FxHashMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+/// How many results are kept. Beyond that all are forgotten, which costs time and nothing else.
+const MOST: usize = 1 << 16;
+
+/// The content of a formula: the same for the same formula, whatever stands around it. 128 bits, so that no two are taken for each other.
+pub type Content = u128;
+
+/// Results of searches, by content, place and budget.
+#[derive(Clone, Debug, Default)]
+pub struct Memory {
+    constants: FxHashMap<Content, Constant>,
+    regions: FxHashMap<Content, Box3>,
+    /// Searches made since the memory began.
+    pub searched: u64,
+    /// Searches that were not made, because the result was known.
+    pub remembered: u64,
+}
+
+impl Memory {
+    fn make_room(&mut self) {
+        if self.constants.len() + self.regions.len() > MOST {
+            self.constants.clear();
+            self.regions.clear();
+        }
+    }
+}
+
+/// Two hashes of one value, each with a beginning of its own (SipHash, Aumasson and Bernstein 2012).
+fn digest(value: &impl Hash) -> Content {
+    let half = |salt: u64| {
+        let mut hasher = DefaultHasher::new();
+        salt.hash(&mut hasher);
+        value.hash(&mut hasher);
+        u128::from(hasher.finish())
+    };
+    half(1) << 64 | half(2)
+}
+
+impl Facts {
+    /// A constant that was found before, or else by `search`.
+    pub(super) fn remembered_constant(
+        &mut self,
+        graph: &Graph,
+        nodes: &[NodeId],
+        domain: &Domain,
+        budget: usize,
+        search: impl FnOnce(&mut Self) -> Constant,
+    ) -> Constant {
+        if !self.pinned.is_empty() {
+            return search(self);
+        }
+        let contents: Vec<Content> = nodes.iter().map(|&n| self.content(graph, n)).collect();
+        let key = digest(&(contents, domain.key(), domain.ids(), budget, self.steps));
+        if let Some(known) = self.memory.constants.get(&key) {
+            self.memory.remembered += 1;
+            return *known;
+        }
+        let found = search(self);
+        self.memory.searched += 1;
+        self.memory.make_room();
+        self.memory.constants.insert(key, found);
+        found
+    }
+
+    /// A box within the domain that holds every point at which the node is at most zero; found before, or now.
+    pub fn solid_region(&mut self, graph: &Graph, node: NodeId, domain: &Domain) -> Box3 {
+        let key = digest(&(self.content(graph, node), domain.key(), domain.ids(), domain.narrowed));
+        if let Some(known) = self.memory.regions.get(&key) {
+            self.memory.remembered += 1;
+            return *known;
+        }
+        let found = self.region(graph, node, domain, 0.0);
+        self.memory.searched += 1;
+        self.memory.make_room();
+        self.memory.regions.insert(key, found);
+        found
+    }
+
+    /// The content of a node.
+    fn content(&mut self, graph: &Graph, node: NodeId) -> Content {
+        if let Some(known) = self.contents.get(&node) {
+            return *known;
+        }
+        for id in graph.reachable(&[node]) {
+            if self.contents.contains_key(&id) {
+                continue;
+            }
+            let args: Vec<Content> =
+                graph.arguments(id).iter().map(|a| self.contents.get(a).copied().unwrap_or(0)).collect();
+            let own = match graph.node(id) {
+                Node::Constant(bits) => digest(&(0, bits)),
+                Node::Leaf(Leaf::Parameter(i)) => {
+                    let range = graph.parameters.get(*i as usize).map(|p| (p.min.to_bits(), p.max.to_bits()));
+                    digest(&(1, i, range))
+                }
+                Node::Leaf(leaf) => digest(&(2, leaf)),
+                Node::Op(op, _) => digest(&(3, op, args)),
+                Node::Call(shape, function, _) => digest(&(4, self.content_of_shape(graph, *shape), function, args)),
+                Node::Claim(_, Claim::Continuous) => digest(&(5, args)),
+                Node::Claim(_, Claim::Lipschitz(formula, groups)) => {
+                    digest(&(6, self.content(graph, *formula), groups, args))
+                }
+                Node::Factor(i) => digest(&(7, graph.factors.get(*i as usize).map(|f| f.lipschitz.to_bits()))),
+            };
+            let solid = self.known_solid(id).map(|b| b.0.map(|i| (i.lo.to_bits(), i.hi.to_bits())));
+            self.contents.insert(id, digest(&(own, solid)));
+        }
+        self.contents.get(&node).copied().unwrap_or(0)
+    }
+
+    fn content_of_shape(&mut self, graph: &Graph, shape: ShapeId) -> Content {
+        let Some(s) = graph.shape(shape) else { return 0 };
+        let (value, variables, exact) = (s.value, s.variables.clone(), s.exactness == Exactness::Exact);
+        digest(&(self.content(graph, value), variables, exact))
+    }
+}

@@ -1,0 +1,131 @@
+//! Axes along which a formula's gradient repeats: one period stands for all of space.
+
+use super::tape::{Step, Tape};
+use super::Box3;
+use crate::graph::interval::Interval;
+use crate::graph::kernel::Op;
+use crate::graph::{Claim, Leaf};
+
+/// How a step depends on one coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Course {
+    /// Not at all.
+    Still,
+    /// So many times the coordinate, and what does not depend on it.
+    Linear(f64),
+    /// Repeating.
+    Periodic,
+    /// Repeating, and a multiple of the coordinate.
+    Rising,
+    /// In another way.
+    Other,
+}
+
+/// The box with one period in the place of every axis without end along which the gradient of the tape's roots repeats.
+pub fn one_period(tape: &Tape, region: Box3) -> Box3 {
+    let mut reduced = region;
+    for axis in 0..3 {
+        if region.axis(axis) == Interval::ALL
+            && tape.reads(axis)
+            && let Some(period) = period(tape, axis)
+        {
+            reduced = reduced.with_axis(axis, Interval::new(0.0, period * (1.0 + 1e-9)));
+        }
+    }
+    reduced
+}
+
+/// The period of the gradient of all of a tape's roots along an axis.
+fn period(tape: &Tape, axis: usize) -> Option<f64> {
+    let mut courses: Vec<Course> = Vec::with_capacity(tape.steps.len());
+    let mut frequencies: Vec<f64> = Vec::new();
+    let constant = |i: usize| match tape.steps.get(i) {
+        Some(Step::Constant(c)) => Some(*c),
+        _ => None,
+    };
+    for step in &tape.steps {
+        let course = |i: usize| courses.get(i).copied().unwrap_or(Course::Other);
+        let repeats = |args: &[usize]| {
+            let kinds: Vec<Course> = args.iter().map(|&a| course(a)).collect();
+            if kinds.iter().all(|c| *c == Course::Still) {
+                Course::Still
+            } else if kinds.iter().all(|c| matches!(c, Course::Still | Course::Periodic)) {
+                Course::Periodic
+            } else {
+                Course::Other
+            }
+        };
+        let next = match step {
+            Step::Constant(_) => Course::Still,
+            Step::Leaf(Leaf::P(i)) if usize::from(*i) == axis => Course::Linear(1.0),
+            // The scene's point moves with this one in a way that is not known here.
+            Step::Leaf(Leaf::Variable(v)) if *v < crate::graph::WORLD + 3 => Course::Other,
+            Step::Leaf(_) => Course::Still,
+            Step::Op(op @ (Op::Add | Op::Sub), args) => {
+                let sign = if *op == Op::Add { 1.0 } else { -1.0 };
+                match (args.first().map(|&a| course(a)), args.get(1).map(|&a| course(a))) {
+                    (Some(Course::Linear(a)), Some(Course::Still)) => Course::Linear(a),
+                    (Some(Course::Still), Some(Course::Linear(b))) => Course::Linear(sign * b),
+                    (Some(Course::Linear(a)), Some(Course::Linear(b))) if a + sign * b != 0.0 => Course::Linear(a + sign * b),
+                    (Some(Course::Linear(_) | Course::Rising | Course::Periodic), Some(Course::Periodic | Course::Rising))
+                    | (Some(Course::Periodic | Course::Rising), Some(Course::Linear(_)))
+                    | (Some(Course::Rising), Some(Course::Still))
+                    | (Some(Course::Still), Some(Course::Rising))
+                        if repeats(args) == Course::Other =>
+                    {
+                        Course::Rising
+                    }
+                    _ => repeats(args),
+                }
+            }
+            Step::Op(Op::Neg, args) => match args.first().map(|&a| course(a)) {
+                Some(Course::Linear(a)) => Course::Linear(-a),
+                Some(known) => known,
+                None => Course::Other,
+            },
+            Step::Op(op @ (Op::Mul | Op::Div), args) => match args.as_slice() {
+                [a, b] => match (course(*a), constant(*b), course(*b), constant(*a)) {
+                    (Course::Linear(l), Some(k), ..) => Course::Linear(if *op == Op::Mul { l * k } else { l / k }),
+                    (.., Course::Linear(l), Some(k)) if *op == Op::Mul => Course::Linear(l * k),
+                    (Course::Rising, Some(_), ..) => Course::Rising,
+                    (.., Course::Rising, Some(_)) if *op == Op::Mul => Course::Rising,
+                    _ => repeats(args),
+                },
+                _ => Course::Other,
+            },
+            Step::Op(Op::Sin | Op::Cos, args) => match args.first().map(|&a| course(a)) {
+                Some(Course::Linear(k)) => {
+                    frequencies.push(k.abs());
+                    Course::Periodic
+                }
+                _ => repeats(args),
+            },
+            Step::Op(Op::TurnU | Op::TurnV, args) => match args.as_slice() {
+                [u, v, t] => match (repeats(&[*u, *v]), course(*t)) {
+                    (Course::Still | Course::Periodic, Course::Linear(k)) => {
+                        frequencies.push(k.abs());
+                        Course::Periodic
+                    }
+                    _ => repeats(args),
+                },
+                _ => Course::Other,
+            },
+            Step::Op(_, args) => repeats(args),
+            Step::Claim(Claim::Continuous, args) => args.first().map_or(Course::Other, |&a| course(a)),
+            Step::Claim(_, args) | Step::Call(_, args) => repeats(args),
+        };
+        courses.push(next);
+    }
+    if tape.roots().any(|r| courses.get(r) == Some(&Course::Other)) {
+        return None;
+    }
+    let least = frequencies.iter().copied().fold(f64::INFINITY, f64::min);
+    if !least.is_finite() || least <= 0.0 {
+        return None;
+    }
+    // A common period, where the others are whole multiples of half, a third, … of the slowest.
+    (1..=4).map(|n| least / f64::from(n)).find_map(|base| {
+        let whole = |f: &f64| (f / base - (f / base).round()).abs() < 1e-12;
+        frequencies.iter().all(whole).then(|| std::f64::consts::TAU / base)
+    })
+}
