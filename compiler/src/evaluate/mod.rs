@@ -88,6 +88,26 @@ impl Tape {
         self.outputs.len()
     }
 
+    /// Its numbers, in registers 6 and on; 0 to 5 are the point and the normal.
+    pub(crate) fn constants(&self) -> &[f64] {
+        &self.constants
+    }
+
+    /// Number of its registers.
+    pub(crate) fn registers(&self) -> usize {
+        self.registers as usize
+    }
+
+    /// Each instruction: the operation, the register of its result, those of its arguments.
+    pub(crate) fn instructions(&self) -> impl Iterator<Item = (Op, u32, [u32; 4])> {
+        self.code.iter().map(|i| (i.op, i.to, i.from))
+    }
+
+    /// The register of a formula's value.
+    pub(crate) fn output(&self, index: usize) -> Option<u32> {
+        self.outputs.get(index).copied()
+    }
+
     /// Registers for this tape.
     pub fn evaluator(&self) -> Evaluator<'_> {
         Evaluator::new(self)

@@ -263,8 +263,8 @@ impl Interval {
         if !self.is_finite() || self.width() >= tau || self.magnitude() > 1e9 {
             return Self { lo: -1.0, hi: 1.0 };
         }
-        // Reaches 1 at whole turns and -1 at half turns, looked for with a margin.
-        let margin = 1e-9;
+        // Reaches 1 at whole turns and -1 at half turns, looked for with a margin that holds what the division by a turn may lose.
+        let margin = 1e-9 + 1e-15 * self.magnitude();
         let holds = |phase: f64| {
             let first = ((self.lo - phase) / tau - margin).ceil();
             first <= (self.hi - phase) / tau + margin

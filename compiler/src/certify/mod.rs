@@ -1,0 +1,170 @@
+//! Ground truth: what is certain of a scene's field, in 64 bits with intervals that round outward.
+//!
+//! It judges the bounds that the compiler derives, so it knows none of them: it reads the formula of the field and nothing else, no
+//! claim, no factor, no kind of shape. Constants and live values are rounded to 32 bits first, so that the GPU's field is meant, each side
+//! in its own precision.
+//!
+//! [`Truth`] is the field of a scene at fixed live values. A [`Prover`] (one for each thread) answers questions of it:
+//!
+//! - [`Prover::over`]: all values and gradients over a box;
+//! - [`Prover::empty_ball`]: whether a ball holds no surface; [`Prover::distance`]: how far the surface is;
+//! - [`Prover::first_hit`]: where a ray meets the surface first;
+//! - [`Prover::steepest`]: how steep the field is at most in a box.
+//!
+//! All work by subdividing boxes. A box in which some branches of the code can't matter gets a shorter code (as in Keeter, "Massively
+//! Parallel Rendering of Complex Closed-Form Implicit Surfaces", 2020); what is left is bounded by natural intervals and the mean-value
+//! form (Moore, Kearfott and Cloud, "Introduction to Interval Analysis", 2009, § 6). Every question has a budget of boxes, and
+//! says so when it is used up; nothing depends on a clock, so the same question has the same answer.
+//!
+//! [`falsify`] is the quick way for millions of points.
+
+mod ball;
+mod code;
+mod falsify;
+mod forward;
+mod pieces;
+mod ray;
+mod steepest;
+
+pub use ball::{Ball, Distance};
+pub use falsify::{Claim, Violation, falsify};
+pub use ray::Hit;
+pub use steepest::Steepest;
+
+use crate::compiled::{Compiled, Live};
+use crate::evaluate::{Tape, TooLarge};
+use crate::functions::Functions;
+use crate::graph::interval::Interval;
+use crate::graph::{Function, Graph, NodeId};
+use code::{Code, Room};
+use forward::{Domain, Slot};
+use pieces::{Branches, Piece};
+use std::sync::Arc;
+
+/// A box: an interval for each axis.
+pub type Box3 = [Interval; 3];
+
+/// The field of a scene at fixed live values.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    point: Arc<Code>,
+    ray: Code,
+}
+
+/// What is known of the field over a box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Over {
+    /// Holds every value.
+    pub value: Interval,
+    /// Holds the gradient of every piece, component by component.
+    pub gradient: [Interval; 3],
+    /// At least the norm of every gradient.
+    pub norm: f64,
+    /// Whether the field may jump in the box; between its jumps the gradient is that of the pieces.
+    pub jump: bool,
+}
+
+/// Answers questions of one field. One for each thread: it holds the room in which it computes.
+#[derive(Clone, Debug)]
+pub struct Prover<'t> {
+    truth: &'t Truth,
+    boxes: u64,
+    room: Room,
+    values: Vec<f64>,
+    ranges: Vec<Interval>,
+    slots: Vec<Slot<3>>,
+    ray_slots: Vec<Slot<1>>,
+    branches: Branches<3>,
+    ray_branches: Branches<1>,
+}
+
+/// A code that is shorter than this is not made shorter over natural intervals before its full evaluation.
+const SHORT: usize = 24;
+/// Branches that are looked at in one box.
+const BRANCHES: usize = 64;
+
+impl Truth {
+    /// The field of a scene. At most `limit` operations once every call is replaced by its formula.
+    pub fn new(scene: &Compiled, live: &Live, limit: usize) -> Result<Self, TooLarge> {
+        let shape = scene.graph.shape(scene.root).map(|s| s.value).unwrap_or_default();
+        let root = scene.functions.formulas.get(&(scene.root, Function::Field)).copied().unwrap_or(shape);
+        Self::of(&scene.graph, &scene.functions, root, live, limit)
+    }
+
+    /// Any formula in the scene's space: `root` is a node of `graph`, whose calls of fields `functions` has.
+    pub fn of(graph: &Graph, functions: &Functions, root: NodeId, live: &Live, limit: usize) -> Result<Self, TooLarge> {
+        let tape = Tape::new(graph, functions, &[root], live, limit)?;
+        Ok(Self { point: Arc::new(Code::new(&tape)), ray: Code::along(&tape) })
+    }
+
+    /// Number of steps of the field's code.
+    pub fn steps(&self) -> usize {
+        self.point.steps.len()
+    }
+
+    /// Room for answers.
+    pub fn prover(&self) -> Prover<'_> {
+        Prover {
+            truth: self,
+            boxes: 0,
+            room: Room::default(),
+            values: Vec::new(),
+            ranges: Vec::new(),
+            slots: Vec::new(),
+            ray_slots: Vec::new(),
+            branches: Branches::default(),
+            ray_branches: Branches::default(),
+        }
+    }
+}
+
+impl Prover<'_> {
+    /// Boxes looked at since this prover was made.
+    pub fn boxes(&self) -> u64 {
+        self.boxes
+    }
+
+    /// The field at a point in 64 bits, not rounded outward.
+    pub fn value(&mut self, at: [f64; 3]) -> f64 {
+        self.truth.point.value(&at, &mut self.values)
+    }
+
+    /// What is known of the field over a box, kinks branch by branch.
+    pub fn over(&mut self, range: Box3) -> Over {
+        self.boxes += 1;
+        let code = self.narrowed(self.truth.point.clone(), &range).1;
+        let last = forward::full(&code, &Domain::new(range, None), &mut self.slots);
+        let mut pieces = None;
+        self.branches.each(&code, &self.slots, BRANCHES, |piece| pieces = Some(joined(pieces, piece)));
+        // Branches that all contradict each other are left by rounding only.
+        let known = pieces.unwrap_or(Piece { gradient: last.gradient, norm: last.norm, jump: last.jump });
+        Over { value: last.range, gradient: known.gradient, norm: known.norm.min(last.norm), jump: known.jump }
+    }
+
+    /// 1 or -1 where the field at a point is certainly above or below zero, else 0.
+    fn sign<const D: usize>(&mut self, code: &Code, at: [f64; D]) -> i8 {
+        let value = forward::natural(code, &at.map(Interval::point), &mut self.ranges);
+        if value.lo > 0.0 {
+            1
+        } else if value.hi < 0.0 {
+            -1
+        } else {
+            0
+        }
+    }
+
+    /// The natural interval of a code over a box, and the shorter code for it where it is worth it.
+    fn narrowed<const D: usize>(&mut self, code: Arc<Code>, range: &[Interval; D]) -> (Interval, Arc<Code>) {
+        let value = forward::natural(&code, range, &mut self.ranges);
+        let ranges = &self.ranges;
+        let shorter = code.shorter(|i| ranges.get(i).copied().unwrap_or(Interval::ALL), &mut self.room);
+        (value, shorter.map_or(code, Arc::new))
+    }
+}
+
+/// The hull of pieces.
+fn joined<const D: usize>(all: Option<Piece<D>>, piece: Piece<D>) -> Piece<D> {
+    let Some(mut all) = all else { return piece };
+    all.gradient.iter_mut().zip(piece.gradient).for_each(|(a, b)| *a = a.hull(b));
+    Piece { gradient: all.gradient, norm: all.norm.max(piece.norm), jump: all.jump | piece.jump }
+}

@@ -1,0 +1,181 @@
+//! The oracle is held to what is known in closed form: roots along rays, suprema of gradients, distances.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+
+use surefoot_compiler::certify::{Ball, Box3, Claim, Hit, Truth, falsify};
+use surefoot_compiler::evaluate::Tape;
+use surefoot_compiler::graph::Function;
+use surefoot_compiler::graph::interval::Interval;
+use surefoot_compiler::{Compiled, MemoryLoader, Options, compile};
+
+fn scene(text: &str) -> Compiled {
+    let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
+    outcome.compiled.unwrap_or_else(|| {
+        panic!("{text}: {}", surefoot_compiler::diagnostic::render(&outcome.sources, &outcome.diagnostics, false))
+    })
+}
+
+fn truth(text: &str) -> Truth {
+    let scene = scene(text);
+    Truth::new(&scene, &scene.live(), 1_000_000).unwrap()
+}
+
+/// Numbers in 0..1, the same on every run (SplitMix64, Steele 2014).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn within(&mut self, half: f64) -> [f64; 3] {
+        [0; 3].map(|_| (2.0 * self.next() - 1.0) * half)
+    }
+}
+
+fn cube(half: f64) -> Box3 {
+    [Interval { lo: -half, hi: half }; 3]
+}
+
+/// Rays for each shape; `SUREFOOT_RAYS` raises it.
+fn rays() -> usize {
+    std::env::var("SUREFOOT_RAYS").ok().and_then(|s| s.parse().ok()).unwrap_or(2000)
+}
+
+/// Where a ray enters and leaves an interval of each of some convex conditions, first and last of all.
+fn slabs(parts: &[Option<(f64, f64)>]) -> Option<f64> {
+    let mut span = (f64::NEG_INFINITY, f64::INFINITY);
+    for part in parts {
+        let (a, b) = (*part)?;
+        span = (span.0.max(a), span.1.min(b));
+    }
+    (span.0 < span.1).then_some(span.0)
+}
+
+/// Where |o + t d|² < r² over some of the axes.
+fn round(o: [f64; 3], d: [f64; 3], axes: &[usize], r: f64) -> Option<(f64, f64)> {
+    let sum = |f: &dyn Fn(usize) -> f64| axes.iter().map(|&i| f(i)).sum::<f64>();
+    let (a, b, c) = (sum(&|i| d[i] * d[i]), sum(&|i| o[i] * d[i]), sum(&|i| o[i] * o[i]) - r * r);
+    let root = b * b - a * c;
+    (root > 0.0).then(|| ((-b - root.sqrt()) / a, (-b + root.sqrt()) / a))
+}
+
+fn slab(o: f64, d: f64, half: f64) -> Option<(f64, f64)> {
+    let (a, b) = ((-half - o) / d, (half - o) / d);
+    Some((a.min(b), a.max(b)))
+}
+
+#[test]
+fn first_hits_agree_with_roots_in_closed_form() {
+    type Root = fn([f64; 3], [f64; 3]) -> Option<f64>;
+    let shapes: [(&str, Root); 4] = [
+        ("scene = sphere(1)", |o, d| slabs(&[round(o, d, &[0, 1, 2], 1.0)])),
+        ("scene = box((2, 1, 1.5))", |o, d| slabs(&[slab(o[0], d[0], 1.0), slab(o[1], d[1], 0.5), slab(o[2], d[2], 0.75)])),
+        ("scene = cylinder(0.75, 1.5)", |o, d| slabs(&[round(o, d, &[0, 2], 0.75), slab(o[1], d[1], 0.75)])),
+        ("scene = plane(y, -0.5)", |o, d| if d[1] < 0.0 { Some((-0.5 - o[1]) / d[1]) } else { None }),
+    ];
+    for (text, root) in shapes {
+        let truth = truth(text);
+        let mut prover = truth.prover();
+        let mut random = Random(7);
+        let (mut hits, mut ambiguous, mut wrong) = (0, 0, Vec::new());
+        for _ in 0..rays() {
+            let (mut from, to) = (random.within(1.0), random.within(0.9));
+            let length = from.iter().map(|x| x * x).sum::<f64>().sqrt().max(0.1);
+            from = from.map(|x| 3.0 * x / length);
+            from[1] = from[1].abs() + 0.8;
+            let toward = [0, 1, 2].map(|i| to[i] - from[i]);
+            let length = toward.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let direction = toward.map(|x| x / length);
+            let expected = root(from, direction).filter(|t| *t < 20.0);
+            match (prover.first_hit(from, direction, 0.0, 20.0, 20_000), expected) {
+                (Hit::Hit(t), Some(root)) if (t - root).abs() <= 1e-9 => hits += 1,
+                (Hit::Miss, None) => {}
+                (Hit::Ambiguous(_), _) => ambiguous += 1,
+                (found, expected) => wrong.push(format!("from {from:?} to {to:?}: {found:?}, not {expected:?}")),
+            }
+        }
+        println!("{text}: {hits} hits, {ambiguous} ambiguous, {:.1} segments a ray", prover.boxes() as f64 / rays() as f64);
+        assert!(hits > rays() / 4 && ambiguous * 1000 <= rays() && wrong.is_empty(), "{text}: {ambiguous} {wrong:?}");
+    }
+}
+
+#[test]
+fn suprema_are_those_in_closed_form() {
+    for (text, expected) in [
+        ("scene = sphere(1)", 1.0),
+        ("scene = box((2, 1.4, 1))", 1.0),
+        ("scene = smooth_union(sphere(0.6).translate(-0.4, 0, 0), sphere(0.5).translate(0.5, 0.2, 0), 0.4)", 1.0),
+    ] {
+        let truth = truth(text);
+        let found = truth.prover().steepest(cube(1.5), 1.05, 40_000);
+        println!("{text}: {found:?}");
+        assert!(found.at_least <= expected * (1.0 + 1e-9) && found.at_most >= expected * (1.0 - 1e-9), "{text}: {found:?}");
+        assert!(found.at_most <= expected * 1.051, "{text}: {found:?}");
+    }
+}
+
+#[test]
+fn distances_are_those_in_closed_form() {
+    let shapes: [(&str, fn([f64; 3]) -> f64); 2] = [
+        ("scene = sphere(1)", |p| (p.iter().map(|x| x * x).sum::<f64>().sqrt() - 1.0).abs()),
+        ("scene = box((2, 1, 1.5))", |p| {
+            let q = [p[0].abs() - 1.0, p[1].abs() - 0.5, p[2].abs() - 0.75];
+            let outside = q.iter().map(|x| x.max(0.0) * x.max(0.0)).sum::<f64>().sqrt();
+            (outside + q[0].max(q[1]).max(q[2]).min(0.0)).abs()
+        }),
+    ];
+    for (text, distance) in shapes {
+        let truth = truth(text);
+        let mut prover = truth.prover();
+        let mut random = Random(3);
+        for _ in 0..40 {
+            let p = random.within(2.0);
+            let expected = distance(p);
+            let found = prover.distance(p, 6.0, 1e-2, 20_000);
+            let within = found.at_least <= expected * (1.0 + 1e-9) && found.at_most >= expected * (1.0 - 1e-9);
+            assert!(within && found.at_most <= expected * 1.02, "{text} at {p:?}: {expected} not in {found:?}");
+            assert_eq!(prover.empty_ball(p, expected * 0.99, 20_000), Ball::Empty, "{text} at {p:?}");
+            assert!(matches!(prover.empty_ball(p, expected * 1.05, 20_000), Ball::Crossed(_)), "{text} at {p:?}");
+        }
+    }
+}
+
+#[test]
+fn a_wrong_bound_is_falsified_and_a_right_one_is_not() {
+    let scene = scene("scene = sphere(1)");
+    let field = scene.functions.formulas[&(scene.root, Function::Field)];
+    let tape = Tape::new(&scene.graph, &scene.functions, &[field], &scene.live(), 1000).unwrap();
+    let claim = |radius| [Claim { point: [2.0, 0.0, 0.0], radius, field: 1.0 }];
+    let look = |radius| falsify(&mut tape.evaluator(), &claim(radius), || [-1.0, 0.0, 0.0], 1, &[0.5, 0.999], 10.0);
+    assert!(look(1.0).is_empty());
+    assert_eq!(look(1.1).len(), 1);
+}
+
+/// The intervals are the ground of it all: no value may fall outside of them.
+#[test]
+fn every_operation_lies_within_its_interval() {
+    use surefoot_compiler::graph::kernel::KERNEL;
+    let mut random = Random(11);
+    for row in KERNEL {
+        for _ in 0..4000 {
+            let scale = 10f64.powf(6.0 * random.next() - 3.0);
+            let ranges = [0; 4].map(|_| {
+                let (a, b) = ((2.0 * random.next() - 1.0) * scale, (2.0 * random.next() - 1.0) * scale);
+                Interval { lo: a.min(b), hi: a.max(b) }
+            });
+            let all = (row.interval)(ranges);
+            for _ in 0..8 {
+                let at = ranges.map(|r| (r.lo + random.next() * (r.hi - r.lo)).clamp(r.lo, r.hi));
+                let value = (row.value)(at);
+                // The value itself is rounded.
+                let slack = 1e-15 * at.iter().fold(value.abs(), |s, x| s.max(x.abs()));
+                assert!(all.lo - slack <= value && value <= all.hi + slack, "{} of {at:?} is {value}, not in {all:?}", row.name);
+            }
+        }
+    }
+}
