@@ -106,16 +106,19 @@ fn first_hits_agree_with_roots_in_closed_form() {
 
 #[test]
 fn suprema_are_those_in_closed_form() {
-    for (text, expected) in [
-        ("scene = sphere(1)", 1.0),
-        ("scene = box((2, 1.4, 1))", 1.0),
-        ("scene = smooth_union(sphere(0.6).translate(-0.4, 0, 0), sphere(0.5).translate(0.5, 0.2, 0), 0.4)", 1.0),
+    // With the ratio of the upper end to the supremum.
+    for (text, expected, loose) in [
+        ("scene = sphere(1)", 1.0, 1.05),
+        ("scene = box((2, 1.4, 1))", 1.0, 1.05),
+        // The mixed gradients of a smooth blend overestimate by what they vary over a box.
+        ("scene = smooth_union(sphere(0.6).translate(-0.4, 0, 0), sphere(0.5).translate(0.5, 0.2, 0), 0.4)", 1.0, 1.25),
     ] {
         let truth = truth(text);
         let found = truth.prover().steepest(cube(1.5), 1.05, 40_000);
         println!("{text}: {found:?}");
-        assert!(found.at_least <= expected * (1.0 + 1e-9) && found.at_most >= expected * (1.0 - 1e-9), "{text}: {found:?}");
-        assert!(found.at_most <= expected * 1.051, "{text}: {found:?}");
+        let attained = found.at_least <= expected * (1.0 + 1e-9) && found.at_least >= expected * 0.999;
+        assert!(attained && found.at_most >= expected * (1.0 - 1e-9) && !found.jump, "{text}: {found:?}");
+        assert!(found.at_most <= expected * loose * (1.0 + 1e-3), "{text}: {found:?}");
     }
 }
 
@@ -159,18 +162,23 @@ fn a_wrong_bound_is_falsified_and_a_right_one_is_not() {
 /// The intervals are the ground of it all: no value may fall outside of them.
 #[test]
 fn every_operation_lies_within_its_interval() {
-    use surefoot_compiler::graph::kernel::KERNEL;
+    use surefoot_compiler::graph::kernel::{KERNEL, Op};
     let mut random = Random(11);
     for row in KERNEL {
         for _ in 0..4000 {
             let scale = 10f64.powf(6.0 * random.next() - 3.0);
-            let ranges = [0; 4].map(|_| {
+            let ranges = [0, 1, 2, 3].map(|i| {
+                // A condition is 0 or 1, and nothing else.
+                if matches!(row.op, Op::And | Op::Or | Op::Not) || row.op == Op::Select && i == 0 {
+                    return [Interval::ZERO, Interval::ONE, Interval { lo: 0.0, hi: 1.0 }][(random.next() * 3.0) as usize];
+                }
                 let (a, b) = ((2.0 * random.next() - 1.0) * scale, (2.0 * random.next() - 1.0) * scale);
                 Interval { lo: a.min(b), hi: a.max(b) }
             });
             let all = (row.interval)(ranges);
             for _ in 0..8 {
-                let at = ranges.map(|r| (r.lo + random.next() * (r.hi - r.lo)).clamp(r.lo, r.hi));
+                let mut at = ranges.map(|r| (r.lo + random.next() * (r.hi - r.lo)).clamp(r.lo, r.hi));
+                at.iter_mut().zip(ranges).filter(|(_, r)| r.lo == 0.0 && r.hi == 1.0).for_each(|(x, _)| *x = x.round());
                 let value = (row.value)(at);
                 // The value itself is rounded.
                 let slack = 1e-15 * at.iter().fold(value.abs(), |s, x| s.max(x.abs()));

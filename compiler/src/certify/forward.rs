@@ -320,14 +320,14 @@ fn largest_stretch<const D: usize>(arguments: &[Slot<D>; 4], rows: usize) -> f64
     // The largest eigenvalue of the D x D matrix of the products of columns.
     let mut middle = [[0.0; 3]; 3];
     let (mut spread, mut rounding, mut rows_sum) = (0.0, 0.0, 0.0_f64);
-    for i in 0..D.min(3) {
+    for (i, into) in middle.iter_mut().enumerate().take(D) {
         let mut row = 0.0;
-        for j in 0..D.min(3) {
+        for (j, into) in into.iter_mut().enumerate().take(D) {
             let sum = arguments.iter().take(rows).fold(Interval::ZERO, |s, x| s.add(x.gradient[i].mul(x.gradient[j])));
             if !sum.is_finite() {
                 return f64::INFINITY;
             }
-            middle[i][j] = sum.middle();
+            *into = sum.middle();
             let half = sum.width() / 2.0;
             spread += half * half;
             rounding += sum.magnitude();

@@ -141,6 +141,9 @@ impl<const D: usize> Branches<D> {
             for (i, step) in code.steps.iter().enumerate() {
                 let Step::Op(op, from) = *step else { continue };
                 let arguments = from.map(|a| level.ranges[a as usize]);
+                if let (Op::Min | Op::Max, Known::Open) = (op, level.chosen[i]) {
+                    level.chosen[i] = told(&level.ranges, &self.differences, op, from);
+                }
                 let image = match level.chosen[i] {
                     Known::Argument(k) => arguments[k],
                     Known::Negated => arguments[0].neg(),
@@ -163,6 +166,21 @@ impl<const D: usize> Branches<D> {
         }
         true
     }
+}
+
+/// Which argument a `min` or `max` takes, where the difference of the two, which a step computes, has a known sign. So the sides of an
+/// `abs` of the difference settle it too; without that the pairs that exclude each other would meet where the difference is zero.
+fn told(ranges: &[Interval], differences: &FxHashMap<(u32, u32), u32>, op: Op, [a, b, ..]: [u32; 4]) -> Known {
+    let difference = |x: u32, y: u32| differences.get(&(x, y)).map_or(Interval::ALL, |&i| ranges[i as usize]);
+    let (one, other) = (difference(a, b), difference(b, a));
+    let smaller = if one.hi <= 0.0 || other.lo >= 0.0 {
+        0
+    } else if one.lo >= 0.0 || other.hi <= 0.0 {
+        1
+    } else {
+        return Known::Open;
+    };
+    Known::Argument(if op == Op::Min { smaller } else { 1 - smaller })
 }
 
 /// Narrows a range; false where nothing is left.
