@@ -1170,7 +1170,7 @@ impl Builder<'_> {
         let [r, g, b] = m.color;
         let [er, eg, eb] = m.emission;
         let nodes = [r, g, b, er, eg, eb, m.roughness, m.metallic, m.reflectivity];
-        Some(nodes.map(|n| self.graph.open(shape, n, args)))
+        Some(self.graph.open_all(shape, nodes, args))
     }
 
     /// The material at the zero set of a formula in the scene's space.

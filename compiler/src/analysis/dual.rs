@@ -122,8 +122,12 @@ impl Algebra for Duals {
     }
 
     fn op(&mut self, op: Op, args: &[Dual]) -> Dual {
-        let values: Vec<Interval> = args.iter().map(|a| a.value).collect();
-        let value = kernel::interval(op, &values);
+        let mut values = [Interval::ZERO; 4];
+        for (slot, arg) in values.iter_mut().zip(args) {
+            *slot = arg.value;
+        }
+        let values = values.get(..args.len()).unwrap_or(&values);
+        let value = kernel::interval(op, values);
         let jumps = args.iter().fold(0, |j, a| j | a.jumps);
         let moving = args.iter().any(|a| a.norm > 0.0);
         if !moving && jumps == 0 {
@@ -178,14 +182,14 @@ impl Algebra for Duals {
                 Dual { jumps: if decided { 0 } else { jumps }, ..Dual::constant(value) }
             }
             (Op::TurnU | Op::TurnV, [u, v, t]) => {
-                let general = by_partials(op, args, &values, value, jumps);
+                let general = by_partials(op, args, values, value, jumps);
                 let reach = u.value.square().add(v.value.square()).sqrt().hi;
                 let turned = if t.norm == 0.0 { 0.0 } else { reach * t.norm };
                 let norm = u.norm.hypot(v.norm).next_up() + turned;
                 Dual::new(value, general.gradient, general.norm.min(norm), jumps)
             }
             _ => {
-                let mut dual = by_partials(op, args, &values, value, jumps);
+                let mut dual = by_partials(op, args, values, value, jumps);
                 if op == Op::Atan2 {
                     // Turns over where the second is negative and the first changes its sign.
                     let (y, x) = (
@@ -292,31 +296,44 @@ pub fn run(
         let gather = |args: &[usize]| -> Vec<Dual> {
             args.iter().filter_map(|&a| values.get(a).copied()).collect()
         };
+        // An operation has at most four arguments.
+        let few = |args: &[usize]| -> ([Dual; 4], usize) {
+            let mut of = [Dual::constant(Interval::ZERO); 4];
+            for (slot, value) in of.iter_mut().zip(args.iter().filter_map(|&a| values.get(a))) {
+                *slot = *value;
+            }
+            (of, args.len().min(4))
+        };
         let value = match step {
             Step::Constant(c) => algebra.constant(*c),
             Step::Leaf(l) => leaf(*l),
             Step::Op(op @ (Op::Length2 | Op::Length3 | Op::Length4), args) => {
-                let of = gather(args);
                 let norm = map_norm(tape, &values, args);
-                let plain = algebra.op(*op, &of);
+                let (of, n) = few(args);
+                let plain = algebra.op(*op, of.get(..n).unwrap_or(&of));
                 Dual::new(plain.value, plain.limited(norm).gradient, norm.min(plain.norm), plain.jumps)
             }
-            Step::Op(Op::Abs, args) if args.first().is_some_and(|&a| is_mirrored(tape, &values, a)) => gather(args)
-                .first()
-                .map_or(Dual::constant(Interval::ALL), |a| Dual { value: a.value.abs(), ..*a }),
+            Step::Op(Op::Abs, args) if args.first().is_some_and(|&a| is_mirrored(tape, &values, a)) => {
+                let ([a, ..], _) = few(args);
+                Dual { value: a.value.abs(), ..a }
+            }
             Step::Op(op @ (Op::Min | Op::Max | Op::Abs | Op::Select), args) => {
-                let of = gather(args);
-                match side_of(*op, &of).or(branches.and_then(|b| b.side(i))) {
-                    Some(side) => on_side(*op, &of, side),
+                let (of, n) = few(args);
+                let of = of.get(..n).unwrap_or(&of);
+                match side_of(*op, of).or(branches.and_then(|b| b.side(i))) {
+                    Some(side) => on_side(*op, of, side),
                     None => {
                         if undecided.is_none() && tape.is_kink(i) && of.iter().any(|d| d.norm > 0.0) {
                             *undecided = Some(i);
                         }
-                        algebra.op(*op, &of)
+                        algebra.op(*op, of)
                     }
                 }
             }
-            Step::Op(op, args) => algebra.op(*op, &gather(args)),
+            Step::Op(op, args) => {
+                let (of, n) = few(args);
+                algebra.op(*op, of.get(..n).unwrap_or(&of))
+            }
             Step::Claim(claim, args) => {
                 let mut of = gather(args);
                 if let Claim::Lipschitz(_, groups) = claim {

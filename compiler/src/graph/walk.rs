@@ -93,10 +93,19 @@ impl Graph {
 
     /// The formula of a shape with its point and variables replaced by the arguments of a call.
     pub fn open(&mut self, shape: ShapeId, root: NodeId, args: &[NodeId]) -> NodeId {
-        let Some(variables) = self.shape(shape).map(|s| s.variables.clone()) else { return root };
+        let [opened] = self.open_all(shape, [root], args);
+        opened
+    }
+
+    /// The same for several formulas of one shape.
+    pub fn open_all<const N: usize>(&mut self, shape: ShapeId, roots: [NodeId; N], args: &[NodeId]) -> [NodeId; N] {
+        let Some(variables) = self.shape(shape).map(|s| s.variables.clone()) else { return roots };
         // What reads nothing of the space stays as it is.
-        let order = self.needed(&[root], |id| !self.reads(id).nothing());
-        let new = self.rewrite(&order, &[root], |leaf| match leaf {
+        if roots.iter().all(|&r| self.reads(r).nothing()) {
+            return roots;
+        }
+        let order = self.needed(&roots, |id| !self.reads(id).nothing());
+        let new = self.rewrite(&order, &roots, |leaf| match leaf {
             Leaf::P(i) => args.get(i as usize).copied(),
             Leaf::Variable(v) => {
                 let at = variables.binary_search(&v).ok()?;
@@ -104,7 +113,11 @@ impl Graph {
             }
             _ => None,
         });
-        new.first().copied().unwrap_or(root)
+        let mut opened = roots;
+        for (slot, new) in opened.iter_mut().zip(new) {
+            *slot = new;
+        }
+        opened
     }
 
     /// The roots with every call of a field replaced by the formula that it stands for, everywhere.
