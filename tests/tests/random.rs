@@ -21,7 +21,7 @@ const POINTS: usize = 1000;
 /// Points in each scene of a long run.
 const MANY_POINTS: usize = 10_000;
 /// A scene that takes longer to compile counts as a hang.
-const HANG: Duration = Duration::from_secs(30);
+const HANG: Duration = Duration::from_secs(10);
 /// How often the shrinker may ask.
 const ASKED: usize = 300;
 /// Scenes among which every construct is found.

@@ -11,9 +11,12 @@ use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Graph, Leaf};
 
-/// How many times a formula may be run over one box, and how many steps that may take; beyond that the hull of what is left is taken.
+/// How many times a formula may be run over one box; beyond that the hull of what is left is taken.
 const RUNS: usize = 128;
-const STEPS: usize = 8192;
+/// How many steps that may take, those of the shapes that it calls counted in, and their kinks.
+const STEPS: u64 = 16_384;
+/// How many times the steps of one constant all of it may cost.
+const MOST_SHARES: u64 = 100;
 
 /// The side of a kink that is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -197,6 +200,21 @@ fn backward(op: Op, k: usize, a: Interval, b: Interval, target: Interval, side: 
     }
 }
 
+impl Facts {
+    /// Whether kinks are looked at side by side at all.
+    pub(super) fn looks_closely(&self) -> bool {
+        self.forks != Some(0)
+    }
+
+    /// Does something without a close look: at points there is no kink to be looked at.
+    pub(super) fn without_a_close_look<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let before = self.forks.replace(0);
+        let done = work(self);
+        self.forks = before;
+        done
+    }
+}
+
 /// Runs a tape over a box, each feasible choice at the kinks that straddle it by itself. `visit` sees the steps' values for each, and
 /// the gradients of axes in which the tape is mirrored stand for both signs. Answers how many runs that took.
 pub fn each_piece(
@@ -206,6 +224,27 @@ pub fn each_piece(
     leaf: &dyn Fn(Leaf) -> Dual,
     visit: &mut dyn FnMut(&[Dual], Option<&Branches>),
 ) -> usize {
+    // What is called shares the budget of what calls it.
+    let outermost = facts.forks.is_none();
+    let before = facts.ran;
+    let left = if facts.forked > MOST_SHARES * facts.steps as u64 { 0 } else { STEPS };
+    let end = *facts.forks.get_or_insert(before + left);
+    let runs = each_piece_until(facts, graph, tape, leaf, visit, end);
+    if outermost {
+        facts.forks = None;
+        facts.forked += if runs > 1 { facts.ran - before } else { 0 };
+    }
+    runs
+}
+
+fn each_piece_until(
+    facts: &mut Facts,
+    graph: &Graph,
+    tape: &Tape,
+    leaf: &dyn Fn(Leaf) -> Dual,
+    visit: &mut dyn FnMut(&[Dual], Option<&Branches>),
+    end: u64,
+) -> usize {
     let mut kink = None;
     let Some(whole) = dual::run(facts, graph, tape, None, &mut kink, leaf) else { return 1 };
     let Some(kink) = kink else {
@@ -214,12 +253,11 @@ pub fn each_piece(
     };
     // A jump stays one, whichever side is looked at.
     let jumps: Vec<u8> = whole.iter().map(|d| d.jumps).collect();
-    let most = RUNS.min(STEPS / tape.steps.len()).max(4);
     let mut runs = 1;
     let mut visited = false;
     let mut open = vec![(Branches::none(tape.steps.len()), whole.clone(), kink)];
     while let Some((branches, values, kink)) = open.pop() {
-        if runs + 2 > most {
+        if runs + 2 > RUNS || facts.ran > end {
             visit(&values, Some(&branches));
             visited = true;
             continue;

@@ -149,7 +149,8 @@ impl Facts {
         let mut least: f64 = 0.0;
         let mut open = BinaryHeap::from([Part { norm: first.norm, jumps: first.jumps, region: domain.point }]);
         let mut used = first.runs;
-        while used < budget {
+        let end = self.ran + STEPS_MORE * self.steps as u64;
+        while used < budget && self.ran < end {
             let Some(worst) = open.pop() else { break };
             let width = |i: &usize| worst.region.axis(*i).width();
             let Some(&widest) = axes.iter().max_by(|a, b| width(a).total_cmp(&width(b))) else { break };
@@ -180,6 +181,9 @@ impl Facts {
 
 /// How many steps of a formula one constant may cost while a scene is compiled.
 pub(super) const STEPS: usize = 20_000;
+
+/// How many times as many steps the kinks and the calls in it may cost.
+const STEPS_MORE: u64 = 8;
 
 /// What one box tells.
 struct Norm {

@@ -291,6 +291,7 @@ pub fn run(
     leaf: &dyn Fn(Leaf) -> Dual,
 ) -> Option<Vec<Dual>> {
     let algebra = &mut Duals { pinned: facts.pinned.clone() };
+    facts.ran += tape.steps.len() as u64;
     let mut values: Vec<Dual> = Vec::with_capacity(tape.steps.len());
     for (i, step) in tape.steps.iter().enumerate() {
         let gather = |args: &[usize]| -> Vec<Dual> {
@@ -439,9 +440,10 @@ const MOST_STEPS: usize = 400;
 /// both signs.
 pub fn hull_of_pieces(facts: &mut Facts, graph: &Graph, tape: &Tape, leaf: &dyn Fn(Leaf) -> Dual) -> (Dual, usize) {
     let mut all: Option<Dual> = None;
+    let closely = facts.looks_closely();
     let runs = branches::each_piece(facts, graph, tape, leaf, &mut |values, branches| {
         let Some(mut last) = values.last().copied() else { return };
-        if last.norm > 1.0 && values.len() <= MOST_STEPS {
+        if closely && last.norm > 1.0 && values.len() <= MOST_STEPS {
             last = last.limited(super::atoms::norm_by_atoms(tape, values, branches));
         }
         all = Some(match all {

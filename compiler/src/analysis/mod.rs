@@ -51,6 +51,12 @@ pub struct Facts {
     pub steps: usize,
     /// Boxes evaluated so far.
     pub boxes: u64,
+    /// Steps of formulas run so far, with their derivatives or without.
+    pub ran: u64,
+    /// Up to which step kinks are looked at side by side, for the box at hand.
+    forks: Option<u64>,
+    /// How many steps that has cost so far.
+    forked: u64,
     /// Values of the parameters, where these facts hold for those alone.
     pub pinned: Pinned,
 }
@@ -73,6 +79,9 @@ impl Default for Facts {
             sifts: 0,
             steps: STEPS,
             boxes: 0,
+            ran: 0,
+            forks: None,
+            forked: 0,
             pinned: Rc::new([]),
         }
     }
@@ -136,6 +145,7 @@ impl Facts {
     /// The range of every step of a tape over a domain.
     pub fn ranges_of(&mut self, graph: &Graph, tape: &Tape, domain: &Domain) -> Vec<Interval> {
         self.boxes += 1;
+        self.ran += tape.steps.len() as u64;
         let pinned = self.pinned.clone();
         tape.run(
             graph,

@@ -11,8 +11,8 @@ use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, ShapeI
 const SLABS: u64 = 160;
 /// How many parts may be kept or split while a region is sifted.
 const SIFTED: u32 = 600;
-/// How many boxes the sifting of one region may cost, those of the shapes inside counted in.
-const SIFTED_BOXES: u64 = 30_000;
+/// How many steps of formulas the sifting of one region may cost, those of the shapes inside counted in.
+const SIFTED_STEPS: u64 = 1_000_000;
 /// How many shapes inside may be sifted for one region.
 const SIFTS: u32 = 16;
 /// How many unions inside may be looked at part by part for one region.
@@ -133,7 +133,7 @@ impl Facts {
         let tape = self.tape(graph, node);
         let smallest = region.size() / 128.0;
         let mut left = SIFTED;
-        let first = self.boxes;
+        let first = self.ran;
         let mut open = vec![region];
         let mut kept = Box3::EMPTY;
         while let Some(part) = open.pop() {
@@ -146,7 +146,7 @@ impl Facts {
                 continue;
             }
             left -= 1;
-            if left == 0 || self.boxes - first > SIFTED_BOXES {
+            if left == 0 || self.ran - first > SIFTED_STEPS {
                 return region;
             }
             // What is known to be kept already needs no closer look.
