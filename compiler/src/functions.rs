@@ -592,7 +592,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Where nothing finite is proven: the steepest of many samples, and half as much again. None where not even samples help.
+    /// Where nothing finite is proven: what 99 of 100 samples do not exceed, and half as much again. None where not even samples help.
     fn measured(&mut self, shape: ShapeId, node: NodeId, domain: &Domain) -> Option<Treatment> {
         let span = self.place(shape, node);
         let region = self.region_of(node, domain);

@@ -74,13 +74,13 @@ impl Facts {
         None
     }
 
-    /// The steepest slope at so many points of a domain; infinite where one is, nothing where the domain has no size.
+    /// The slope that 99 of 100 points of a domain do not exceed (around a pole there is no steepest); infinite where at most points nothing
+    /// is known of it.
     pub fn sampled_constant(&mut self, graph: &Graph, node: NodeId, domain: &Domain, samples: usize) -> f64 {
         let tape = self.tape(graph, node);
         let pinned = self.pinned.clone();
         let samples = samples.min(MOST_STEPS / self.weight(graph, node).max(1)).max(64);
-        let mut steepest: f64 = 0.0;
-        let mut looked = 0;
+        let mut slopes: Vec<f64> = Vec::new();
         let end = self.ran + 4 * MOST_STEPS as u64;
         let mut tried = 0;
         for i in 0..samples {
@@ -98,11 +98,12 @@ impl Facts {
             let norm = duals.and_then(|d| d.last().map(|d| d.norm)).unwrap_or(f64::INFINITY);
             // A pole itself is met by chance alone; what counts is how steep it is around.
             if norm.is_finite() {
-                steepest = steepest.max(norm);
-                looked += 1;
+                slopes.push(norm);
             }
         }
-        if looked * 2 < tried { f64::INFINITY } else { steepest }
+        slopes.sort_by(f64::total_cmp);
+        let rank = slopes.len() * 99 / 100;
+        if slopes.len() * 2 < tried { f64::INFINITY } else { slopes.get(rank).copied().unwrap_or(0.0) }
     }
 }
 

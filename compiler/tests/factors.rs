@@ -1,0 +1,150 @@
+//! Factors: never below the steepest sample, near to it, the same on every run, and alive with the sliders.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+
+use surefoot_compiler::graph::Proof;
+use surefoot_compiler::{Compiled, Loader, Memory, MemoryLoader, Options, compile, compile_remembering};
+
+/// Formulas that no search within an edit's budget brings to within a fifth of what is true, and why.
+const LOOSE: &[(&str, &str)] = &[
+    ("smooth_spheres_mix", "the blend as a polynomial of a clamped share: its terms cancel only together"),
+    ("spherical_waves", "waves that die away along all of space, which is not searched"),
+    ("goursat", "steepest at the corners of its region, where few samples lie"),
+    ("heart", "the same"),
+    ("schwarz_d", "sums of products of sines; a longer search comes within a twentieth"),
+];
+
+struct Disk;
+
+impl Loader for Disk {
+    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
+        std::fs::read(path).map_err(|e| e.to_string())
+    }
+}
+
+fn scene(text: &str) -> Compiled {
+    let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
+    let said = surefoot_compiler::diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
+    outcome.compiled.unwrap_or_else(|| panic!("{said}"))
+}
+
+fn files(folder: &str) -> Vec<(String, String)> {
+    let folder = format!("{}/../{folder}", env!("CARGO_MANIFEST_DIR"));
+    let mut all: Vec<(String, String)> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .filter(|p| p.extension().is_some_and(|e| e == "sdf"))
+        .map(|p| (p.file_stem().unwrap().to_str().unwrap().to_owned(), p.to_str().unwrap().to_owned()))
+        .collect();
+    all.sort();
+    all
+}
+
+#[test]
+fn no_factor_is_below_a_sample_and_most_are_near_to_it() {
+    let mut wrong = Vec::new();
+    let formulas = files("tests/corpus/formulas");
+    assert!(formulas.len() >= 30);
+    for (name, path) in formulas.iter().chain(&files("examples")) {
+        let scene = compile(&Disk, path, &Options::default()).compiled.unwrap_or_else(|| panic!("{name}"));
+        for (i, factor) in scene.graph.factors.iter().enumerate() {
+            if factor.proof == Proof::Measured {
+                continue;
+            }
+            let least = scene.sampled_factor(i, 1024);
+            let (first, edit) = (factor.lipschitz, scene.tighten(i, 16_384));
+            println!("{name:<22}{:<9}sampled {least:>9.4}  at once {first:>9.4}  edit {edit:>9.4}", factor.proof.name());
+            if least > edit * (1.0 + 1e-9) || edit > first {
+                wrong.push(format!("{name}: sampled {least}, at once {first}, edit {edit}"));
+            }
+            let formula = formulas.iter().any(|(n, _)| n == name);
+            let loose = LOOSE.iter().any(|(n, _)| n == name);
+            if formula && !loose && edit > 1.2 * least.max(1.0) {
+                wrong.push(format!("{name}: loose, sampled {least}, edit {edit}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Formulas that are distances are found to be, though nobody says so.
+#[test]
+fn distances_written_out_need_no_factor() {
+    let all = [
+        "box_by_hand", "box_frame_by_hand", "capsule_by_hand", "cone_by_hand", "exponential_union", "hexagon_by_hand", "lens",
+        "link_by_hand", "octahedron_by_hand", "root_union", "smooth_spheres", "torus_by_hand",
+    ];
+    for name in all {
+        let path = format!("{}/../tests/corpus/formulas/{name}.sdf", env!("CARGO_MANIFEST_DIR"));
+        let scene = compile(&Disk, &path, &Options::default()).compiled.unwrap_or_else(|| panic!("{name}"));
+        assert!(scene.graph.factors.is_empty(), "{name}: {:?}", scene.graph.factors);
+    }
+}
+
+#[test]
+fn the_same_text_gives_the_same_factors() {
+    let path = format!("{}/../tests/corpus/formulas/schwarz_d.sdf", env!("CARGO_MANIFEST_DIR"));
+    let once = || {
+        let scene = compile(&Disk, &path, &Options::default()).compiled.unwrap();
+        (scene.graph.factors[0].lipschitz.to_bits(), scene.tighten(0, 2048).to_bits(), scene.module.wgsl)
+    };
+    assert_eq!(once(), once());
+}
+
+/// At zero the displaced ball is a ball; the steeper the waves, the larger the factor, and never above that of the whole range.
+#[test]
+fn a_factor_follows_its_slider() {
+    let scene = scene("param waves = 1 in 0..20\nscene = sphere(6).displace(waves * sin(p.x) * sin(p.y) * sin(p.z))");
+    let whole = scene.graph.factors[0].lipschitz;
+    let mut last = 0.0;
+    for amplitude in [0.0, 0.5, 2.0, 8.0, 20.0] {
+        let mut live = scene.live();
+        live.components[0] = amplitude;
+        assert_eq!(live.factor(&scene.graph, 0), whole, "not found for these values yet");
+        scene.follow(&mut live, Compiled::QUICK);
+        let factor = live.factor(&scene.graph, 0);
+        assert!(factor >= last && factor <= whole, "{amplitude}: {factor} of {whole}");
+        assert!(factor >= 1.0 + 0.5 * amplitude, "{amplitude}: {factor}");
+        if amplitude == 0.0 {
+            assert!((factor - 1.0).abs() < 1e-6, "{factor}");
+        }
+        // A value that the factor was not found for does not get it.
+        live.components[0] = 19.0;
+        assert_eq!(live.factor(&scene.graph, 0), whole);
+        last = factor;
+    }
+}
+
+#[test]
+fn an_edit_searches_only_what_it_changed() {
+    let text = |k: &str| {
+        format!(
+            "warp sway(a: float) = p + (a * sin(p.y * p.y), 0, 0)\nfield wave(a: float) = p.y - a * sin(2 * p.x) * cos(3 * p.z)\n\
+             scene = box(1, 3, 1).sway({k}) | wave(0.2).within(box(4)) | sphere(0.4).translate({k}, 5, 0)"
+        )
+    };
+    let mut memory = Memory::default();
+    let mut compile = |text: String| {
+        let before = memory.searched;
+        let loader = MemoryLoader::new().with("main.sdf", text);
+        let outcome = compile_remembering(&loader, "main.sdf", &Options::default(), &mut memory, &mut |_| {});
+        (memory.searched - before, outcome.compiled.unwrap().module.wgsl)
+    };
+    let (first, module) = compile(text("0.3"));
+    let (again, same) = compile(text("0.3"));
+    let (edited, _) = compile(text("0.31"));
+    assert!(first >= 3, "{first}");
+    assert_eq!((again, same), (0, module), "nothing is searched twice, and the text is the same");
+    assert!(edited >= 1 && edited < first, "{edited} of {first}");
+}
+
+#[test]
+fn what_is_not_proven_says_so() {
+    let text = "field f = 1 / p.x - 2\nscene = f.within(box(3))";
+    let scene_of = scene(text);
+    assert!(scene_of.graph.factors.iter().any(|f| f.proof == Proof::Measured));
+    assert_eq!(scene_of.summary.kind.name(), "unproven");
+    let strict = Options { strict: true, ..Options::default() };
+    let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &strict);
+    assert!(outcome.compiled.is_none() && outcome.has_errors());
+}
