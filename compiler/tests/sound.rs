@@ -5,6 +5,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+use surefoot_compiler::certify::{Claim, falsify};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
 use surefoot_compiler::program::load::PRELUDE;
@@ -89,38 +90,20 @@ fn try_scene(scene: &Compiled, half: f64, points: usize, seed: u64) -> Found {
         let mut at = vec![[0.0; 3]; starts.len()];
         evaluator.at(&starts, &[], |i, values| at[i] = [values[0], values[1], values[2]]);
         tried += starts.len();
-        let mut ends = Vec::new();
-        let mut owners = Vec::new();
-        for (i, p) in starts.iter().enumerate() {
-            let [field, bound, distance] = at[i];
-            assert!(field.is_finite() && bound.is_finite() && distance.is_finite(), "not finite at {p:?}: {:?}", at[i]);
+        let mut claims = Vec::new();
+        for (p, [field, bound, distance]) in starts.iter().zip(at) {
+            assert!(field.is_finite() && bound.is_finite() && distance.is_finite(), "not finite at {p:?}: {field}, {bound}, {distance}");
             if field.signum() != bound.signum() && field.abs() > 1e-9 && bound.abs() > 1e-9 {
                 violations.push(format!("at {p:?} the field is {field} and the bound {bound}"));
             }
-            for _ in 0..8 {
-                let direction = random.direction();
-                for part in [0.3, 0.6, 0.9, 0.995] {
-                    let end = add(*p, direction, part * bound.abs().min(2.0 * half));
-                    if end.iter().map(|c| c * c).sum::<f64>().sqrt() < scene.blocks.extent {
-                        ends.push(end);
-                        owners.push(i);
-                    }
-                }
-            }
+            // Across a jump a ray steps by a hair.
+            let radius = if bound.abs() <= 1.1e-4 { 0.0 } else { bound.abs().min(2.0 * half) };
+            claims.push(Claim { point: *p, radius, field });
         }
-        evaluator.at(&ends, &[], |k, values| {
-            let i = owners[k];
-            if values[0] * at[i][0] < 0.0 && values[0].abs() > 1e-7 && at[i][0].abs() > 1e-7 {
-                // Across a jump a ray steps by a hair.
-                if at[i][1].abs() <= 1.1e-4 {
-                    return;
-                }
-                violations.push(format!(
-                    "from {:?} (field {}, bound {}) to {:?} (field {})",
-                    starts[i], at[i][0], at[i][1], ends[k], values[0]
-                ));
-            }
-        });
+        for found in falsify(&mut evaluator, &claims, || random.direction(), 8, &[0.3, 0.6, 0.9, 0.995], scene.blocks.extent) {
+            let Claim { point, radius, field } = claims[found.claim];
+            violations.push(format!("from {point:?} (field {field}, bound {radius}) to {:?} (field {})", found.at, found.field));
+        }
     }
     Found { points: tried, violations }
 }

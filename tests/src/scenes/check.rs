@@ -1,10 +1,10 @@
 //! Judges what the compiler makes of a scene: a bound without holes, or a diagnostic with a place.
 
-use super::falsify::{Claim, falsify};
 use crate::clock::Stopwatch;
 use crate::mutations::Random;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
+use surefoot_compiler::certify::{Claim, falsify};
 use surefoot_compiler::diagnostic::{Code, Severity};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::functions::Kind;

@@ -1,7 +1,6 @@
 //! Random scenes that mean something: trees that print to programs, for looking for holes in what the compiler proves.
 
 pub mod check;
-pub mod falsify;
 mod forms;
 pub mod grammar;
 pub mod shrink;
