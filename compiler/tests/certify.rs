@@ -69,13 +69,55 @@ fn slab(o: f64, d: f64, half: f64) -> Option<(f64, f64)> {
     Some((a.min(b), a.max(b)))
 }
 
+/// Where a polynomial, lowest power first, changes its sign within `span`, rising: between the roots of its derivative it is monotone.
+fn roots(polynomial: &[f64], span: (f64, f64)) -> Vec<f64> {
+    let derivative: Vec<f64> = (1..polynomial.len()).map(|i| polynomial[i] * i as f64).collect();
+    let mut ends = vec![span.0];
+    if derivative.len() > 1 {
+        ends.extend(roots(&derivative, span));
+    }
+    ends.push(span.1);
+    let value = |t: f64| polynomial.iter().rev().fold(0.0, |sum, c| sum * t + c);
+    let crossed = ends.windows(2).filter(|w| value(w[0]) * value(w[1]) < 0.0);
+    let bisected = crossed.map(|w| {
+        let (mut lo, mut hi, before) = (w[0], w[1], value(w[0]) > 0.0);
+        for _ in 0..80 {
+            let middle = 0.5 * (lo + hi);
+            if (value(middle) > 0.0) == before { lo = middle } else { hi = middle }
+        }
+        0.5 * (lo + hi)
+    });
+    bisected.collect()
+}
+
+/// The first root of the quartic of a torus about the y axis: (|p|² + R² - r²)² = 4 R² (x² + z²).
+fn torus(o: [f64; 3], d: [f64; 3], major: f64, minor: f64) -> Option<f64> {
+    // From the ray's point nearest to the centre the coefficients are small.
+    let start = -[0, 1, 2].map(|i| o[i] * d[i]).iter().sum::<f64>();
+    let o = [0, 1, 2].map(|i| o[i] + start * d[i]);
+    let sum = |f: &dyn Fn(usize) -> f64, axes: &[usize]| axes.iter().map(|&i| f(i)).sum::<f64>();
+    let all = [0, 1, 2];
+    let (a, b) = (sum(&|i| d[i] * d[i], &all), 2.0 * sum(&|i| o[i] * d[i], &all));
+    let c = sum(&|i| o[i] * o[i], &all) + major * major - minor * minor;
+    let flat = 4.0 * major * major;
+    let quartic = [
+        c * c - flat * sum(&|i| o[i] * o[i], &[0, 2]),
+        2.0 * b * c - flat * 2.0 * sum(&|i| o[i] * d[i], &[0, 2]),
+        b * b + 2.0 * a * c - flat * sum(&|i| d[i] * d[i], &[0, 2]),
+        2.0 * a * b,
+        a * a,
+    ];
+    roots(&quartic, (-2.0 * (major + minor), 2.0 * (major + minor))).first().map(|t| t + start)
+}
+
 #[test]
 fn first_hits_agree_with_roots_in_closed_form() {
     type Root = fn([f64; 3], [f64; 3]) -> Option<f64>;
-    let shapes: [(&str, Root); 4] = [
+    let shapes: [(&str, Root); 5] = [
         ("scene = sphere(1)", |o, d| slabs(&[round(o, d, &[0, 1, 2], 1.0)])),
         ("scene = box((2, 1, 1.5))", |o, d| slabs(&[slab(o[0], d[0], 1.0), slab(o[1], d[1], 0.5), slab(o[2], d[2], 0.75)])),
         ("scene = cylinder(0.75, 1.5)", |o, d| slabs(&[round(o, d, &[0, 2], 0.75), slab(o[1], d[1], 0.75)])),
+        ("scene = torus(0.75, 0.25)", |o, d| torus(o, d, 0.75, 0.25)),
         ("scene = plane(y, -0.5)", |o, d| if d[1] < 0.0 { Some((-0.5 - o[1]) / d[1]) } else { None }),
     ];
     for (text, root) in shapes {
@@ -104,19 +146,72 @@ fn first_hits_agree_with_roots_in_closed_form() {
     }
 }
 
+/// Rays along faces, through corners and edges, and tangent: what only touches is ambiguous just there, and a hair beside it is not.
+#[test]
+fn a_ray_that_touches_is_ambiguous_and_one_beside_it_is_not() {
+    let (x, down) = ([1.0, 0.0, 0.0], [0.0, -1.0, 0.0]);
+    let cases: [(&str, [f64; 3], [f64; 3], Hit); 22] = [
+        ("box((2, 1, 1.5))", [-3.0, 0.5, 0.0], x, Hit::Ambiguous(2.0)),
+        ("box((2, 1, 1.5))", [-3.0, 0.5 + 1e-6, 0.0], x, Hit::Miss),
+        ("box((2, 1, 1.5))", [-3.0, 0.5 - 1e-6, 0.0], x, Hit::Hit(2.0)),
+        // Along an edge.
+        ("box((2, 1, 1.5))", [-3.0, 0.5, 0.75], x, Hit::Ambiguous(2.0)),
+        ("box((2, 1, 1.5))", [-3.0, 0.5 - 1e-6, 0.75 - 1e-6], x, Hit::Hit(2.0)),
+        // Across an edge.
+        ("box((2, 1, 1.5))", [-0.5, 2.0, 0.0], [1.0, -1.0, 0.0], Hit::Ambiguous(1.5)),
+        ("box((2, 1, 1.5))", [-0.5 + 1e-6, 2.0, 0.0], [1.0, -1.0, 0.0], Hit::Miss),
+        ("box((2, 1, 1.5))", [-0.5 - 1e-6, 2.0, 0.0], [1.0, -1.0, 0.0], Hit::Hit(1.5)),
+        // Through a corner into the inside, and past it.
+        ("box((2, 1, 1.5))", [3.0, 1.5, 2.25], [-1.0, -0.5, -0.75], Hit::Hit(2.0)),
+        ("box((2, 1, 1.5))", [0.0, 1.5, 0.75], [1.0, -1.0, 0.0], Hit::Ambiguous(1.0)),
+        ("box((2, 1, 1.5))", [2.0, 1.5, 0.25], [-1.0, -1.0, 0.5], Hit::Ambiguous(1.0)),
+        // Tangent.
+        ("sphere(1)", [-2.0, 1.0, 0.0], x, Hit::Ambiguous(2.0)),
+        ("sphere(1)", [-2.0, 1.0 + 1e-9, 0.0], x, Hit::Miss),
+        ("sphere(1)", [-2.0, 1.0 - 1e-9, 0.0], x, Hit::Hit(2.0 - 2e-9_f64.sqrt())),
+        ("cylinder(0.75, 1.5)", [0.75, 3.0, 0.0], down, Hit::Ambiguous(2.25)),
+        ("cylinder(0.75, 1.5)", [0.75 - 1e-6, 3.0, 0.0], down, Hit::Hit(2.25)),
+        ("torus(0.75, 0.25)", [0.0, 3.0, 0.0], down, Hit::Miss),
+        ("torus(0.75, 0.25)", [0.5, 3.0, 0.0], down, Hit::Ambiguous(3.0)),
+        ("torus(0.75, 0.25)", [-3.0, 0.25, 0.0], x, Hit::Ambiguous(2.25)),
+        ("torus(0.75, 0.25)", [-3.0, 0.25 + 1e-9, 0.0], x, Hit::Miss),
+        // From within, and on the surface all along.
+        ("box((2, 1, 1.5))", [0.0; 3], x, Hit::Hit(1.0)),
+        ("plane(y, -0.5)", [0.0, -0.5, 0.0], x, Hit::Ambiguous(0.0)),
+    ];
+    for (shape, from, direction, expected) in cases {
+        let truth = truth(&format!("scene = {shape}"));
+        let found = truth.prover().first_hit(from, direction, 0.0, 20.0, 20_000);
+        let right = match (found, expected) {
+            (Hit::Hit(t), Hit::Hit(root)) => (t - root).abs() <= 1e-9,
+            // The root of what rounding leaves open about a tangent.
+            (Hit::Ambiguous(t), Hit::Ambiguous(touch)) => (t - touch).abs() <= 1e-6,
+            (Hit::Miss, Hit::Miss) => true,
+            _ => false,
+        };
+        assert!(right, "{shape} from {from:?} along {direction:?}: {found:?}, not {expected:?}");
+    }
+}
+
 #[test]
 fn suprema_are_those_in_closed_form() {
-    // With the ratio of the upper end to the supremum.
+    // With the ratio of the upper end to the supremum, over the cube from -1 to 1.
     for (text, expected, loose) in [
         ("scene = sphere(1)", 1.0, 1.05),
-        ("scene = box((2, 1.4, 1))", 1.0, 1.05),
+        ("scene = box((1.5, 1.4, 1))", 1.0, 1.05),
+        ("scene = torus(0.75, 0.25)", 1.0, 1.05),
+        // The twisted plane is x cos(y) - z sin(y), up to the sense of the turn. Its slope along y is at most the distance from the axis,
+        // and is that where the plane has turned by half a right angle: the gradient there is as long as the root of 1 + 2.
+        ("scene = plane(x, 0).twist(y, 1)", 3f64.sqrt(), 1.05),
+        // With g = sin x cos y + sin y cos z + sin z cos x no gradient of g is longer than the one at the origin, (1, 1, 1).
+        ("scene = gyroid(2, 0.1)", 1.0, 1.05),
         // The mixed gradients of a smooth blend overestimate by what they vary over a box.
         ("scene = smooth_union(sphere(0.6).translate(-0.4, 0, 0), sphere(0.5).translate(0.5, 0.2, 0), 0.4)", 1.0, 1.25),
     ] {
         let truth = truth(text);
-        let found = truth.prover().steepest(cube(1.5), 1.05, 40_000);
+        let found = truth.prover().steepest(cube(1.0), 1.05, 40_000);
         println!("{text}: {found:?}");
-        let attained = found.at_least <= expected * (1.0 + 1e-9) && found.at_least >= expected * 0.999;
+        let attained = found.at_least <= expected * (1.0 + 1e-9) && found.at_least >= expected / 1.05;
         assert!(attained && found.at_most >= expected * (1.0 - 1e-9) && !found.jump, "{text}: {found:?}");
         assert!(found.at_most <= expected * loose * (1.0 + 1e-3), "{text}: {found:?}");
     }

@@ -239,8 +239,10 @@ pub(super) fn derive<const D: usize>(
             }
             if matches!(op, Op::Length2 | Op::Length3 | Op::Length4) {
                 // The gradient is a unit vector times the arguments' Jacobian.
+                let rows = &arguments[..usize::from(op.row().arity)];
+                norm = norm.min(stretch_by_rows(rows));
                 if out.lo <= 0.5 * out.hi {
-                    norm = norm.min(largest_stretch(arguments, usize::from(op.row().arity)));
+                    norm = norm.min(largest_stretch(rows));
                 }
             }
             with_norm(gradient, norm, jump)
@@ -315,15 +317,32 @@ fn slopes(op: Op, [a, b, c, d]: [Interval; 4], out: Interval) -> ([Interval; 4],
     }
 }
 
-/// A bound of the largest singular value of the matrix whose rows are the first `rows` gradients.
-fn largest_stretch<const D: usize>(arguments: &[Slot<D>; 4], rows: usize) -> f64 {
+/// A bound of the largest singular value of the matrix whose rows are gradients: exact where they are surely at right angles, however
+/// little is known of their directions. None of the eigenvalues of the rows' products is larger than the largest sum of a row's
+/// absolute values.
+fn stretch_by_rows<const D: usize>(rows: &[Slot<D>]) -> f64 {
+    let product = |a: &Slot<D>, b: &Slot<D>| {
+        let sum = a.gradient.iter().zip(&b.gradient).fold(Interval::ZERO, |s, (x, y)| s.add(x.mul(*y)));
+        sum.magnitude().min(a.norm * b.norm)
+    };
+    let mut most = 0.0_f64;
+    for (i, a) in rows.iter().enumerate() {
+        let others = rows.iter().enumerate().filter(|(j, _)| *j != i);
+        most = most.max(a.norm * a.norm + others.map(|(_, b)| product(a, b)).sum::<f64>());
+    }
+    // Nothing finite is known where a norm is not.
+    if most.is_finite() { most.sqrt() * (1.0 + ROUNDING) } else { f64::INFINITY }
+}
+
+/// A bound of the largest singular value of the matrix whose rows are gradients.
+fn largest_stretch<const D: usize>(rows: &[Slot<D>]) -> f64 {
     // The largest eigenvalue of the D x D matrix of the products of columns.
     let mut middle = [[0.0; 3]; 3];
     let (mut spread, mut rounding, mut rows_sum) = (0.0, 0.0, 0.0_f64);
     for (i, into) in middle.iter_mut().enumerate().take(D) {
         let mut row = 0.0;
         for (j, into) in into.iter_mut().enumerate().take(D) {
-            let sum = arguments.iter().take(rows).fold(Interval::ZERO, |s, x| s.add(x.gradient[i].mul(x.gradient[j])));
+            let sum = rows.iter().fold(Interval::ZERO, |s, x| s.add(x.gradient[i].mul(x.gradient[j])));
             if !sum.is_finite() {
                 return f64::INFINITY;
             }

@@ -53,7 +53,7 @@ impl Ord for Part {
 
 impl Prover<'_> {
     /// How large the field's gradient is at most in a box, kinks branch by branch. Stops when the upper end is at most `ratio` (above 1)
-    /// times the lower, or after `budget` boxes. The lower end is tight everywhere. The upper one is loose for smooth blends, whose
+    /// times the lower, or after `budget` boxes. The upper end is loose for smooth blends, whose
     /// gradient mixes those of their operands: its excess falls only with the width of the boxes.
     pub fn steepest(&mut self, range: Box3, ratio: f64, budget: usize) -> Steepest {
         let root = self.truth.point.clone();
