@@ -53,8 +53,8 @@ impl Ord for Part {
 
 impl Prover<'_> {
     /// How large the field's gradient is at most in a box, kinks branch by branch. Stops when the upper end is at most `ratio` (above 1)
-    /// times the lower, or after `budget` boxes. The upper end is loose for smooth blends, whose
-    /// gradient mixes those of their operands: its excess falls only with the width of the boxes.
+    /// times the lower, or after `budget` boxes. The upper end is loose for smooth blends, whose gradient
+    /// mixes those of their operands: its excess falls only with the width of the boxes.
     pub fn steepest(&mut self, range: Box3, ratio: f64, budget: usize) -> Steepest {
         let root = self.truth.point.clone();
         let mut found = Steepest { at_most: 0.0, at_least: 0.0, at: range.map(Interval::middle), boxes: 0, jump: false };
