@@ -124,7 +124,12 @@ impl<const D: usize> Branches<D> {
                 Step::Constant(value) => Slot::constant(value),
                 Step::Op(op, from) => {
                     let arguments = from.map(|a| self.slots[a as usize]);
-                    let (gradient, norm, jump) = derive(op, &arguments, range, level.chosen[i]);
+                    let (gradient, norm, mut jump) = derive(op, &arguments, range, level.chosen[i]);
+                    // What stands still on each piece may still jump from one to the next: only over the whole box can be told that not.
+                    if op == Op::Select || op.row().jumps {
+                        let whole = &self.levels[0].ranges;
+                        jump |= known(op, from.map(|a| whole[a as usize]), whole[i]) == Known::Open;
+                    }
                     Slot { range, centre: range, gradient, norm, jump }
                 }
             });
