@@ -73,6 +73,8 @@ pub enum Kind {
 const BUDGET: usize = 192;
 /// How far a ray steps across a jump, for each unit of the size of what jumps: more than 32 bits can lose.
 const HAIR: f64 = 4e-6;
+/// How far a ray steps across a jump at most.
+pub(crate) const LONGEST_HAIR: f64 = 25.0 * HAIR;
 /// A formula that is steeper than this has no bound that is of any use.
 const STEEPEST: f64 = 1e4;
 /// A constant over all space up to here is not worth a region.
@@ -865,7 +867,7 @@ impl Builder<'_> {
             });
         }
         let Some(nearest) = nearest else { return value };
-        let hair = self.graph.constant(HAIR * near.point.size().clamp(0.25, 25.0));
+        let hair = self.graph.constant((HAIR * near.point.size().max(0.25)).min(LONGEST_HAIR));
         let nearest = self.graph.op(Op::Max, &[nearest, hair]);
         let zero = self.graph.constant(0.0);
         let size = self.graph.op(Op::Abs, &[value]);

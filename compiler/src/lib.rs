@@ -15,6 +15,7 @@ pub mod reference;
 pub mod reference_text;
 pub mod source;
 pub mod syntax;
+pub mod verify;
 
 pub use compiled::{Compiled, Export, Frame, Live, Loader, MemoryLoader, Module, Options, Outcome};
 pub use analysis::memory::Memory;

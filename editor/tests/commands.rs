@@ -132,6 +132,41 @@ fn check_explains_factors_and_strict_refuses_what_is_measured() {
 }
 
 #[test]
+fn verify_passes_a_sound_scene_and_counts() {
+    let folder = folder("verify");
+    let args = ["verify", "good.sdf", "--samples", "800", "--seed", "7", "--device", "cpu"];
+    let (code, out, err) = run(&folder, &args);
+    assert_eq!((code, err.as_str()), (0, ""), "{out}");
+    for words in ["good.sdf: no violation", "800 points along 8 directions each, at 8 values", "certified to be empty", "at the median"] {
+        assert!(out.contains(words), "{words} is not in\n{out}");
+    }
+    let (code, out, _) = run(&folder, &[&args[..], &["--json"]].concat());
+    let report: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((code, &report["ok"], &report["points"]), (0, &true.into(), &800.into()));
+    assert!(report["balls"]["empty"].as_u64().unwrap() >= 8 && report["device"].is_null());
+    assert!(report["tightness"]["p50"].as_f64().unwrap() <= 1.0 + 1e-9);
+
+    std::fs::write(folder.join("steep.sdf"), "field f = (1 / max(p.x, 0.1) - 2) * sqrt(abs(p.y))\nscene = f.within(box(2))\n").unwrap();
+    let (_, out, _) = run(&folder, &["verify", "steep.sdf", "--samples", "400", "--device", "cpu"]);
+    assert!(out.contains("unproven"), "{out}");
+    let (code, _, err) = run(&folder, &["verify", "bad.sdf"]);
+    assert!(code == 1 && err.contains("unknown-name"), "{err}");
+    let (code, _, _) = run(&folder, &["verify", "nowhere.sdf"]);
+    assert_eq!(code, 2);
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn verify_holds_the_emitted_module_to_the_same() {
+    let folder = folder("verify-gpu");
+    let (code, out, err) = run(&folder, &["verify", "good.sdf", "--samples", "800", "--device", "gpu", "--json"]);
+    assert_eq!(code, 0, "{out}{err}");
+    let report: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((&report["device"]["points"], &report["device"]["within"]), (&800.into(), &800.into()));
+    assert!(report["device"]["worst"].as_f64().unwrap() < 1.0);
+}
+
+#[test]
 fn compile_writes_every_language_and_nothing_on_an_error() {
     let folder = folder("compile");
     for target in ["wgsl", "glsl", "hlsl", "msl", "spirv"] {

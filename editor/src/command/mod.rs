@@ -1,5 +1,6 @@
 //! The command line: one file a command.
 
+mod bar;
 mod bench;
 mod check;
 mod compile;
@@ -8,6 +9,7 @@ mod fmt;
 mod reference;
 mod render;
 mod values;
+mod verify;
 mod view;
 
 use crate::files::FileLoader;
@@ -24,7 +26,7 @@ use surefoot_compiler::{Options, Outcome};
     version,
     args_conflicts_with_subcommands = true,
     arg_required_else_help = true,
-    after_help = "Exit codes: 0 fine, 1 the scene has errors, 2 wrong usage or an unreadable file, 3 no graphics adapter \
+    after_help = "Exit codes: 0 fine, 1 the scene has errors (or a violation, for verify), 2 wrong usage or an unreadable file, 3 no graphics adapter \
                   where --device gpu asked for one."
 )]
 struct Cli {
@@ -40,6 +42,8 @@ enum Command {
     View(view::Args),
     /// Say what is wrong with scenes, and what the compiler knows of them.
     Check(check::Args),
+    /// Put a scene's bound to the test: whether any ray could step through its surface.
+    Verify(verify::Args),
     /// Write the functions of a scene as shader text.
     Compile(compile::Args),
     /// Lay out the text of scenes.
@@ -59,7 +63,7 @@ enum Command {
 pub enum Exit {
     /// All is well.
     Fine = 0,
-    /// The scene has errors (or is not laid out, for `fmt --check`).
+    /// The scene has errors (or is not laid out, for `fmt --check`; or a violation, for `verify`).
     Errors = 1,
     /// Wrong usage, or a file that can't be read or written.
     Usage = 2,
@@ -90,6 +94,7 @@ pub fn run() -> ExitCode {
         None => Err(Failure::usage("say what to do; `surefoot --help` lists the commands")),
         Some(Command::View(args)) => view::run(&args),
         Some(Command::Check(args)) => check::run(&args),
+        Some(Command::Verify(args)) => verify::run(&args),
         Some(Command::Compile(args)) => compile::run(&args),
         Some(Command::Fmt(args)) => fmt::run(&args),
         Some(Command::Render(args)) => render::run(&args),

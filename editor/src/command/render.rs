@@ -1,13 +1,11 @@
 //! `surefoot render`: pictures of a scene.
 
+use super::bar::LateBar;
 use super::values::{self, Setting};
 use super::{Exit, Failure, compile_file, show_diagnostics};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::time::{Duration, Instant};
 use surefoot_compiler::Options;
 use surefoot_compiler::compiled::{Camera, Frame};
 
@@ -143,43 +141,6 @@ fn numbered(path: &Path, number: u32) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().map_or_else(|| "png".into(), |e| e.to_string_lossy());
     path.with_file_name(format!("{stem}_{number:04}.{extension}"))
-}
-
-/// A progress bar on stderr that is seen only where the work takes longer than a second.
-struct LateBar {
-    start: Instant,
-    bar: ProgressBar,
-    shown: Mutex<bool>,
-}
-
-impl LateBar {
-    const STEPS: u64 = 1000;
-
-    fn new() -> Self {
-        let bar = ProgressBar::with_draw_target(Some(Self::STEPS), ProgressDrawTarget::hidden());
-        if let Ok(style) =
-            ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} / {duration}")
-        {
-            bar.set_style(style);
-        }
-        Self { start: Instant::now(), bar, shown: Mutex::new(false) }
-    }
-
-    /// Hears which part of the work is done.
-    fn show(&self, part: f64) {
-        if let Ok(mut shown) = self.shown.lock()
-            && !*shown
-            && self.start.elapsed() > Duration::from_secs(1)
-        {
-            *shown = true;
-            self.bar.set_draw_target(ProgressDrawTarget::stderr());
-        }
-        self.bar.set_position((part * Self::STEPS as f64) as u64);
-    }
-
-    fn finish(&self) {
-        self.bar.finish_and_clear();
-    }
 }
 
 #[cfg(test)]

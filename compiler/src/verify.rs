@@ -1,0 +1,468 @@
+//! A scene's bound put to the test: against quick probes for a sign change within it, against certified balls, and, where a device
+//! answers for the emitted module, the module's own numbers against the same.
+
+use crate::certify::{Ball, Claim, Prover, Truth, falsify};
+use crate::compiled::{Compiled, Live};
+use crate::evaluate::{Evaluator, Tape};
+use crate::functions::LONGEST_HAIR;
+use crate::graph::interval::Interval;
+use crate::graph::{Function, Leaf, Node, NodeId};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// How much is tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// Points, over all values of the parameters; a hundredth of them is certified.
+    pub samples: usize,
+    /// Chooses the points.
+    pub seed: u64,
+}
+
+/// What evaluates the emitted module's bound: at these live values, at these points, one number each.
+pub type Device<'a> = &'a dyn Fn(&Live, &[[f32; 3]]) -> Result<Vec<f32>, String>;
+
+/// Which numbers were taken for the bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Those of 64 bits on the processor.
+    Processor,
+    /// Those of the emitted module on the device, less the allowance for rounding.
+    Device,
+}
+
+/// What is wrong with a bound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fault {
+    /// The field has another sign at this point, which is nearer than the bound.
+    Crossed([f64; 3]),
+    /// The bound has another sign than the field.
+    Sign,
+    /// The field or the bound is no finite number.
+    NotFinite,
+}
+
+/// A point at which the bound does not hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Violation {
+    /// Index into [`Report::moments`].
+    pub moment: usize,
+    /// The point.
+    pub point: [f64; 3],
+    /// The field there.
+    pub field: f64,
+    /// The radius that was claimed to be free of the surface.
+    pub bound: f64,
+    /// Whose claim it was.
+    pub side: Side,
+    /// What is wrong.
+    pub fault: Fault,
+}
+
+/// How the device's numbers compare with those of 64 bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Compared {
+    /// Points.
+    pub points: usize,
+    /// Those at which the two are within the allowance of each other.
+    pub within: usize,
+    /// The largest difference, as a multiple of the allowance.
+    pub worst: f64,
+}
+
+/// What came of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// The values of time and parameters at which the bound was tried.
+    pub moments: Vec<Live>,
+    /// Points that were probed, each along [`DIRECTIONS`] directions.
+    pub points: usize,
+    /// Balls that were proven to be empty.
+    pub empty: usize,
+    /// Balls of which nothing could be proven with the boxes that were allowed.
+    pub undecided: usize,
+    /// The bound over the true distance, in ascending order, where the distance could be settled.
+    pub tightness: Vec<f64>,
+    /// The device's numbers, where there is a device.
+    pub device: Option<Compared>,
+    /// Where the bound does not hold: one entry for each point and side.
+    pub violations: Vec<Violation>,
+}
+
+/// Directions along which each point is probed.
+pub const DIRECTIONS: usize = 8;
+/// The allowance for rounding in 32 bits is this many times 2⁻²⁴ (|p| + size of the scene).
+pub const ALLOWANCE: f64 = 64.0;
+/// Parts of the bound at which a probe looks.
+const PARTS: [f64; 4] = [0.3, 0.6, 0.9, 0.995];
+/// Part of the bound that is certified: what 64 bits lose is less than the rest.
+const CERTIFIED: f64 = 0.99;
+/// Boxes that a ball or a distance may cost.
+const BOXES: usize = 3000;
+/// Operations of a field or bound once every call is replaced by its formula.
+const LARGEST: usize = 4_000_000;
+/// Steps by which points are walked to the surface.
+const WALK: usize = 32;
+
+/// Points about a scene, and how large it is.
+#[derive(Clone, Copy)]
+struct Room {
+    centre: [f64; 3],
+    size: f64,
+    extent: f64,
+}
+
+/// A point with what is claimed there.
+#[derive(Clone, Copy)]
+struct Tried {
+    point: [f64; 3],
+    field: f64,
+    bound: f64,
+    /// The device's bound, and the allowance for its rounding.
+    device: Option<(f64, f64)>,
+}
+
+/// A scene on trial.
+struct Trial<'a> {
+    compiled: &'a Compiled,
+    room: Room,
+    device: Option<Device<'a>>,
+    random: Random,
+    report: Report,
+}
+
+/// Tries a scene's bound at points near and far, inside and outside, at several values of its parameters and times. `progress` hears the
+/// part that is done. Fails where the scene is too large to be laid open, or the device fails.
+pub fn verify(
+    compiled: &Compiled,
+    settings: Settings,
+    device: Option<Device>,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Result<Report, String> {
+    let mut random = Random(settings.seed);
+    let moments = moments(compiled, &mut random);
+    let count = moments.len();
+    let report = Report { device: device.map(|_| Compared::default()), ..Report::default() };
+    let mut trial = Trial { compiled, room: Room::of(compiled), device, random, report };
+    for (moment, live) in moments.into_iter().enumerate() {
+        let samples = (settings.samples * (moment + 1)).div_ceil(count) - (settings.samples * moment).div_ceil(count);
+        trial.at(&live, samples, &|done: f64| progress((moment as f64 + done) / count as f64))?;
+        trial.report.moments.push(live);
+    }
+    trial.report.tightness.sort_by(f64::total_cmp);
+    Ok(trial.report)
+}
+
+impl Report {
+    /// The tightness that so many of a hundred points do not exceed; none where no distance was settled.
+    pub fn tightness(&self, percent: usize) -> Option<f64> {
+        let rank = (self.tightness.len() * percent).div_ceil(100).max(1);
+        self.tightness.get(rank - 1).copied()
+    }
+}
+
+/// The defaults, the ends of the ranges, and values within; every other one with the factors found for just these values, as a window
+/// draws it. One is enough where nothing can change.
+fn moments(compiled: &Compiled, random: &mut Random) -> Vec<Live> {
+    let start = compiled.live();
+    let graph = &compiled.graph;
+    let still = !(0..graph.len()).any(|i| matches!(graph.node(NodeId(i as u32)), Node::Leaf(Leaf::Time)));
+    if still && graph.parameters.is_empty() {
+        return vec![start];
+    }
+    (0..8)
+        .map(|i| {
+            let mut live = start.clone();
+            if i >= 2 {
+                live.time = f64::from((20.0 * random.next()) as f32);
+                for (value, p) in live.components.iter_mut().zip(&graph.parameters) {
+                    *value = match i {
+                        2 => p.min,
+                        3 => p.max,
+                        _ => p.min + (p.max - p.min) * random.next(),
+                    };
+                }
+            }
+            if i % 2 == 1 {
+                compiled.follow(&mut live, Compiled::QUICK);
+            }
+            live
+        })
+        .collect()
+}
+
+impl Trial<'_> {
+    /// So many points at one moment.
+    fn at(&mut self, live: &Live, samples: usize, progress: &(dyn Fn(f64) + Sync)) -> Result<(), String> {
+        let Self { compiled, room, device, random, report } = self;
+        let moment = report.moments.len();
+        let formula = |f| compiled.functions.formulas.get(&(compiled.root, f)).copied().ok_or("the scene has no bound");
+        let roots = [formula(Function::Field)?, formula(Function::Bound)?];
+        let tape = Tape::new(&compiled.graph, &compiled.functions, &roots, live, LARGEST).map_err(|e| e.to_string())?;
+        let truth = Truth::new(compiled, live, LARGEST).map_err(|e| e.to_string())?;
+        let mut evaluator = tape.evaluator();
+        let points = points(&mut evaluator, samples, *room, random);
+        let mut tried: Vec<Tried> = Vec::with_capacity(points.len());
+        evaluator.at(&points, &[], |i, values| {
+            if let (Some(&point), [field, bound]) = (points.get(i), values) {
+                tried.push(Tried { point, field: *field, bound: *bound, device: None });
+            }
+        });
+        if let (Some(device), Some(compared)) = (device, &mut report.device) {
+            let narrow: Vec<[f32; 3]> = points.iter().map(|p| p.map(|c| c as f32)).collect();
+            for (one, got) in tried.iter_mut().zip(device(live, &narrow)?) {
+                let allowance = ALLOWANCE * 2f64.powi(-24) * (length(one.point) + room.size);
+                let off = (f64::from(got) - one.bound).abs() / allowance;
+                compared.points += 1;
+                compared.within += usize::from(off <= 1.0);
+                compared.worst = if off.is_nan() { f64::INFINITY } else { compared.worst.max(off) };
+                one.device = Some((f64::from(got), allowance));
+            }
+        }
+        report.points += tried.len();
+        let mut jury = truth.prover();
+        for side in [Side::Processor, Side::Device] {
+            let violations = probe(&mut evaluator, &tried, side, room.extent, random, &mut jury);
+            report.violations.extend(violations.into_iter().map(|v| Violation { moment, ..v }));
+        }
+        progress(0.3);
+        // A few of all kinds of points: their kinds stand in turn, so the step is odd.
+        let every = (tried.len() / samples.div_ceil(100).max(1)).max(1) | 1;
+        let chosen: Vec<Tried> = tried.iter().step_by(every).copied().collect();
+        for found in certify(&truth, &chosen, room.extent, &|part| progress(0.3 + 0.7 * part)) {
+            report.empty += found.empty;
+            report.undecided += found.undecided;
+            report.tightness.extend(found.tightness);
+            for violation in found.violations {
+                let same = |v: &Violation| v.moment == moment && v.point == violation.point && v.side == violation.side;
+                if !report.violations.iter().any(same) {
+                    report.violations.push(Violation { moment, ..violation });
+                }
+            }
+        }
+        progress(1.0);
+        Ok(())
+    }
+}
+
+impl Tried {
+    /// The radius that a side claims to be free of the surface.
+    fn radius(&self, side: Side) -> f64 {
+        match (side, self.device) {
+            (Side::Processor, _) => self.bound.abs(),
+            (Side::Device, Some((bound, allowance))) => bound.abs() - allowance,
+            (Side::Device, None) => 0.0,
+        }
+    }
+
+    /// What is wrong with the numbers themselves.
+    fn fault(&self, side: Side) -> Option<Fault> {
+        let (bound, allowance) = match (side, self.device) {
+            (Side::Processor, _) => (self.bound, 1e-9),
+            (Side::Device, Some(known)) => known,
+            (Side::Device, None) => return None,
+        };
+        if !self.field.is_finite() || !bound.is_finite() {
+            return Some(Fault::NotFinite);
+        }
+        let apart = self.field.signum() != bound.signum() && self.field.abs() > 1e-7 && bound.abs() > allowance;
+        apart.then_some(Fault::Sign)
+    }
+
+    fn violation(&self, side: Side, bound: f64, fault: Fault) -> Violation {
+        Violation { moment: 0, point: self.point, field: self.field, bound, side, fault }
+    }
+}
+
+/// Quick: the first sign change within the claimed radius of each point, if any is met.
+fn probe(
+    evaluator: &mut Evaluator<'_>,
+    tried: &[Tried],
+    side: Side,
+    extent: f64,
+    random: &mut Random,
+    jury: &mut Prover<'_>,
+) -> Vec<Violation> {
+    let mut violations: Vec<Violation> =
+        tried.iter().filter_map(|t| t.fault(side).map(|fault| t.violation(side, t.radius(side), fault))).collect();
+    let sound: Vec<&Tried> = tried.iter().filter(|t| t.fault(side).is_none() && t.radius(side) > 0.0).collect();
+    let claims: Vec<Claim> =
+        sound.iter().map(|t| Claim { point: t.point, radius: t.radius(side), field: t.field }).collect();
+    let mut last = usize::MAX;
+    for found in falsify(evaluator, &claims, || random.direction(), DIRECTIONS, &PARTS, extent) {
+        let Some(tried) = sound.get(found.claim).filter(|_| found.claim != last) else { continue };
+        let radius = tried.radius(side);
+        if !across_a_jump(jury, tried.point, radius) {
+            last = found.claim;
+            violations.push(tried.violation(side, radius, Fault::Crossed(found.at)));
+        }
+    }
+    violations
+}
+
+/// Whether a ray may step this far though the surface is nearer: across a jump it steps by a hair.
+fn across_a_jump(jury: &mut Prover<'_>, point: [f64; 3], radius: f64) -> bool {
+    radius <= 1.1 * LONGEST_HAIR && jury.over(point.map(|c| Interval::outward(c - radius, c + radius))).jump
+}
+
+/// What is certain of some points.
+#[derive(Default)]
+struct Certain {
+    empty: usize,
+    undecided: usize,
+    tightness: Option<f64>,
+    violations: Vec<Violation>,
+}
+
+/// Certifies points, each thread its share.
+fn certify(truth: &Truth, tried: &[Tried], extent: f64, progress: &(dyn Fn(f64) + Sync)) -> Vec<Certain> {
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let done = AtomicUsize::new(0);
+    let share = tried.len().div_ceil(threads).max(1);
+    let work = |share: &[Tried]| -> Vec<Certain> {
+        let mut prover = truth.prover();
+        let one = |t: &Tried| {
+            let certain = certain(&mut prover, t, extent);
+            progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tried.len() as f64);
+            certain
+        };
+        share.iter().map(one).collect()
+    };
+    std::thread::scope(|scope| {
+        let running: Vec<_> = tried.chunks(share).map(|share| scope.spawn(move || work(share))).collect();
+        running.into_iter().flat_map(|thread| thread.join().unwrap_or_default()).collect()
+    })
+}
+
+fn certain(prover: &mut Prover<'_>, tried: &Tried, extent: f64) -> Certain {
+    let mut found = Certain::default();
+    // Nothing is claimed beyond the extent.
+    let room = extent - length(tried.point);
+    for side in [Side::Processor, Side::Device] {
+        let radius = (CERTIFIED * tried.radius(side)).min(room);
+        if tried.fault(side).is_some() || radius.is_nan() || radius <= 0.0 {
+            continue;
+        }
+        match prover.empty_ball(tried.point, radius, BOXES) {
+            Ball::Empty => found.empty += 1,
+            Ball::Unknown(_) => {
+                // The device's ball is as large, and the distance takes more boxes still.
+                found.undecided += 1;
+                return found;
+            }
+            Ball::Crossed(at) if across_a_jump(prover, tried.point, radius) => {
+                let _ = at;
+                found.empty += 1;
+            }
+            Ball::Crossed(at) => found.violations.push(tried.violation(side, radius, Fault::Crossed(at))),
+        }
+    }
+    let bound = tried.bound.abs();
+    if tried.fault(Side::Processor).is_none() && bound > 0.0 && room > 0.0 {
+        let distance = prover.distance(tried.point, room, 0.02, BOXES);
+        let settled = distance.at_least > 0.0 && distance.at_most <= 1.1 * distance.at_least;
+        // A surface is known to be within `at_most`, nearly always on its nearest point.
+        found.tightness = settled.then(|| bound / distance.at_most);
+    }
+    found
+}
+
+impl Room {
+    fn of(compiled: &Compiled) -> Self {
+        let extent = compiled.blocks.extent;
+        let (centre, size) = match compiled.summary.bounds {
+            Some([low, high]) => {
+                let side = |i: usize| low.get(i).zip(high.get(i)).map_or((0.0, 0.0), |(l, h)| (0.5 * (l + h), h - l));
+                ([0, 1, 2].map(|i| side(i).0), [0, 1, 2].map(|i| side(i).1).into_iter().fold(0.0, f64::max))
+            }
+            // Without an end: what the camera looks at.
+            None => {
+                let frame = compiled.frame(&compiled.live());
+                let camera = frame.cameras.first().map_or(([0.0; 3], [0.0; 3]), |(_, c)| (c.eye, c.target));
+                (camera.1, length(plus(camera.0, camera.1, -1.0)))
+            }
+        };
+        Self { centre, size: size.clamp(1e-6, 2.0 * extent), extent }
+    }
+}
+
+/// Points about the solid, far from it, and at all distances from its surface; as 32 bits hold them.
+fn points(evaluator: &mut Evaluator<'_>, count: usize, room: Room, random: &mut Random) -> Vec<[f64; 3]> {
+    let about = |random: &mut Random, half: f64| plus(room.centre, random.within(half), 1.0);
+    let mut points: Vec<[f64; 3]> = (0..4 * count).map(|_| about(random, 0.75 * room.size)).collect();
+    // Half of them walk toward some other point, until they stand before a surface (or behind it).
+    let walked = points.len() / 2;
+    let aims: Vec<[f64; 3]> = (0..walked).map(|_| about(random, 0.5 * room.size)).collect();
+    let ways: Vec<[f64; 3]> = points.iter().zip(&aims).map(|(p, aim)| unit(plus(*aim, *p, -1.0))).collect();
+    for _ in 0..WALK {
+        let mut steps = Vec::with_capacity(walked);
+        evaluator.at(points.get(..walked).unwrap_or(&[]), &[], |_, values| {
+            steps.push(0.9 * values.get(1).map_or(0.0, |b| b.abs()).min(room.size));
+        });
+        for ((p, way), step) in points.iter_mut().zip(&ways).zip(steps) {
+            let next = plus(*p, *way, step);
+            // A way that meets nothing ends within the extent.
+            if length(next) < 0.95 * room.extent {
+                *p = next;
+            }
+        }
+    }
+    let stand = points.get(..walked).unwrap_or(&[]).to_vec();
+    let mut met: Vec<[f64; 3]> = Vec::new();
+    evaluator.at(&stand, &[], |i, values| {
+        let near = values.get(1).is_some_and(|b| b.abs() < 1e-3 * room.size);
+        met.extend(stand.get(i).filter(|_| near));
+    });
+    // Those that met none gather about what the others met.
+    for (i, p) in points.iter_mut().take(walked).enumerate() {
+        let from = met.get(i % met.len().max(1)).copied().unwrap_or(*p);
+        *p = plus(from, random.direction(), room.size * 10f64.powf(-4.5 + 4.0 * random.next()));
+    }
+    // A sixth anywhere within the extent.
+    for p in points.iter_mut().skip(walked).step_by(3) {
+        *p = random.within(room.extent);
+    }
+    // From both halves as many; there are more than needed, because those beyond the extent fall away.
+    let (near, wide) = points.split_at(walked);
+    let all = near.iter().zip(wide).flat_map(|(a, b)| [a, b]).map(|p| p.map(|c| f64::from(c as f32)));
+    all.filter(|p| length(*p) < 0.99 * room.extent).take(count).collect()
+}
+
+/// Numbers in 0..1, the same on every run (SplitMix64, Steele 2014).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn within(&mut self, half: f64) -> [f64; 3] {
+        [0; 3].map(|_| (2.0 * self.next() - 1.0) * half)
+    }
+
+    fn direction(&mut self) -> [f64; 3] {
+        loop {
+            let v = self.within(1.0);
+            if (0.1..1.0).contains(&length(v)) {
+                return unit(v);
+            }
+        }
+    }
+}
+
+fn plus(mut a: [f64; 3], b: [f64; 3], times: f64) -> [f64; 3] {
+    a.iter_mut().zip(b).for_each(|(x, y)| *x += times * y);
+    a
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|c| c * c).sum::<f64>().sqrt()
+}
+
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    let length = length(v).max(1e-300);
+    v.map(|c| c / length)
+}
