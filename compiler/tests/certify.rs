@@ -6,7 +6,16 @@ use surefoot_compiler::certify::{Ball, Box3, Claim, Hit, Truth, falsify};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
 use surefoot_compiler::graph::interval::Interval;
-use surefoot_compiler::{Compiled, MemoryLoader, Options, compile};
+use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::{Compiled, Loader, MemoryLoader, Options, compile};
+
+struct Disk;
+
+impl Loader for Disk {
+    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
+        std::fs::read(path).map_err(|e| e.to_string())
+    }
+}
 
 fn scene(text: &str) -> Compiled {
     let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
@@ -191,6 +200,42 @@ fn a_ray_that_touches_is_ambiguous_and_one_beside_it_is_not() {
         };
         assert!(right, "{shape} from {from:?} along {direction:?}: {found:?}, not {expected:?}");
     }
+}
+
+/// Camera rays of example scenes: few are left open. Where a ray leaves one cell of a repetition for the next, or passes a jump of noise,
+/// nothing is certain of the field just there, so the scenes that repeat or are roughened are not asked.
+#[test]
+fn few_camera_rays_are_left_open() {
+    let (width, height) = (24, 16);
+    for name in ["chess", "csg", "gyroid_ring", "machine", "metaballs", "still_life"] {
+        let path = format!("{}/../examples/{name}.sdf", env!("CARGO_MANIFEST_DIR"));
+        let scene = compile(&Disk, &path, &Options::default()).compiled.unwrap();
+        let frame = scene.frame(&scene.live());
+        let truth = Truth::new(&scene, &scene.live(), 4_000_000).unwrap();
+        let mut prover = truth.prover();
+        let basis = Basis::of(&frame.cameras[0].1);
+        let mut open = 0;
+        for i in 0..width * height {
+            let at = (f64::from(i % width) + 0.5, f64::from(i / width) + 0.5);
+            let direction = basis.direction(at, (width, height));
+            let hit = prover.first_hit(frame.cameras[0].1.eye, direction, 0.0, frame.max_distance, 20_000);
+            open += u32::from(matches!(hit, Hit::Ambiguous(_) | Hit::Exhausted(_)));
+        }
+        let each = prover.boxes() as f64 / f64::from(width * height);
+        println!("{name}: {open} of {} rays open, {each:.1} segments a ray", width * height);
+        assert!(open * 20 <= width * height, "{name}: {open}");
+    }
+}
+
+/// What is steeper nowhere may still jump: a ball that holds a jump through zero is not empty.
+#[test]
+fn a_jump_is_seen() {
+    let truth = truth("field wall = if p.x < 0.3 { 1 } else { -1 }\nscene = wall");
+    let mut prover = truth.prover();
+    assert!(prover.over(cube(0.5)).jump);
+    assert!(prover.steepest(cube(0.5), 1.05, 100).jump);
+    assert_eq!(prover.empty_ball([0.0; 3], 0.29, 10_000), Ball::Empty);
+    assert!(matches!(prover.empty_ball([0.0; 3], 0.35, 10_000), Ball::Crossed(_)));
 }
 
 #[test]
