@@ -141,8 +141,9 @@ pub struct Factor {
     pub proof: Proof,
 }
 
-/// One over a Lipschitz factor as 32 bits hold it, rounded down.
+/// One over a Lipschitz factor as 32 bits hold it, rounded down, and at most a million: what hardly changes takes no endless steps.
 pub fn multiple_of(lipschitz: f64) -> f32 {
+    let lipschitz = lipschitz.max(1e-6);
     let nearest = (1.0 / lipschitz) as f32;
     if f64::from(nearest) * lipschitz > 1.0 { nearest.next_down() } else { nearest }
 }
