@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use super::*;
-use crate::graph::algebra::Reals;
+use crate::graph::algebra::Algebra;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, KERNEL};
 use crate::graph::{
@@ -40,6 +40,19 @@ fn shape(graph: &mut Graph, value: NodeId) -> ShapeId {
     })
 }
 
+/// Real numbers, constants as 32 bits hold them: what a tape means too.
+struct Rounded;
+
+impl Algebra for Rounded {
+    type Value = f64;
+    fn constant(&mut self, value: f64) -> f64 {
+        f64::from(value as f32)
+    }
+    fn op(&mut self, op: Op, args: &[f64]) -> f64 {
+        kernel::value(op, args)
+    }
+}
+
 /// The value of a formula at a point of the scene, by the plainest of walks.
 fn plain(
     graph: &Graph,
@@ -51,7 +64,7 @@ fn plain(
     world: [f64; 3],
 ) -> f64 {
     graph.evaluate(
-        &mut Reals,
+        &mut Rounded,
         &[root],
         |_, leaf| match leaf {
             Leaf::P(i) => arguments[i as usize],
