@@ -892,8 +892,12 @@ impl Builder<'_> {
                 let mut least: Option<NodeId> = None;
                 for &a in args {
                     let constant = self.facts.constant(self.graph, a, near, 16);
-                    if constant.lipschitz == 0.0 || !constant.lipschitz.is_finite() {
+                    if constant.lipschitz == 0.0 {
                         continue;
+                    }
+                    // Nothing is known of how near the jump is.
+                    if !constant.lipschitz.is_finite() {
+                        return Some(zero);
                     }
                     let whole = self.graph.op(Op::Round, &[a]);
                     let from = self.graph.op(Op::Sub, &[a, whole]);
@@ -923,7 +927,7 @@ impl Builder<'_> {
                 let distance = self.graph.op(Op::Length2, &[side, ahead]);
                 let map = self.facts.map_constant(self.graph, &[a, b], near, 16);
                 if !map.lipschitz.is_finite() {
-                    return None;
+                    return Some(zero);
                 }
                 let over = self.graph.constant(map.lipschitz.max(1e-9));
                 return Some(self.graph.op(Op::Div, &[distance, over]));

@@ -86,7 +86,7 @@ impl Env {
 }
 
 /// How many nodes a program may make.
-pub const NODE_LIMIT: usize = 1_000_000;
+pub const NODE_LIMIT: usize = 400_000;
 /// How many expressions may be evaluated.
 const STEP_LIMIT: u64 = 1_000_000;
 /// How deep expressions may nest, calls counted in.
