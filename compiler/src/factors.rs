@@ -102,7 +102,7 @@ fn one(compiled: &Compiled, sources: &Sources, live: &Live, index: u32, factor: 
         factor: factor.lipschitz,
         live: live.factor(&compiled.graph, index),
         proof: factor.proof,
-        form: form(sources, &operation, &text, factor.lipschitz, corners),
+        form: form(sources, &operation, &text, factor.lipschitz, corners, search.and_then(|s| s.domain.tube)),
         operation,
         text,
         span: factor.span,
@@ -169,7 +169,14 @@ fn parameters(compiled: &Compiled, components: &[u32]) -> Vec<(String, [f64; 2])
 }
 
 /// How the factor of a known operation follows from its arguments.
-fn form(sources: &Sources, operation: &str, text: &str, lipschitz: f64, region: Option<[[f64; 3]; 2]>) -> Option<String> {
+fn form(
+    sources: &Sources,
+    operation: &str,
+    text: &str,
+    lipschitz: f64,
+    region: Option<[[f64; 3]; 2]>,
+    tube: Option<(usize, f64)>,
+) -> Option<String> {
     // A turn that goes along with the place, or a shear: the identity and a rank-one term across it, whose norm t gives a largest
     // singular value of t/2 + √(1 + t²/4); so t is the factor less its reciprocal.
     let slide = lipschitz - 1.0 / lipschitz;
@@ -183,7 +190,8 @@ fn form(sources: &Sources, operation: &str, text: &str, lipschitz: f64, region: 
             };
             let [low, high] = region?;
             let far = |i: usize| low.get(i).zip(high.get(i)).map_or(0.0, |(l, h)| l.abs().max(h.abs()));
-            let radius = (0..3).filter(|i| *i != axis).map(|i| far(i).powi(2)).sum::<f64>().sqrt();
+            let corner = (0..3).filter(|i| *i != axis).map(|i| far(i).powi(2)).sum::<f64>().sqrt();
+            let radius = tube.filter(|(about, _)| *about == axis).map_or(corner, |(_, radius)| radius);
             let known = radius > 0.0 && radius.is_finite();
             known.then(|| format!("rate {} over radius {}", short(slide / radius), short(radius)))
         }

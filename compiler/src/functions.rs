@@ -247,7 +247,7 @@ impl Builder<'_> {
     /// Where each shape's formula is asked for, from the extent of the scene inward.
     fn find_domains(&mut self) {
         let world = [0, 1, 2].map(|i| (WORLD + i, Interval::new(-self.extent, self.extent)));
-        let root = Domain { point: Box3::cube(self.extent), variables: world.to_vec(), narrowed: false };
+        let root = Domain { point: Box3::cube(self.extent), variables: world.to_vec(), narrowed: false, tube: None };
         self.domains.insert(self.root, root);
         let mut order: Vec<ShapeId> = vec![self.root];
         let mut seen: FxHashSet<ShapeId> = order.iter().copied().collect();
@@ -415,7 +415,7 @@ impl Builder<'_> {
                     args.iter().map(|a| self.bound(shape, *a, inner, continuous)).collect();
                 let value = self.graph.op(op, &args);
                 match near {
-                    Some((_, region, reach)) => self.behind(region, reach, value),
+                    Some((_, region, reach)) => self.behind(region, None, reach, value),
                     None => value,
                 }
             }
@@ -544,7 +544,9 @@ impl Builder<'_> {
             return self.scaled(call, of_map(&all, everywhere, Proof::Proven), node, shape);
         }
         let Some((region, reach)) = self.region_of(node, domain) else { return self.graph.constant(FAR) };
-        let near = domain.at(region.grow(reach));
+        let tube = self.tube(inner, point, &region);
+        let tube_and_reach = tube.map(|(axis, radius)| (axis, radius + reach));
+        let near = Domain { tube: tube_and_reach, ..domain.at(region.grow(reach)) };
         let constant = self.facts.map_constant(self.graph, point, &near, BUDGET);
         if constant.lipschitz > STEEPEST {
             return self.normalised(shape, node, domain, continuous);
@@ -557,7 +559,7 @@ impl Builder<'_> {
             self.extent_used(shape, node);
         }
         let inside = self.scaled(call, known, node, shape);
-        self.behind(region, reach, inside)
+        self.behind(region, tube, reach, inside)
     }
 
     /// A formula over its constant, behind its region where it needs one.
@@ -589,7 +591,7 @@ impl Builder<'_> {
             value = self.stop_at_jumps(shape, node, value, domain, &treatment);
         }
         match treatment.region {
-            Some((region, reach)) => self.behind(region, reach, value),
+            Some((region, reach)) => self.behind(region, None, reach, value),
             None => value,
         }
     }
@@ -721,13 +723,45 @@ impl Builder<'_> {
             Interval::new((i.lo / unit).floor() * unit, (i.hi / unit).ceil() * unit)
         }))
         .intersect(&domain.point);
-        let reach = (0.05 * rounded.size()).max(1e-4);
+        // A thin solid does not get a thick coat, in which it would be as steep as far from its axis.
+        let narrowest = rounded.0.iter().map(|i| i.width()).fold(f64::INFINITY, f64::min);
+        let thick = rounded.size().min(2.0 * narrowest).max(0.1 * rounded.size());
+        let reach = (0.05 * thick).max(1e-4);
         let reach = (reach / unit).ceil() * unit;
         Some((rounded, reach))
     }
 
-    /// `inside` near the region, the distance to the region beyond.
-    fn behind(&mut self, region: Box3, reach: f64, inside: NodeId) -> NodeId {
+    /// Where a map only turns points about an axis: how far from it the solid of the shape reaches, which the turn does not change. None where
+    /// that says no more than the region does.
+    fn tube(&mut self, inner: ShapeId, point: &[NodeId], region: &Box3) -> Option<(usize, f64)> {
+        let turned = |graph: &Graph, axis: usize| {
+            let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+            let is = |node: Option<&NodeId>, k: usize| {
+                node.is_some_and(|n| matches!(graph.node(*n), Node::Leaf(Leaf::P(c)) if usize::from(*c) == k))
+            };
+            let parts = |k: usize| match point.get(k).map(|n| graph.node(*n)) {
+                Some(Node::Op(op @ (Op::TurnU | Op::TurnV), args)) => Some((*op, args.to_vec())),
+                _ => None,
+            };
+            let (Some((first, a)), Some((second, b))) = (parts(i), parts(j)) else { return false };
+            let of_both = is(a.first(), i) && is(a.get(1), j) || is(a.first(), j) && is(a.get(1), i);
+            first != second && a == b && of_both
+        };
+        let axis = (0..3).find(|&axis| turned(self.graph, axis))?;
+        let value = self.graph.shape(inner)?.value;
+        let own = self.domain(inner);
+        let solid = self.facts.solid_region(self.graph, value, &own);
+        let far = |i: usize| solid.axis((axis + i) % 3).magnitude();
+        let radius = far(1).hypot(far(2));
+        // Rounded up, so that the text is short.
+        let unit = 2f64.powf(radius.max(1e-3).log2().floor() - 9.0);
+        let radius = (radius / unit).ceil() * unit;
+        let corner = |i: usize| region.axis((axis + i) % 3).magnitude();
+        (!solid.is_empty() && radius < 0.95 * corner(1).hypot(corner(2))).then_some((axis, radius))
+    }
+
+    /// `inside` near the region, the distance to the region beyond; the region is cut down to a tube about an axis where there is one.
+    fn behind(&mut self, region: Box3, tube: Option<(usize, f64)>, reach: f64, inside: NodeId) -> NodeId {
         if region.is_empty() {
             return self.graph.constant(FAR);
         }
@@ -735,7 +769,17 @@ impl Builder<'_> {
         let point = self.graph.point();
         let zero = self.graph.constant(0.0);
         let mut outside = Vec::new();
+        if let Some((axis, radius)) = tube {
+            let across: Vec<NodeId> = (1..3).filter_map(|i| point.get((axis + i) % 3).copied()).collect();
+            let from = self.graph.op(Op::Length2, &across);
+            let radius = self.graph.constant(radius);
+            let beyond = self.graph.op(Op::Sub, &[from, radius]);
+            outside.push(self.graph.op(Op::Max, &[beyond, zero]));
+        }
         for (i, coordinate) in point.into_iter().enumerate() {
+            if tube.is_some_and(|(axis, _)| axis != i) {
+                continue;
+            }
             let side = region.axis(i);
             if !side.is_finite() {
                 continue;

@@ -126,8 +126,35 @@ impl Facts {
         } else {
             search(self)
         };
+        let constant = match self.turn_constant(graph, point, domain) {
+            Some(closed) => Constant { lipschitz: constant.lipschitz.min(closed), ..constant },
+            None => constant,
+        };
         self.maps.insert(key, constant);
         constant
+    }
+
+    /// The constant of a turn about an axis by an angle that only goes along with that axis, in a tube about it: with a the steepest change
+    /// of the angle times the tube's radius, the map is an isometry times the identity and a rank-one term of size a across it, of which
+    /// the largest singular value is a/2 + √(1 + a²/4).
+    fn turn_constant(&mut self, graph: &Graph, point: &[NodeId], domain: &Domain) -> Option<f64> {
+        let (axis, radius) = domain.tube?;
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        let is = |node: &NodeId, k: usize| *graph.node(*node) == Node::Leaf(Leaf::P(k as u8));
+        let Node::Op(Op::TurnU | Op::TurnV, args) = graph.node(*point.get(i)?) else { return None };
+        let [u, v, angle] = args.as_ref() else { return None };
+        let across = is(u, i) && is(v, j) || is(u, j) && is(v, i);
+        let along = graph.reachable(&[*angle]).iter().all(|id| match graph.node(*id) {
+            Node::Leaf(Leaf::P(k)) => usize::from(*k) == axis,
+            Node::Leaf(Leaf::Variable(_)) | Node::Call(..) => false,
+            _ => true,
+        });
+        if !across || !along || !is(point.get(axis)?, axis) {
+            return None;
+        }
+        let change = self.constant(graph, *angle, &Domain { tube: None, ..domain.clone() }, 32);
+        let a = change.lipschitz * radius * (1.0 + 1e-12);
+        (a.is_finite() && !change.jumps).then(|| a / 2.0 + (1.0 + a * a / 4.0).sqrt())
     }
 
     /// The largest of `norm` over a domain, the worst box split again and again.
@@ -146,18 +173,29 @@ impl Facts {
         if !splits || budget <= 1 {
             return Constant { lipschitz: first.norm, jumps: first.jumps };
         }
+        let mut used = first.runs;
+        // An axis that does not matter for the whole box is split later than the others.
+        let mut weights = [1.0; 3];
+        for &i in &axes {
+            let side = domain.point.axis(i);
+            let flat = domain.point.with_axis(i, Interval::point(side.lo + 0.4837 * side.width()));
+            let without = norm(self, &domain.at(flat));
+            used += without.runs;
+            if let (Some(weight), true) = (weights.get_mut(i), without.norm >= 0.999 * first.norm) {
+                *weight = 0.1;
+            }
+        }
         let mut least: f64 = 0.0;
         let mut open = BinaryHeap::from([Part { norm: first.norm, jumps: first.jumps, region: domain.point }]);
-        let mut used = first.runs;
         let end = self.ran + STEPS_MORE * self.steps as u64;
         while used < budget && self.ran < end {
             let Some(worst) = open.pop() else { break };
-            let width = |i: &usize| worst.region.axis(*i).width();
+            let width = |i: &usize| worst.region.axis(*i).width() * weights.get(*i).copied().unwrap_or(1.0);
             let Some(&widest) = axes.iter().max_by(|a, b| width(a).total_cmp(&width(b))) else { break };
             // Not the middle itself, where what is symmetric has its kinks.
             let inside = Box3(worst.region.0.map(|i| Interval::point(if i.is_finite() { i.lo + 0.4837 * i.width() } else { i.middle() })));
             let at = norm(self, &domain.at(inside));
-            if at.norm.is_finite() {
+            if at.norm.is_finite() && !domain.leaves_out(&inside) {
                 least = least.max(at.norm);
             }
             if worst.norm <= least * 1.02 || width(&widest) < 1e-9 {
@@ -168,6 +206,9 @@ impl Facts {
             let half = side.middle();
             for part in [Interval::new(side.lo, half), Interval::new(half, side.hi)] {
                 let region = worst.region.with_axis(widest, part);
+                if domain.leaves_out(&region) {
+                    continue;
+                }
                 let found = norm(self, &domain.at(region));
                 used += found.runs;
                 open.push(Part { norm: found.norm, jumps: found.jumps, region });

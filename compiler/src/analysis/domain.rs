@@ -84,12 +84,14 @@ pub struct Domain {
     pub variables: Vec<(u32, Interval)>,
     /// Whether what lies beyond the box is of no interest, because something around the formula has a region.
     pub narrowed: bool,
+    /// Points farther than this from an axis (its index) are of no interest either.
+    pub tube: Option<(usize, f64)>,
 }
 
 impl Domain {
     /// A box, with nothing known of variables.
     pub fn of(point: Box3) -> Self {
-        Self { point, variables: Vec::new(), narrowed: false }
+        Self { point, variables: Vec::new(), narrowed: false, tube: None }
     }
 
     /// What is known of a variable.
@@ -102,7 +104,7 @@ impl Domain {
 
     /// The same with another box.
     pub fn at(&self, point: Box3) -> Self {
-        Self { point, variables: self.variables.clone(), narrowed: self.narrowed }
+        Self { point, variables: self.variables.clone(), narrowed: self.narrowed, tube: self.tube }
     }
 
     /// Smallest domain that holds both.
@@ -118,7 +120,7 @@ impl Domain {
                 Err(i) => variables.insert(i, (*v, *r)),
             }
         }
-        Self { point: self.point.hull(&other.point), variables, narrowed: self.narrowed && other.narrowed }
+        Self { point: self.point.hull(&other.point), variables, narrowed: self.narrowed && other.narrowed, tube: None }
     }
 
     /// The variables of which something is known.
@@ -129,6 +131,17 @@ impl Domain {
     /// Its bits, to look things up by.
     pub fn key(&self) -> Vec<u64> {
         let bits = |i: &Interval| [i.lo.to_bits(), i.hi.to_bits()];
-        self.point.0.iter().chain(self.variables.iter().map(|(_, r)| r)).flat_map(bits).collect()
+        let mut key: Vec<u64> =
+            self.point.0.iter().chain(self.variables.iter().map(|(_, r)| r)).flat_map(bits).collect();
+        key.extend(self.tube.iter().flat_map(|(axis, radius)| [*axis as u64, radius.to_bits()]));
+        key
+    }
+
+    /// Whether no point of a box is of interest.
+    pub fn leaves_out(&self, part: &Box3) -> bool {
+        self.tube.is_some_and(|(axis, radius)| {
+            let near = |i: usize| part.axis((axis + i) % 3).mignitude();
+            near(1).hypot(near(2)) > radius * (1.0 + 1e-12)
+        })
     }
 }

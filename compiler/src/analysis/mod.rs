@@ -222,7 +222,7 @@ impl Facts {
             .iter()
             .map(|&v| (v, cells(v).map_or(Interval::ALL, |(lo, hi)| Interval::new(lo, hi))))
             .collect();
-        let domain = Domain { point: Box3::cube(extent), variables, narrowed: false };
+        let domain = Domain { point: Box3::cube(extent), variables, narrowed: false, tube: None };
         self.solid_region(graph, value, &domain)
     }
 }
@@ -244,6 +244,7 @@ pub fn call_domain(variables: &[u32], args: &[Interval]) -> Domain {
         point: Box3([arg(0), arg(1), arg(2)]),
         variables: variables.iter().enumerate().map(|(i, &v)| (v, arg(3 + i))).collect(),
         narrowed: false,
+        tube: None,
     }
 }
 
