@@ -34,9 +34,7 @@ impl Search {
         };
         found.lipschitz * (1.0 + ROUNDING)
     }
-}
 
-impl Search {
     /// The steepest of so many points of the domain, with values of the parameters from their ranges.
     pub fn sample(&self, graph: &Graph, samples: usize) -> f64 {
         let mut steepest: f64 = 0.0;

@@ -1,7 +1,7 @@
 //! Where no constant is to be had: which term is to blame, and how steep the formula is at samples.
 
-use super::tape::Step;
 use super::search::spread;
+use super::tape::Step;
 use super::{Domain, Facts};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -41,7 +41,7 @@ impl Steep {
                 "keep the argument away from zero, for example `max(a, 0.01)`, or cut its zero off with `.within(region)`"
             }
             Some(Op::Asin | Op::Acos) => "keep the argument within -0.99..0.99 with `clamp`",
-            Some(Op::Atan2) => "keep the shape away from the axis, for example with `.within(box(…) - cylinder(…))`, or let what depends on the angle fade out there",
+            Some(Op::Atan2) => "keep the shape within a box that the axis does not meet, with `.within(box(…).translate(…))`; for copies about an axis write `polar`",
             _ => "keep the shape within a region with `.within(box(…))`, or clamp what grows",
         }
     }
