@@ -1,0 +1,391 @@
+//! How far a ray may step: operands one by one, groups as a whole, each over its Lipschitz factor and behind its region where it needs one.
+
+use super::{Builder, Kind, Known, Treatment, BUDGET, GENTLE, LONG, SAMPLES, STEEPEST, UNIT};
+use crate::analysis::search::{Search, Target, ROUNDING};
+use crate::analysis::{Box3, Constant, Domain};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::graph::kernel::Op;
+use crate::graph::{Claim, Exactness, Factor, Function, Node, NodeId, Proof, ShapeId, FAR};
+
+impl Builder<'_> {
+    /// How far a ray may step by a formula of a shape. `continuous`: jumps of the formula itself cancel.
+    pub(super) fn bound(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool) -> NodeId {
+        match self.graph.node(node).clone() {
+            Node::Constant(_) => node,
+            Node::Op(op @ (Op::Min | Op::Max), args) => {
+                let near = if op == Op::Max { self.narrowed(node, domain) } else { None };
+                let inner = near.as_ref().map_or(domain, |(d, _, _)| d);
+                let args: Vec<NodeId> =
+                    args.iter().map(|a| self.bound(shape, *a, inner, continuous)).collect();
+                let value = self.graph.op(op, &args);
+                match near {
+                    Some((_, region, reach)) => self.behind(region, None, reach, value),
+                    None => value,
+                }
+            }
+            Node::Op(Op::Neg, args) => {
+                let inner = args.first().map_or(node, |a| self.bound(shape, *a, domain, continuous));
+                self.graph.op(Op::Neg, &[inner])
+            }
+            Node::Op(Op::Select, args) if args.first().is_some_and(|c| self.is_uniform(*c)) => {
+                let (Some(&c), Some(&a), Some(&b)) = (args.first(), args.get(1), args.get(2)) else {
+                    return node;
+                };
+                let a = self.bound(shape, a, domain, continuous);
+                let b = self.bound(shape, b, domain, continuous);
+                self.graph.op(Op::Select, &[c, a, b])
+            }
+            // A positive multiple has the same zero set.
+            Node::Op(op @ (Op::Mul | Op::Div), args) => {
+                let (Some(&a), Some(&b)) = (args.first(), args.get(1)) else { return node };
+                let (inner, factor) = if self.is_uniform(b) {
+                    (a, b)
+                } else if op == Op::Mul && self.is_uniform(a) {
+                    (b, a)
+                } else {
+                    return self.normalised(shape, node, domain, continuous);
+                };
+                let range = self.facts.live_range(self.graph, factor);
+                if op == Op::Mul
+                    && range.lo > 0.0
+                    && let Some(scaled) = self.scaled_call(factor, inner, domain, Function::Bound)
+                {
+                    return scaled;
+                }
+                let has_parts = matches!(
+                    self.graph.node(inner),
+                    Node::Op(Op::Min | Op::Max | Op::Neg | Op::Select | Op::Mul | Op::Div, _)
+                        | Node::Call(..)
+                        | Node::Claim(_, Claim::Continuous)
+                );
+                if has_parts && range.lo > 0.0 {
+                    self.bound(shape, inner, domain, continuous)
+                } else if has_parts && range.hi < 0.0 {
+                    let inner = self.bound(shape, inner, domain, continuous);
+                    self.graph.op(Op::Neg, &[inner])
+                } else {
+                    self.normalised(shape, node, domain, continuous)
+                }
+            }
+            Node::Claim(args, Claim::Continuous) => {
+                args.first().map_or(node, |a| self.bound(shape, *a, domain, true))
+            }
+            Node::Call(inner, Function::Field, args) => {
+                self.bound_of_call(shape, node, inner, &args, domain, continuous)
+            }
+            _ => self.normalised(shape, node, domain, continuous),
+        }
+    }
+
+    /// A function of a shape that is scaled as a whole, `k s(p / k)`: it is scaled in the same way. None where the map does more than that.
+    pub(super) fn scaled_call(
+        &mut self,
+        factor: NodeId,
+        call: NodeId,
+        domain: &Domain,
+        function: Function,
+    ) -> Option<NodeId> {
+        let Node::Call(shape, Function::Field, args) = self.graph.node(call).clone() else { return None };
+        let everywhere = domain.at(Box3::ALL);
+        let moving = args.iter().skip(3).any(|v| {
+            self.facts.constant(self.graph, *v, &everywhere, 1).lipschitz > 0.0
+        });
+        let point = args.get(..3)?;
+        let numerators: Option<Vec<NodeId>> = point
+            .iter()
+            .map(|&q| match self.graph.node(q) {
+                Node::Op(Op::Div, parts) if parts.get(1) == Some(&factor) => parts.first().copied(),
+                _ if self.graph.as_constant(q) == Some(0.0) => Some(q),
+                _ => None,
+            })
+            .collect();
+        let constant = match (numerators, self.graph.as_constant(factor)) {
+            (Some(numerators), _) => self.facts.map_constant(self.graph, &numerators, &everywhere, 1).lipschitz,
+            (None, Some(k)) => k * self.facts.map_constant(self.graph, point, &everywhere, 1).lipschitz,
+            _ => return None,
+        };
+        if moving || constant > UNIT {
+            return None;
+        }
+        let inner = self.graph.call(shape, function, &args);
+        Some(self.graph.op(Op::Mul, &[factor, inner]))
+    }
+
+    /// The bound of another shape at a moved point.
+    pub(super) fn bound_of_call(
+        &mut self,
+        shape: ShapeId,
+        node: NodeId,
+        inner: ShapeId,
+        args: &[NodeId],
+        domain: &Domain,
+        continuous: bool,
+    ) -> NodeId {
+        let point = args.get(..3).unwrap_or(args);
+        let moved = args.get(3..).unwrap_or(&[]);
+        let everywhere = domain.at(Box3::ALL);
+        if moved.iter().any(|&v| {
+            let c = self.facts.constant(self.graph, v, &everywhere, 1);
+            c.lipschitz > 0.0
+        }) {
+            return self.normalised(shape, node, domain, continuous);
+        }
+        let all = self.facts.map_constant(self.graph, point, &everywhere, 1);
+        if all.jumps && !continuous {
+            return self.normalised(shape, node, domain, continuous);
+        }
+        let call = self.graph.call(inner, Function::Bound, args);
+        if all.lipschitz <= UNIT {
+            return call;
+        }
+        let of_map = |constant: &Constant, domain: Domain, proof: Proof| Known {
+            lipschitz: constant.lipschitz,
+            proof,
+            search: Some((Target::Map(point.to_vec()), domain)),
+        };
+        if all.lipschitz <= STEEPEST {
+            self.kind = self.kind.max(Kind::Lipschitz);
+            return self.scaled(call, of_map(&all, everywhere, Proof::Proven), node, shape);
+        }
+        let Some((region, reach)) = self.region_of(node, domain) else { return self.graph.constant(FAR) };
+        let tube = self.tube(inner, point, &region);
+        let tube_and_reach = tube.map(|(axis, radius)| (axis, radius + reach));
+        let near = Domain { tube: tube_and_reach, ..domain.at(region.grow(reach)) };
+        let constant = self.facts.map_constant(self.graph, point, &near, BUDGET);
+        if constant.lipschitz > STEEPEST {
+            return self.normalised(shape, node, domain, continuous);
+        }
+        let known = of_map(&constant, near, Proof::Derived);
+        if region == domain.point && domain.narrowed {
+            return self.scaled(call, known, node, shape);
+        }
+        if region == domain.point {
+            self.extent_used(shape, node);
+        }
+        let inside = self.scaled(call, known, node, shape);
+        self.behind(region, tube, reach, inside)
+    }
+
+    /// A formula over its constant, behind its region where it needs one.
+    pub(super) fn normalised(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool) -> NodeId {
+        let treatment = match self.treatment(shape, node, domain, continuous) {
+            Some(treatment) => treatment,
+            None => match self.measured(shape, node, domain) {
+                Some(treatment) => treatment,
+                None => return node,
+            },
+        };
+        self.kind = self.kind.max(if self.is_exact(shape, node) { Kind::Exact } else { Kind::Lipschitz });
+        let mut value = if (treatment.constant - 1.0).abs() <= 1e-6 {
+            node
+        } else {
+            let at = match treatment.region {
+                Some((region, reach)) => domain.at(region.grow(reach)),
+                None if treatment.everywhere => domain.at(Box3::ALL),
+                None => domain.clone(),
+            };
+            let known = Known {
+                lipschitz: treatment.constant,
+                proof: treatment.proof,
+                search: (treatment.proof != Proof::Measured).then_some((Target::Value(node), at)),
+            };
+            self.scaled(node, known, node, shape)
+        };
+        if treatment.jumps && !continuous {
+            value = self.stop_at_jumps(shape, node, value, domain, &treatment);
+        }
+        match treatment.region {
+            Some((region, reach)) => self.behind(region, None, reach, value),
+            None => value,
+        }
+    }
+
+    /// Where nothing finite is proven: what 99 of 100 samples do not exceed, and half as much again. None where not even samples help.
+    pub(super) fn measured(&mut self, shape: ShapeId, node: NodeId, domain: &Domain) -> Option<Treatment> {
+        let span = self.place(shape, node);
+        let region = self.region_of(node, domain);
+        let term = self.facts.steep_term(self.graph, node, domain, STEEPEST);
+        let (at, why, instead) = match &term {
+            Some(term) => (self.graph.location(term.node).unwrap_or(span), term.why(), term.instead()),
+            None => (span, "it grows without a limit that is known", "keep the shape within a region with `.within(box(…))`"),
+        };
+        let Some((region, reach)) = region else {
+            let region = Some((Box3::EMPTY, 0.0));
+            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, everywhere: false });
+        };
+        let near = domain.at(region.grow(reach).intersect(&Box3::cube(self.extent)));
+        let steepest = self.facts.sampled_constant(self.graph, node, &near, SAMPLES);
+        // So steep that a ray would not get anywhere.
+        let finite = steepest > 0.0 && steepest < 100.0 * STEEPEST;
+        let (code, message) = if !finite {
+            (Code::NoBound, format!("no finite bound is known for this formula, so no ray could step safely: {why}"))
+        } else if self.strict {
+            (Code::NoBound, format!("no bound is proven for this formula: {why}"))
+        } else {
+            (Code::Unproven, format!("no bound is proven for this formula; it is drawn with a measured factor: {why}"))
+        };
+        self.diagnostics.push(Diagnostic::new(code, at, message, instead));
+        self.kind = self.kind.max(Kind::Unproven);
+        finite.then_some(Treatment {
+            constant: 1.5 * steepest,
+            jumps: self.facts.constant(self.graph, node, &near, 1).jumps,
+            region: Some((region, reach)),
+            proof: Proof::Measured,
+            everywhere: false,
+        })
+    }
+
+    pub(super) fn is_exact(&self, shape: ShapeId, node: NodeId) -> bool {
+        self.graph
+            .shape(shape)
+            .is_some_and(|s| s.value == node && s.exactness == Exactness::Exact)
+    }
+
+    /// What a formula needs in order to be a bound; none where nothing finite is known.
+    pub(super) fn treatment(
+        &mut self,
+        shape: ShapeId,
+        node: NodeId,
+        domain: &Domain,
+        continuous: bool,
+    ) -> Option<Treatment> {
+        let key = (shape, node, domain.key(), continuous);
+        if let Some(known) = self.treatments.get(&key) {
+            return *known;
+        }
+        let found = self.find_treatment(shape, node, domain, continuous);
+        self.treatments.insert(key, found);
+        found
+    }
+
+    pub(super) fn find_treatment(
+        &mut self,
+        shape: ShapeId,
+        node: NodeId,
+        domain: &Domain,
+        continuous: bool,
+    ) -> Option<Treatment> {
+        let everywhere = domain.at(Box3::ALL);
+        let mut all = self.facts.constant(self.graph, node, &everywhere, 1);
+        if self.is_exact(shape, node) {
+            all = Constant { lipschitz: 1.0, jumps: false };
+        }
+        if all.lipschitz == 0.0 {
+            // The same everywhere: any step is right, and so is this.
+            return Some(Treatment { constant: 1.0, jumps: all.jumps, region: None, proof: Proof::Proven, everywhere: true });
+        }
+        let claimed = matches!(self.graph.node(node), Node::Claim(_, Claim::Lipschitz(..)));
+        let mut by_rule = if claimed { Proof::Claimed } else { Proof::Proven };
+        let plain = all.lipschitz.is_finite() && (!all.jumps || continuous);
+        if plain && all.lipschitz > UNIT && !claimed {
+            // What repeats, and what is a sum, can be searched over all space.
+            all = self.facts.constant(self.graph, node, &everywhere, BUDGET);
+            by_rule = Proof::Derived;
+        }
+        let long = self.facts.weight(self.graph, node) > LONG;
+        if plain && all.lipschitz <= if long { 4.0 } else { GENTLE } {
+            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true });
+        }
+        // A region of its own: tighter, or the only way.
+        let Some((region, reach)) = self.region_of(node, domain) else {
+            // Nothing solid in the extent.
+            let region = Some((Box3::EMPTY, 0.0));
+            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, everywhere: false });
+        };
+        let bounded = region != domain.point;
+        let near = domain.at(region.grow(reach));
+        let constant = self.facts.constant(self.graph, node, &near, BUDGET);
+        if plain && all.lipschitz <= STEEPEST && (!bounded || constant.lipschitz > 0.85 * all.lipschitz) {
+            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true });
+        }
+        if constant.lipschitz > STEEPEST || constant.lipschitz.is_nan() {
+            return None;
+        }
+        if !bounded && !domain.narrowed && !all.lipschitz.is_finite() {
+            self.extent_used(shape, node);
+        }
+        let needed = bounded || !domain.narrowed && !all.lipschitz.is_finite();
+        let lipschitz = constant.lipschitz.max(1e-6);
+        Some(Treatment {
+            constant: lipschitz,
+            jumps: constant.jumps && !continuous,
+            region: needed.then_some((region, reach)),
+            proof: Proof::Derived,
+            everywhere: false,
+        })
+    }
+
+    /// `inside` near the region, the distance to the region beyond; the region is cut down to a tube about an axis where there is one.
+    pub(super) fn behind(&mut self, region: Box3, tube: Option<(usize, f64)>, reach: f64, inside: NodeId) -> NodeId {
+        if region.is_empty() {
+            return self.graph.constant(FAR);
+        }
+        self.kind = self.kind.max(Kind::Bound);
+        let point = self.graph.point();
+        let zero = self.graph.constant(0.0);
+        let mut outside = Vec::new();
+        if let Some((axis, radius)) = tube {
+            let across: Vec<NodeId> = (1..3).filter_map(|i| point.get((axis + i) % 3).copied()).collect();
+            let from = self.graph.op(Op::Length2, &across);
+            let radius = self.graph.constant(radius);
+            let beyond = self.graph.op(Op::Sub, &[from, radius]);
+            outside.push(self.graph.op(Op::Max, &[beyond, zero]));
+        }
+        for (i, coordinate) in point.into_iter().enumerate() {
+            if tube.is_some_and(|(axis, _)| axis != i) {
+                continue;
+            }
+            let side = region.axis(i);
+            if !side.is_finite() {
+                continue;
+            }
+            let middle = self.graph.constant(side.middle());
+            let half = self.graph.constant((side.hi - side.middle()).max(side.middle() - side.lo));
+            let from = self.graph.op(Op::Sub, &[coordinate, middle]);
+            let from = self.graph.op(Op::Abs, &[from]);
+            let beyond = self.graph.op(Op::Sub, &[from, half]);
+            outside.push(self.graph.op(Op::Max, &[beyond, zero]));
+        }
+        let distance = match outside.len() {
+            0 => return inside,
+            1 => outside.first().copied().unwrap_or(zero),
+            2 => self.graph.op(Op::Length2, &outside),
+            _ => self.graph.op(Op::Length3, &outside),
+        };
+        self.graph.name_node(distance, "outside");
+        let limit = self.graph.constant(reach);
+        let far = self.graph.op(Op::Lt, &[limit, distance]);
+        self.graph.op(Op::Select, &[far, distance, inside])
+    }
+
+    /// A value times the multiple of a new factor.
+    pub(super) fn scaled(&mut self, value: NodeId, constant: Known, at: NodeId, shape: ShapeId) -> NodeId {
+        let span = self.place(shape, at);
+        // Found by searching: a little is added for the rounding of the search itself.
+        let lipschitz = constant.lipschitz * (1.0 + ROUNDING);
+        let name = self
+            .graph
+            .node_name(at)
+            .map(str::to_owned)
+            .or_else(|| self.graph.shape(shape).and_then(|s| s.name.as_deref().map(str::to_owned)))
+            .unwrap_or_else(|| "group".to_owned());
+        let reason = match self.graph.node(at) {
+            Node::Call(..) => "the point is moved by a map that stretches space",
+            Node::Claim(..) => "a group that is known as a whole",
+            _ => "a formula",
+        };
+        let factor = Factor { name, lipschitz, reason: reason.to_owned(), span, proof: constant.proof };
+        let search = constant.search.map(|(target, domain)| {
+            let parameters = self.parameters_of(&target);
+            Search { target, domain, parameters }
+        });
+        let known = self.graph.factors.iter().zip(&self.built.searches).position(|(f, s)| *f == factor && *s == search);
+        let index = known.unwrap_or_else(|| {
+            self.graph.factors.push(factor);
+            self.built.searches.push(search);
+            self.graph.factors.len() - 1
+        });
+        let factor = self.graph.intern(Node::Factor(index as u32));
+        self.graph.op(Op::Mul, &[value, factor])
+    }
+}

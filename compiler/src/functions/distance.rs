@@ -1,0 +1,180 @@
+//! The estimate of the distance, and the gradient: what light, occlusion and contact use. No factor is ever in them.
+
+use super::{Builder, BUDGET, STEEPEST, UNIT};
+use crate::analysis::{Box3, Domain};
+use crate::graph::kernel::Op;
+use crate::graph::{Claim, Function, Leaf, Node, NodeId, ShapeId, kernel};
+
+impl Builder<'_> {
+    /// The estimate of the distance: composed under `min` and `max`, a field where it is no steeper than a distance, else the field over
+    /// its gradient (Hart 1996), which may not exceed four times what is proven.
+    pub(super) fn distance(&mut self, shape: ShapeId, node: NodeId, domain: &Domain) -> NodeId {
+        match self.graph.node(node).clone() {
+            Node::Constant(_) => node,
+            Node::Op(op @ (Op::Min | Op::Max), args) => {
+                let args: Vec<NodeId> = {
+                    let near = if op == Op::Max { self.narrowed(node, domain) } else { None };
+                    let inner = near.as_ref().map_or(domain, |(d, _, _)| d);
+                    args.iter().map(|a| self.distance(shape, *a, inner)).collect()
+                };
+                self.graph.op(op, &args)
+            }
+            Node::Op(Op::Neg, args) => {
+                let inner = args.first().map_or(node, |a| self.distance(shape, *a, domain));
+                self.graph.op(Op::Neg, &[inner])
+            }
+            Node::Op(Op::Select, args) if args.first().is_some_and(|c| self.is_uniform(*c)) => {
+                let (Some(&c), Some(&a), Some(&b)) = (args.first(), args.get(1), args.get(2)) else {
+                    return node;
+                };
+                let a = self.distance(shape, a, domain);
+                let b = self.distance(shape, b, domain);
+                self.graph.op(Op::Select, &[c, a, b])
+            }
+            Node::Claim(args, Claim::Continuous) => {
+                args.first().map_or(node, |a| self.distance(shape, *a, domain))
+            }
+            Node::Op(Op::Mul, args)
+                if args.len() == 2
+                    && let Some(scaled) = self.scaled_distance(&args, domain) =>
+            {
+                scaled
+            }
+            Node::Call(inner, Function::Field, args) => {
+                let everywhere = domain.at(Box3::ALL);
+                let point = args.get(..3).unwrap_or(&args);
+                let all = self.facts.map_constant(self.graph, point, &everywhere, 1);
+                if all.lipschitz <= UNIT {
+                    return self.graph.call(inner, Function::Distance, &args);
+                }
+                let whole = self.facts.constant(self.graph, node, &everywhere, 1);
+                if whole.lipschitz <= STEEPEST {
+                    return self.over_gradient(node, whole.lipschitz);
+                }
+                let near = match self.region_of(node, domain) {
+                    Some((region, reach)) => domain.at(region.grow(reach)),
+                    None => return node,
+                };
+                let constant = self.facts.constant(self.graph, node, &near, BUDGET);
+                self.over_gradient(node, constant.lipschitz)
+            }
+            _ => {
+                let Some(treatment) = self.treatment(shape, node, domain, true) else { return node };
+                self.over_gradient(node, treatment.constant)
+            }
+        }
+    }
+
+    pub(super) fn scaled_distance(&mut self, args: &[NodeId], domain: &Domain) -> Option<NodeId> {
+        let (&a, &b) = (args.first()?, args.get(1)?);
+        let (factor, inner) = if self.is_uniform(a) {
+            (a, b)
+        } else if self.is_uniform(b) {
+            (b, a)
+        } else {
+            return None;
+        };
+        if self.facts.live_range(self.graph, factor).lo <= 0.0 {
+            return None;
+        }
+        self.scaled_call(factor, inner, domain, Function::Distance)
+    }
+
+    pub(super) fn over_gradient(&mut self, node: NodeId, constant: f64) -> NodeId {
+        if constant <= UNIT || !constant.is_finite() {
+            return node;
+        }
+        let gradient = self.gradient(node);
+        let length = self.graph.op(Op::Length3, &gradient);
+        let least = self.graph.constant(constant / 4.0);
+        let length = self.graph.op(Op::Max, &[length, least]);
+        self.graph.op(Op::Div, &[node, length])
+    }
+
+    /// The gradient of a node by the point of its space, as nodes: forward, by the kernel's partial derivatives.
+    pub fn gradient(&mut self, root: NodeId) -> [NodeId; 3] {
+        let zero = self.graph.constant(0.0);
+        let one = self.graph.constant(1.0);
+        let order = self.graph.reachable(&[root]);
+        let mut gradients: Vec<[NodeId; 3]> = Vec::with_capacity(order.len());
+        for &id in &order {
+            let of = |a: &NodeId, g: &[[NodeId; 3]]| {
+                order.binary_search(a).ok().and_then(|i| g.get(i).copied()).unwrap_or([zero; 3])
+            };
+            let gradient = match self.graph.node(id).clone() {
+                Node::Leaf(Leaf::P(i)) => {
+                    let mut unit = [zero; 3];
+                    if let Some(slot) = unit.get_mut(usize::from(i)) {
+                        *slot = one;
+                    }
+                    unit
+                }
+                Node::Op(op @ (Op::Min | Op::Max), args) => {
+                    let (Some(&a), Some(&b)) = (args.first(), args.get(1)) else {
+                        gradients.push([zero; 3]);
+                        continue;
+                    };
+                    let (ga, gb) = (of(&a, &gradients), of(&b, &gradients));
+                    let first = self.graph.op(Op::Le, &if op == Op::Min { [a, b] } else { [b, a] });
+                    self.pick(first, ga, gb)
+                }
+                Node::Op(Op::Select, args) => {
+                    let (Some(&c), Some(a), Some(b)) = (args.first(), args.get(1), args.get(2)) else {
+                        gradients.push([zero; 3]);
+                        continue;
+                    };
+                    self.pick(c, of(a, &gradients), of(b, &gradients))
+                }
+                Node::Op(op, args) => {
+                    let inner: Vec<[NodeId; 3]> = args.iter().map(|a| of(a, &gradients)).collect();
+                    if inner.iter().all(|g| *g == [zero; 3]) {
+                        [zero; 3]
+                    } else {
+                        let partials = kernel::partials(self.graph, op, &args, id);
+                        self.chain_rule(&partials, &inner)
+                    }
+                }
+                Node::Call(shape, Function::Field, args) => {
+                    let inner: Vec<[NodeId; 3]> = args.iter().map(|a| of(a, &gradients)).collect();
+                    if inner.iter().skip(3).any(|g| *g != [zero; 3]) {
+                        // A variable moves too: the formula is opened here.
+                        let Some(value) = self.graph.shape(shape).map(|s| s.value) else {
+                        gradients.push([zero; 3]);
+                        continue;
+                    };
+                        let opened = self.graph.open(shape, value, &args);
+                        self.gradient(opened)
+                    } else {
+                        let partials: Vec<NodeId> = (0..3)
+                            .map(|i| self.graph.call(shape, Function::Gradient(i), &args))
+                            .collect();
+                        self.chain_rule(&partials, &inner)
+                    }
+                }
+                Node::Claim(args, _) => args.first().map_or([zero; 3], |a| of(a, &gradients)),
+                _ => [zero; 3],
+            };
+            gradients.push(gradient);
+        }
+        gradients.last().copied().unwrap_or([zero; 3])
+    }
+
+    pub(super) fn pick(&mut self, condition: NodeId, a: [NodeId; 3], b: [NodeId; 3]) -> [NodeId; 3] {
+        let mut chosen = a;
+        for (slot, other) in chosen.iter_mut().zip(b) {
+            *slot = self.graph.op(Op::Select, &[condition, *slot, other]);
+        }
+        chosen
+    }
+
+    pub(super) fn chain_rule(&mut self, partials: &[NodeId], inner: &[[NodeId; 3]]) -> [NodeId; 3] {
+        let mut total = [self.graph.constant(0.0); 3];
+        for (partial, gradient) in partials.iter().zip(inner) {
+            for (slot, g) in total.iter_mut().zip(gradient) {
+                let term = self.graph.op(Op::Mul, &[*partial, *g]);
+                *slot = self.graph.op(Op::Add, &[*slot, term]);
+            }
+        }
+        total
+    }
+}

@@ -1,0 +1,186 @@
+//! Where a shape is asked for its value: the domain of every shape, and the region that holds the solid of a formula.
+
+use super::{Builder, Narrowed, STEEPEST};
+use crate::analysis::{Box3, Domain};
+use crate::graph::interval::Interval;
+use crate::graph::kernel::Op;
+use crate::graph::{Claim, Function, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
+use rustc_hash::FxHashSet;
+
+impl Builder<'_> {
+    /// Where each shape's formula is asked for, from the extent of the scene inward.
+    pub(super) fn find_domains(&mut self) {
+        let world = [0, 1, 2].map(|i| (WORLD + i, Interval::new(-self.extent, self.extent)));
+        let root = Domain { point: Box3::cube(self.extent), variables: world.to_vec(), narrowed: false, tube: None };
+        self.domains.insert(self.root, root);
+        let mut order: Vec<ShapeId> = vec![self.root];
+        let mut seen: FxHashSet<ShapeId> = order.iter().copied().collect();
+        let mut at = 0;
+        while let Some(&shape) = order.get(at) {
+            at += 1;
+            let Some(s) = self.graph.shape(shape) else { continue };
+            let masks = s.paints.iter().map(|(m, _)| *m);
+            let inner = self.calls(&[s.value]).into_iter().map(|(s, _)| s).chain(masks);
+            for shape in inner.collect::<Vec<_>>() {
+                if seen.insert(shape) {
+                    order.push(shape);
+                }
+            }
+        }
+        // A shape's users have larger indices.
+        order.sort_unstable_by(|a, b| b.cmp(a));
+        for shape in order {
+            let (Some(domain), Some(s)) = (self.domains.get(&shape).cloned(), self.graph.shape(shape)) else {
+                continue;
+            };
+            let (value, paints) = (s.value, s.paints.clone());
+            for (mask, _) in paints.iter() {
+                self.widen(*mask, domain.clone());
+            }
+            self.visit(value, &domain);
+        }
+    }
+
+    /// Widens the domains of the shapes that a formula calls, each by what it is asked for: behind a region, only near it.
+    pub(super) fn visit(&mut self, node: NodeId, domain: &Domain) {
+        match self.graph.node(node).clone() {
+            Node::Op(op @ (Op::Min | Op::Max), args) => {
+                let near = if op == Op::Max { self.narrowed(node, domain) } else { None };
+                let inner = near.as_ref().map_or(domain, |(d, _, _)| d).clone();
+                for arg in args.iter() {
+                    self.visit(*arg, &inner);
+                }
+            }
+            Node::Op(Op::Neg, args) | Node::Claim(args, Claim::Continuous) => {
+                if let Some(arg) = args.first() {
+                    self.visit(*arg, domain);
+                }
+            }
+            Node::Op(Op::Select, args) if args.first().is_some_and(|c| self.is_uniform(*c)) => {
+                for arg in args.iter().skip(1) {
+                    self.visit(*arg, domain);
+                }
+            }
+            Node::Call(_, Function::Field, _) => {
+                let near = self.narrowed(node, domain);
+                let inner = near.as_ref().map_or(domain, |(d, _, _)| d).clone();
+                self.visit_all(node, &inner);
+            }
+            _ => self.visit_all(node, domain),
+        }
+    }
+
+    pub(super) fn visit_all(&mut self, node: NodeId, domain: &Domain) {
+        let tape = self.facts.tape(self.graph, node);
+        let ranges = self.facts.ranges_of(self.graph, &tape, domain);
+        for step in &tape.steps {
+            if let crate::analysis::tape::Step::Call(inner, args) = step {
+                let args: Vec<Interval> = args
+                    .iter()
+                    .map(|&a| ranges.get(a).copied().unwrap_or(Interval::ALL))
+                    .collect();
+                let variables =
+                    self.graph.shape(*inner).map(|s| s.variables.clone()).unwrap_or_default();
+                let mut own = crate::analysis::call_domain(&variables, &args);
+                own.narrowed = domain.narrowed;
+                self.widen(*inner, own);
+            }
+        }
+    }
+
+    /// For an intersection or a moved shape that has no constant over all space: its region, how far beyond it is trusted, and the domain
+    /// that its parts then need. None where it needs no region.
+    pub(super) fn narrowed(&mut self, node: NodeId, domain: &Domain) -> Option<Narrowed> {
+        let key = (node, domain.key(), domain.narrowed);
+        if let Some(known) = self.regions.get(&key) {
+            return known.clone();
+        }
+        let found = self.find_narrowed(node, domain);
+        self.regions.insert(key, found.clone());
+        found
+    }
+
+    pub(super) fn find_narrowed(&mut self, node: NodeId, domain: &Domain) -> Option<Narrowed> {
+        let everywhere = domain.at(Box3::ALL);
+        let unbounded = match self.graph.node(node).clone() {
+            Node::Call(_, _, args) => {
+                let point = args.get(..3).unwrap_or(&args);
+                self.facts.map_constant(self.graph, point, &everywhere, 1).lipschitz > STEEPEST
+            }
+            Node::Op(_, args) => args.iter().any(|&a| {
+                self.facts.constant(self.graph, a, &everywhere, 1).lipschitz > STEEPEST
+            }),
+            _ => false,
+        };
+        if !unbounded {
+            return None;
+        }
+        let (region, reach) = self.region_of(node, domain)?;
+        if region == domain.point {
+            return None;
+        }
+        let inner = Domain { narrowed: true, ..domain.at(region.grow(reach)) };
+        Some((inner, region, reach))
+    }
+
+    pub(super) fn widen(&mut self, shape: ShapeId, domain: Domain) {
+        let wider = match self.domains.get(&shape) {
+            Some(known) => known.hull(&domain),
+            None => domain,
+        };
+        self.domains.insert(shape, wider);
+    }
+
+    pub(super) fn domain(&self, shape: ShapeId) -> Domain {
+        self.domains.get(&shape).cloned().unwrap_or(Domain::of(Box3::cube(self.extent)))
+    }
+
+    /// Where a formula is solid within its domain, and how far beyond that it is trusted. None where it is nowhere solid.
+    pub(super) fn region_of(&mut self, node: NodeId, domain: &Domain) -> Option<(Box3, f64)> {
+        let region = self.facts.solid_region(self.graph, node, domain);
+        if region.is_empty() {
+            return None;
+        }
+        // Rounded up, so that the text of the module is short and the box surely holds the solid.
+        let unit = 2f64.powf((region.size().max(1e-3)).log2().floor() - 9.0);
+        let rounded = Box3(region.0.map(|i| {
+            Interval::new((i.lo / unit).floor() * unit, (i.hi / unit).ceil() * unit)
+        }))
+        .intersect(&domain.point);
+        // A thin solid does not get a thick coat, in which it would be as steep as far from its axis.
+        let narrowest = rounded.0.iter().map(|i| i.width()).fold(f64::INFINITY, f64::min);
+        let thick = rounded.size().min(2.0 * narrowest).max(0.1 * rounded.size());
+        let reach = (0.05 * thick).max(1e-4);
+        let reach = (reach / unit).ceil() * unit;
+        Some((rounded, reach))
+    }
+
+    /// Where a map only turns points about an axis: how far from it the solid of the shape reaches, which the turn does not change. None where
+    /// that says no more than the region does.
+    pub(super) fn tube(&mut self, inner: ShapeId, point: &[NodeId], region: &Box3) -> Option<(usize, f64)> {
+        let turned = |graph: &Graph, axis: usize| {
+            let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+            let is = |node: Option<&NodeId>, k: usize| {
+                node.is_some_and(|n| matches!(graph.node(*n), Node::Leaf(Leaf::P(c)) if usize::from(*c) == k))
+            };
+            let parts = |k: usize| match point.get(k).map(|n| graph.node(*n)) {
+                Some(Node::Op(op @ (Op::TurnU | Op::TurnV), args)) => Some((*op, args.to_vec())),
+                _ => None,
+            };
+            let (Some((first, a)), Some((second, b))) = (parts(i), parts(j)) else { return false };
+            let of_both = is(a.first(), i) && is(a.get(1), j) || is(a.first(), j) && is(a.get(1), i);
+            first != second && a == b && of_both
+        };
+        let axis = (0..3).find(|&axis| turned(self.graph, axis))?;
+        let value = self.graph.shape(inner)?.value;
+        let own = self.domain(inner);
+        let solid = self.facts.solid_region(self.graph, value, &own);
+        let far = |i: usize| solid.axis((axis + i) % 3).magnitude();
+        let radius = far(1).hypot(far(2));
+        // Rounded up, so that the text is short.
+        let unit = 2f64.powf(radius.max(1e-3).log2().floor() - 9.0);
+        let radius = (radius / unit).ceil() * unit;
+        let corner = |i: usize| region.axis((axis + i) % 3).magnitude();
+        (!solid.is_empty() && radius < 0.95 * corner(1).hypot(corner(2))).then_some((axis, radius))
+    }
+}

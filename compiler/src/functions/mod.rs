@@ -1,0 +1,312 @@
+//! From the graph of a scene to the functions that a module holds: field, bound, distance, gradient, surface.
+//!
+//! The *field* is what the formulas say. The *bound* says how far a ray may step: operands of `min` and `max` are normalised one
+//! by one, smooth groups as a whole, and a formula without a constant over all space behind its region. The *distance* is the
+//! estimate that light and contact use: it is composed in the same way and never holds a factor.
+
+mod bound;
+mod distance;
+mod domains;
+mod jumps;
+mod surface;
+
+use crate::analysis::search::{Search, Target};
+use crate::analysis::{Box3, Domain, Facts};
+use crate::compiled::SceneBlocks;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::graph::{Function, Graph, Leaf, Node, NodeId, Proof, ShapeId, WORLD};
+use crate::source::Span;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// The formulas of every function of every shape that the root's functions call.
+#[derive(Clone, Debug, Default)]
+pub struct Functions {
+    /// Formula by shape and function, in the shape's own space: it reads `p`, the shape's variables, parameters, time, factors,
+    /// and calls functions of other shapes. `Gradient(0..=2)` are present together or not at all.
+    pub formulas: FxHashMap<(ShapeId, Function), NodeId>,
+    /// The root's surface, in the scene's space: it reads `p`, `Normal`, and calls fields.
+    pub surface: Surface,
+    /// What each of [`Graph::factors`] was found from; none for one that is measured.
+    pub searches: Vec<Option<Search>>,
+}
+
+/// How the surface at a point answers light.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Surface {
+    /// Linear colour.
+    pub color: [NodeId; 3],
+    /// Light of its own, linear.
+    pub emission: [NodeId; 3],
+    /// 0 to 1.
+    pub roughness: NodeId,
+    /// 0 to 1.
+    pub metallic: NodeId,
+    /// 0 to 1.
+    pub reflectivity: NodeId,
+}
+
+/// What is known of a scene, in numbers that a person may ask for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    /// Nodes of the graph of its field, calls not opened.
+    pub nodes: usize,
+    /// Shapes that are made of numbers alone.
+    pub primitives: usize,
+    /// The largest Lipschitz factor; 1 where none was needed.
+    pub factor: f64,
+    /// What is known of the field as a whole.
+    pub kind: Kind,
+    /// Least and greatest corner of a box that holds the solid, where there is one within the extent.
+    pub bounds: Option<[[f64; 3]; 2]>,
+}
+
+/// What is known of a scene's value as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// The signed distance itself.
+    Exact,
+    /// Changes by no more than the distance of two points, times a factor.
+    Lipschitz,
+    /// A bound outside and inside that is no Lipschitz function: regions are in it.
+    Bound,
+    /// Something in it is only measured: rays may step too far.
+    Unproven,
+}
+
+/// Boxes that one constant may cost.
+const BUDGET: usize = 192;
+/// How far a ray steps across a jump, for each unit of the size of what jumps: more than 32 bits can lose.
+const HAIR: f64 = 4e-6;
+/// How far a ray steps across a jump at most.
+pub(crate) const LONGEST_HAIR: f64 = 25.0 * HAIR;
+/// A formula that is steeper than this has no bound that is of any use.
+const STEEPEST: f64 = 1e4;
+/// A constant over all space up to here is not worth a region.
+const GENTLE: f64 = 1.2;
+/// A formula of more steps than this is given a region only where much is gained.
+const LONG: usize = 150;
+/// Points at which a formula is looked at where nothing is proven.
+const SAMPLES: usize = 4096;
+/// A constant up to here counts as one.
+const UNIT: f64 = 1.0 + 1e-6;
+
+/// How a formula becomes a bound.
+#[derive(Clone, Copy, Debug)]
+struct Treatment {
+    constant: f64,
+    jumps: bool,
+    /// The formula is trusted only here; beyond it the distance to this box is the bound.
+    region: Option<(Box3, f64)>,
+    proof: Proof,
+    /// Whether the constant is that of all space.
+    everywhere: bool,
+}
+
+/// A constant, how it is known, and of what over which domain.
+struct Known {
+    lipschitz: f64,
+    proof: Proof,
+    search: Option<(Target, Domain)>,
+}
+
+/// The domain that the parts of a formula with a region need, the region, and how far beyond it the formula is trusted.
+type Narrowed = (Domain, Box3, f64);
+
+/// What is made on the way from graph to functions.
+pub struct Builder<'a> {
+    graph: &'a mut Graph,
+    facts: &'a mut Facts,
+    root: ShapeId,
+    extent: f64,
+    domains: FxHashMap<ShapeId, Domain>,
+    treatments: FxHashMap<(ShapeId, NodeId, Vec<u64>, bool), Option<Treatment>>,
+    regions: FxHashMap<(NodeId, Vec<u64>, bool), Option<Narrowed>>,
+    built: Functions,
+    /// What was found on the way.
+    pub diagnostics: Vec<Diagnostic>,
+    /// What is known of the whole.
+    pub kind: Kind,
+    /// Whether what can't be proven is an error.
+    strict: bool,
+    surfaces: FxHashMap<NodeId, Option<Look>>,
+}
+
+/// The nine numbers of a surface, or that nothing gives it a material.
+type Look = [NodeId; 9];
+
+/// The scene's shape with `world` bound: in the scene's own space the point of the scene is the point. So whatever reads it further in
+/// is seen to move with the point.
+pub fn bind_world(graph: &mut Graph, root: ShapeId) -> ShapeId {
+    let Some(shape) = graph.shape(root).cloned() else { return root };
+    let point = graph.point();
+    let bound = graph.substitute(&[shape.value], |leaf| match leaf {
+        Leaf::Variable(v) if v < WORLD + 3 => point.get((v - WORLD) as usize).copied(),
+        _ => None,
+    });
+    let value = bound.first().copied().unwrap_or(shape.value);
+    graph.add_shape(crate::graph::Shape { value, ..shape })
+}
+
+/// Builds the functions of a scene whose shape has been through [`bind_world`].
+pub fn build(
+    graph: &mut Graph,
+    facts: &mut Facts,
+    root: ShapeId,
+    blocks: &SceneBlocks,
+    strict: bool,
+) -> (Functions, Summary, Vec<Diagnostic>) {
+    let mut builder = Builder {
+        graph,
+        facts,
+        root,
+        extent: blocks.extent,
+        domains: FxHashMap::default(),
+        treatments: FxHashMap::default(),
+        regions: FxHashMap::default(),
+        built: Functions::default(),
+        diagnostics: Vec::new(),
+        kind: Kind::Exact,
+        strict,
+        surfaces: FxHashMap::default(),
+    };
+    builder.find_domains();
+    let mut functions = vec![
+        (root, Function::Field),
+        (root, Function::Bound),
+        (root, Function::Distance),
+        (root, Function::Gradient(0)),
+        (root, Function::Gradient(1)),
+        (root, Function::Gradient(2)),
+    ];
+    builder.build_surface();
+    let surface = builder.built.surface;
+    let mut surface_nodes = surface.color.to_vec();
+    surface_nodes.extend(surface.emission);
+    surface_nodes.extend([surface.roughness, surface.metallic, surface.reflectivity]);
+    functions.extend(builder.calls(&surface_nodes));
+    while let Some((shape, function)) = functions.pop() {
+        if builder.built.formulas.contains_key(&(shape, function)) {
+            continue;
+        }
+        for (function, formula) in builder.formulas_of(shape, function) {
+            builder.built.formulas.insert((shape, function), formula);
+            functions.extend(builder.calls(&[formula]));
+        }
+    }
+    let summary = builder.summary();
+    (builder.built, summary, builder.diagnostics)
+}
+
+impl Kind {
+    /// Its name in tables and in JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Exact => "exact",
+            Kind::Lipschitz => "lipschitz",
+            Kind::Bound => "bound",
+            Kind::Unproven => "unproven",
+        }
+    }
+}
+
+impl Builder<'_> {
+    fn calls(&self, roots: &[NodeId]) -> Vec<(ShapeId, Function)> {
+        self.graph
+            .reachable(roots)
+            .into_iter()
+            .filter_map(|id| match self.graph.node(id) {
+                Node::Call(shape, function, _) => Some((*shape, *function)),
+                _ => None,
+            })
+            .collect()
+    }
+
+    fn summary(&mut self) -> Summary {
+        let mut shapes = vec![self.root];
+        let mut seen: FxHashSet<ShapeId> = FxHashSet::default();
+        let mut nodes: FxHashSet<NodeId> = FxHashSet::default();
+        let mut primitives = 0;
+        while let Some(shape) = shapes.pop() {
+            let Some(s) = self.graph.shape(shape) else { continue };
+            if !seen.insert(shape) {
+                continue;
+            }
+            nodes.extend(self.graph.reachable(&[s.value]));
+            let inner = self.calls(&[s.value]);
+            primitives += usize::from(inner.is_empty() && self.graph.as_constant(s.value).is_none());
+            shapes.extend(inner.into_iter().map(|(s, _)| s));
+        }
+        let factor = self.graph.factors.iter().map(|f| f.lipschitz).fold(1.0, f64::max);
+        let domain = self.domain(self.root);
+        let bounds = self
+            .graph
+            .shape(self.root)
+            .map(|s| s.value)
+            .map(|value| self.facts.rough_region(self.graph, value, &domain))
+            .filter(|r| !r.is_empty() && r.0.iter().all(|i| i.lo > -self.extent && i.hi < self.extent))
+            .map(|r| [r.0.map(|i| i.lo), r.0.map(|i| i.hi)]);
+        Summary { nodes: nodes.len(), primitives, factor, kind: self.kind, bounds }
+    }
+
+    /// The formula of a function of a shape; of a gradient, all three.
+    fn formulas_of(&mut self, shape: ShapeId, function: Function) -> Vec<(Function, NodeId)> {
+        let Some(s) = self.graph.shape(shape) else { return Vec::new() };
+        let value = s.value;
+        match function {
+            Function::Field => vec![(function, value)],
+            Function::Bound => {
+                let domain = self.domain(shape);
+                let bound = self.bound(shape, value, &domain, false);
+                vec![(function, bound)]
+            }
+            Function::Distance => {
+                let domain = self.domain(shape);
+                let distance = self.distance(shape, value, &domain);
+                vec![(function, distance)]
+            }
+            Function::Gradient(_) => {
+                let gradient = self.gradient(value);
+                (0..3).zip(gradient).map(|(i, g)| (Function::Gradient(i), g)).collect()
+            }
+        }
+    }
+
+    /// Whether a node is the same everywhere in the space in which it stands.
+    fn is_uniform(&self, node: NodeId) -> bool {
+        !self.graph.reachable(&[node]).iter().any(|&id| {
+            matches!(
+                self.graph.node(id),
+                Node::Leaf(Leaf::P(_) | Leaf::Normal(_) | Leaf::Variable(_)) | Node::Call(..)
+            )
+        })
+    }
+
+    /// The components of parameters that a constant depends on.
+    fn parameters_of(&self, target: &Target) -> Vec<u32> {
+        let nodes = match target {
+            Target::Value(node) => std::slice::from_ref(node),
+            Target::Map(point) => point,
+        };
+        let mut read: Vec<u32> = self.graph.parameters_under(nodes).into_iter().collect();
+        read.sort_unstable();
+        read
+    }
+
+    fn place(&self, shape: ShapeId, node: NodeId) -> Span {
+        let of_shape = self.graph.shape(shape).map(|s| s.span);
+        self.graph.location(node).or(of_shape).unwrap_or(Span::new(crate::source::FileId(0), 0, 0))
+    }
+
+    fn extent_used(&mut self, shape: ShapeId, node: NodeId) {
+        let span = self.place(shape, node);
+        self.diagnostics.push(Diagnostic::new(
+            Code::ExtentUsed,
+            span,
+            format!(
+                "this has no bound over all space; it is proven and drawn within the scene's extent of {}",
+                self.extent
+            ),
+            "keep it within a region with `.within(box(…))`, or set `render { extent: … }` to what the scene needs",
+        ));
+    }
+}

@@ -1,0 +1,208 @@
+//! The surface: how a point of it answers light.
+
+use super::{Builder, Look, Surface};
+use crate::graph::kernel::Op;
+use crate::graph::{Function, Graph, Leaf, MaterialId, Node, NodeId, ShapeId, kernel, WORLD};
+
+impl Builder<'_> {
+    /// The surface of the scene.
+    pub(super) fn build_surface(&mut self) {
+        let point = self.graph.point();
+        let variables = self.graph.shape(self.root).map(|s| s.variables.clone()).unwrap_or_default();
+        let mut args = point.to_vec();
+        args.extend(variables.iter().map(|&v| {
+            if v < WORLD + 3 { point.get((v - WORLD) as usize).copied().unwrap_or(point[0]) } else { self.graph.constant(0.0) }
+        }));
+        let look = match self.look_of_shape(self.root, &args) {
+            Some(look) => look,
+            None => self.default_look(),
+        };
+        let [r, g, b, er, eg, eb, roughness, metallic, reflectivity] = look;
+        self.built.surface =
+            Surface { color: [r, g, b], emission: [er, eg, eb], roughness, metallic, reflectivity };
+    }
+
+    pub(super) fn default_look(&mut self) -> Look {
+        let grey = self.graph.constant(0.55);
+        let zero = self.graph.constant(0.0);
+        let roughness = self.graph.constant(0.6);
+        [grey, grey, grey, zero, zero, zero, roughness, zero, zero]
+    }
+
+    /// The material of a shape at a point of the scene's space; none where nothing in it has one.
+    pub(super) fn look_of_shape(&mut self, shape: ShapeId, args: &[NodeId]) -> Option<Look> {
+        let s = self.graph.shape(shape)?.clone();
+        let mut look = match s.material {
+            Some(material) => self.look_of_material(shape, material, args),
+            None => {
+                let value = self.graph.open(shape, s.value, args);
+                self.look(value)
+            }
+        };
+        for (mask, material) in s.paints.iter() {
+            let painted = self.look_of_material(shape, *material, args);
+            let below = look.unwrap_or(self.default_look());
+            let mask_args = self.pass_variables(shape, *mask, args);
+            let field = self.graph.call(*mask, Function::Field, &mask_args);
+            let zero = self.graph.constant(0.0);
+            let inside = self.graph.op(Op::Lt, &[field, zero]);
+            look = painted.map(|p| self.pick_look(inside, p, below)).or(Some(below));
+        }
+        look
+    }
+
+    pub(super) fn pass_variables(&mut self, outer: ShapeId, inner: ShapeId, args: &[NodeId]) -> Vec<NodeId> {
+        let of = |graph: &Graph, s: ShapeId| graph.shape(s).map(|s| s.variables.to_vec()).unwrap_or_default();
+        let outer = of(self.graph, outer);
+        let mut passed: Vec<NodeId> = args.iter().take(3).copied().collect();
+        for v in of(self.graph, inner) {
+            let known = outer.binary_search(&v).ok().and_then(|i| args.get(3 + i).copied());
+            passed.push(known.unwrap_or_else(|| self.graph.leaf(Leaf::Variable(v))));
+        }
+        passed
+    }
+
+    pub(super) fn look_of_material(&mut self, shape: ShapeId, material: MaterialId, args: &[NodeId]) -> Option<Look> {
+        let m = self.graph.materials.get(material.0 as usize)?.clone();
+        let [r, g, b] = m.color;
+        let [er, eg, eb] = m.emission;
+        let nodes = [r, g, b, er, eg, eb, m.roughness, m.metallic, m.reflectivity];
+        Some(self.graph.open_all(shape, nodes, args))
+    }
+
+    /// The material at the zero set of a formula in the scene's space.
+    pub(super) fn look(&mut self, node: NodeId) -> Option<Look> {
+        if let Some(known) = self.surfaces.get(&node) {
+            return *known;
+        }
+        let found = self.find_look(node);
+        self.surfaces.insert(node, found);
+        found
+    }
+
+    pub(super) fn find_look(&mut self, node: NodeId) -> Option<Look> {
+        match self.graph.node(node).clone() {
+            Node::Op(op @ (Op::Min | Op::Max), args) => {
+                let (a, b) = (*args.first()?, *args.get(1)?);
+                let (first, second) = match (self.look(a), self.look(b)) {
+                    (None, None) => return None,
+                    (Some(first), Some(second)) => (first, second),
+                    // A cut shows the cutter's material if it has one; a part of a union without one looks as it would alone.
+                    (Some(one), None) if op == Op::Max => return Some(one),
+                    (None, Some(one)) if op == Op::Max => return Some(one),
+                    (Some(first), None) => (first, self.default_look()),
+                    (None, Some(second)) => (self.default_look(), second),
+                };
+                if first == second {
+                    return Some(first);
+                }
+                let wins = self.graph.op(Op::Le, &if op == Op::Min { [a, b] } else { [b, a] });
+                Some(self.pick_look(wins, first, second))
+            }
+            Node::Op(Op::Neg, args) => self.look(*args.first()?),
+            Node::Op(Op::Select, args) if args.first().is_some_and(|c| self.is_uniform(*c)) => {
+                let (c, a, b) = (*args.first()?, *args.get(1)?, *args.get(2)?);
+                match (self.look(a), self.look(b)) {
+                    (Some(a), Some(b)) => Some(self.pick_look(c, a, b)),
+                    (a, b) => a.or(b),
+                }
+            }
+            Node::Claim(args, _) => self.look(*args.first()?),
+            Node::Call(shape, Function::Field, args) => self.look_of_shape(shape, &args),
+            _ => self.mixed_look(node),
+        }
+    }
+
+    /// Of a formula over several shapes: their materials, by how much the value follows each of them.
+    pub(super) fn mixed_look(&mut self, node: NodeId) -> Option<Look> {
+        let calls: Vec<NodeId> = self
+            .graph
+            .reachable(&[node])
+            .into_iter()
+            .filter(|&id| matches!(self.graph.node(id), Node::Call(_, Function::Field, _)))
+            .collect();
+        let mut looks: Vec<(NodeId, Look)> = Vec::new();
+        for call in calls {
+            if let Some(look) = self.look(call) {
+                looks.push((call, look));
+            }
+        }
+        let (_, first) = *looks.first()?;
+        if looks.iter().all(|(_, l)| *l == first) {
+            return Some(first);
+        }
+        let weights: Vec<NodeId> = looks
+            .iter()
+            .map(|(call, _)| {
+                let slope = self.slope(node, *call);
+                self.graph.op(Op::Abs, &[slope])
+            })
+            .collect();
+        let mut total = self.graph.constant(1e-12);
+        for weight in &weights {
+            total = self.graph.op(Op::Add, &[total, *weight]);
+        }
+        let zero = self.graph.constant(0.0);
+        let mut mixed = [zero; 9];
+        for ((_, look), weight) in looks.iter().zip(weights) {
+            let share = self.graph.op(Op::Div, &[weight, total]);
+            for (slot, entry) in mixed.iter_mut().zip(look) {
+                let term = self.graph.op(Op::Mul, &[share, *entry]);
+                *slot = self.graph.op(Op::Add, &[*slot, term]);
+            }
+        }
+        Some(mixed)
+    }
+
+    /// The derivative of a node by another node inside it.
+    pub(super) fn slope(&mut self, node: NodeId, by: NodeId) -> NodeId {
+        let zero = self.graph.constant(0.0);
+        let one = self.graph.constant(1.0);
+        let order = self.graph.reachable(&[node]);
+        let mut slopes: Vec<NodeId> = Vec::with_capacity(order.len());
+        for &id in &order {
+            let of = |a: &NodeId, s: &[NodeId]| {
+                order.binary_search(a).ok().and_then(|i| s.get(i).copied()).unwrap_or(zero)
+            };
+            let slope = if id == by {
+                one
+            } else {
+                match self.graph.node(id).clone() {
+                    Node::Op(Op::Min | Op::Max, args) if args.len() == 2 => {
+                        let (a, b) = (args.first().copied().unwrap_or(id), args.get(1).copied().unwrap_or(id));
+                        let first = matches!(self.graph.node(id), Node::Op(Op::Min, _));
+                        let wins = self.graph.op(Op::Le, &if first { [a, b] } else { [b, a] });
+                        let (sa, sb) = (of(&a, &slopes), of(&b, &slopes));
+                        self.graph.op(Op::Select, &[wins, sa, sb])
+                    }
+                    Node::Op(op, args) => {
+                        let inner: Vec<NodeId> = args.iter().map(|a| of(a, &slopes)).collect();
+                        if inner.iter().all(|s| *s == zero) {
+                            zero
+                        } else {
+                            let partials = kernel::partials(self.graph, op, &args, id);
+                            let mut total = zero;
+                            for (partial, s) in partials.iter().zip(inner) {
+                                let term = self.graph.op(Op::Mul, &[*partial, s]);
+                                total = self.graph.op(Op::Add, &[total, term]);
+                            }
+                            total
+                        }
+                    }
+                    Node::Claim(args, _) => args.first().map_or(zero, |a| of(a, &slopes)),
+                    _ => zero,
+                }
+            };
+            slopes.push(slope);
+        }
+        slopes.last().copied().unwrap_or(zero)
+    }
+
+    pub(super) fn pick_look(&mut self, condition: NodeId, a: Look, b: Look) -> Look {
+        let mut chosen = a;
+        for (slot, other) in chosen.iter_mut().zip(b) {
+            *slot = self.graph.op(Op::Select, &[condition, *slot, other]);
+        }
+        chosen
+    }
+}
