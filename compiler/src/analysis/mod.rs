@@ -17,6 +17,7 @@ pub mod tape;
 
 use crate::graph::algebra::Intervals;
 use crate::graph::interval::Interval;
+use crate::graph::kernel;
 use crate::graph::{Exactness, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
 use constant::STEPS;
 pub use constant::Constant;
@@ -36,6 +37,7 @@ pub struct Facts {
     weights: FxHashMap<NodeId, usize>,
     duals: FxHashMap<(ShapeId, Vec<u64>), Dual>,
     ranges: FxHashMap<(ShapeId, Vec<u64>), Interval>,
+    live_ranges: FxHashMap<NodeId, Interval>,
     regions: FxHashMap<(NodeId, Vec<u64>, u64), Box3>,
     constants: FxHashMap<(NodeId, Vec<u64>, usize), Constant>,
     maps: FxHashMap<(Vec<NodeId>, Vec<u64>, usize), Constant>,
@@ -70,6 +72,7 @@ impl Default for Facts {
             weights: FxHashMap::default(),
             duals: FxHashMap::default(),
             ranges: FxHashMap::default(),
+            live_ranges: FxHashMap::default(),
             regions: FxHashMap::default(),
             constants: FxHashMap::default(),
             maps: FxHashMap::default(),
@@ -131,9 +134,37 @@ impl Facts {
         weight
     }
 
-    /// All values of a node that reads nothing but parameters and time.
+    /// All values of a node that reads nothing but parameters and time. Each node is looked at once: loops ask for chains that grow with
+    /// every turn.
     pub fn live_range(&mut self, graph: &Graph, node: NodeId) -> Interval {
-        self.range(graph, node, &Domain::of(Box3::ALL))
+        let everywhere = Domain::of(Box3::ALL);
+        let pinned = self.pinned.clone();
+        let mut open = vec![node];
+        while let Some(&id) = open.last() {
+            if self.live_ranges.contains_key(&id) {
+                open.pop();
+                continue;
+            }
+            let args = graph.arguments(id);
+            let before = open.len();
+            open.extend(args.iter().copied().filter(|a| !self.live_ranges.contains_key(a)));
+            if open.len() > before {
+                continue;
+            }
+            let known: Vec<Interval> =
+                args.iter().map(|a| self.live_ranges.get(a).copied().unwrap_or(Interval::ALL)).collect();
+            let range = match graph.node(id) {
+                Node::Constant(bits) => Interval::point(f64::from_bits(*bits)),
+                Node::Leaf(leaf) => leaf_range(graph, &pinned, *leaf, &everywhere),
+                Node::Op(op, _) => kernel::interval(*op, &known),
+                Node::Call(shape, _, _) => self.shape_range(graph, *shape, &known),
+                Node::Claim(..) => known.first().copied().unwrap_or(Interval::ALL),
+                Node::Factor(i) => Interval::point(graph.factors.get(*i as usize).map_or(1.0, |f| 1.0 / f.lipschitz)),
+            };
+            self.live_ranges.insert(id, range);
+            open.pop();
+        }
+        self.live_ranges.get(&node).copied().unwrap_or(Interval::ALL)
     }
 
     /// All values of a node over a domain.

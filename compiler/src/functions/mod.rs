@@ -129,6 +129,7 @@ pub struct Builder<'a> {
     /// Whether what can't be proven is an error.
     strict: bool,
     surfaces: FxHashMap<NodeId, Option<Look>>,
+    looks: FxHashMap<NodeId, surface::Looks>,
 }
 
 /// The nine numbers of a surface, or that nothing gives it a material.
@@ -168,6 +169,7 @@ pub fn build(
         kind: Kind::Exact,
         strict,
         surfaces: FxHashMap::default(),
+        looks: FxHashMap::default(),
     };
     builder.find_domains();
     let mut functions = vec![
@@ -273,12 +275,8 @@ impl Builder<'_> {
 
     /// Whether a node is the same everywhere in the space in which it stands.
     fn is_uniform(&self, node: NodeId) -> bool {
-        !self.graph.reachable(&[node]).iter().any(|&id| {
-            matches!(
-                self.graph.node(id),
-                Node::Leaf(Leaf::P(_) | Leaf::Normal(_) | Leaf::Variable(_)) | Node::Call(..)
-            )
-        })
+        let reads = self.graph.reads(node);
+        reads.nothing() && !reads.shapes
     }
 
     /// The components of parameters that a constant depends on.

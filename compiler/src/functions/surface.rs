@@ -4,6 +4,27 @@ use super::{Builder, Look, Surface};
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, Leaf, MaterialId, Node, NodeId, ShapeId, kernel, WORLD};
 
+/// The looks of the shapes that a formula calls.
+#[derive(Clone, Copy)]
+pub(super) enum Looks {
+    /// None of them has a material.
+    None,
+    /// All that have a material have this one.
+    One(Look),
+    /// They differ.
+    Many,
+}
+
+impl Looks {
+    fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Looks::None, looks) | (looks, Looks::None) => looks,
+            (Looks::One(a), Looks::One(b)) if a == b => self,
+            _ => Looks::Many,
+        }
+    }
+}
+
 impl Builder<'_> {
     /// The surface of the scene.
     pub(super) fn build_surface(&mut self) {
@@ -114,22 +135,19 @@ impl Builder<'_> {
     }
 
     /// Of a formula over several shapes: their materials, by how much the value follows each of them.
-    pub(super) fn mixed_look(&mut self, node: NodeId) -> Option<Look> {
-        let calls: Vec<NodeId> = self
-            .graph
-            .reachable(&[node])
-            .into_iter()
-            .filter(|&id| matches!(self.graph.node(id), Node::Call(_, Function::Field, _)))
-            .collect();
+    fn mixed_look(&mut self, node: NodeId) -> Option<Look> {
+        match self.looks_under(node) {
+            Looks::None => return None,
+            Looks::One(look) => return Some(look),
+            Looks::Many => {}
+        }
         let mut looks: Vec<(NodeId, Look)> = Vec::new();
-        for call in calls {
-            if let Some(look) = self.look(call) {
+        for call in self.graph.reachable(&[node]) {
+            if matches!(self.graph.node(call), Node::Call(_, Function::Field, _))
+                && let Some(look) = self.look(call)
+            {
                 looks.push((call, look));
             }
-        }
-        let (_, first) = *looks.first()?;
-        if looks.iter().all(|(_, l)| *l == first) {
-            return Some(first);
         }
         let weights: Vec<NodeId> = looks
             .iter()
@@ -152,6 +170,33 @@ impl Builder<'_> {
             }
         }
         Some(mixed)
+    }
+
+    /// How many looks the shapes have that a formula calls. Each node is asked once: a loop's formula holds those of all turns before it.
+    fn looks_under(&mut self, node: NodeId) -> Looks {
+        let mut open = vec![node];
+        while let Some(&id) = open.last() {
+            if self.looks.contains_key(&id) {
+                open.pop();
+                continue;
+            }
+            let own = match self.graph.node(id) {
+                Node::Call(_, Function::Field, _) => self.look(id).map_or(Looks::None, Looks::One),
+                _ => Looks::None,
+            };
+            let args = self.graph.arguments(id);
+            let before = open.len();
+            let wanted = |a: &&NodeId| self.graph.reads(**a).shapes;
+            open.extend(args.iter().filter(wanted).filter(|a| !self.looks.contains_key(a)));
+            if open.len() > before {
+                continue;
+            }
+            let known = args.iter().filter_map(|a| self.looks.get(a).copied());
+            let all = known.fold(own, Looks::and);
+            self.looks.insert(id, all);
+            open.pop();
+        }
+        self.looks.get(&node).copied().unwrap_or(Looks::None)
     }
 
     /// The derivative of a node by another node inside it.

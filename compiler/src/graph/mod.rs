@@ -299,13 +299,14 @@ impl Graph {
     fn add(&mut self, node: Node) -> NodeId {
         let id = self.nodes.len() as u32;
         let reads = match &node {
-            Node::Leaf(Leaf::P(_) | Leaf::Normal(_)) => Reads { point: true, variables: 0 },
-            Node::Leaf(Leaf::Variable(v)) => Reads { point: false, variables: self.sets.one(*v) },
+            Node::Leaf(Leaf::P(_) | Leaf::Normal(_)) => Reads { point: true, ..Reads::default() },
+            Node::Leaf(Leaf::Variable(v)) => Reads { variables: self.sets.one(*v), ..Reads::default() },
             Node::Op(_, args) | Node::Call(_, _, args) | Node::Claim(args, _) => {
-                let mut all = Reads::default();
+                let mut all = Reads { shapes: matches!(node, Node::Call(..)), ..Reads::default() };
                 for &arg in args.iter() {
                     let of = self.reads(arg);
                     all.point |= of.point;
+                    all.shapes |= of.shapes;
                     all.variables = self.sets.union(all.variables, of.variables);
                 }
                 all
@@ -317,7 +318,8 @@ impl Graph {
         NodeId(id)
     }
 
-    fn reads(&self, id: NodeId) -> Reads {
+    /// What a node reads of the space in which it stands.
+    pub(crate) fn reads(&self, id: NodeId) -> Reads {
         self.reads.get(id.0 as usize).copied().unwrap_or_default()
     }
 

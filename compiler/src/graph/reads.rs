@@ -8,6 +8,8 @@ use std::sync::Arc;
 pub struct Reads {
     /// Whether it reads the point, or the normal.
     pub point: bool,
+    /// Whether it calls a shape.
+    pub shapes: bool,
     /// The variables that it reads: a number of [`Sets`].
     pub variables: u32,
 }
@@ -15,7 +17,7 @@ pub struct Reads {
 impl Reads {
     /// Whether it is the same wherever it stands: it reads nothing of a space.
     pub fn nothing(self) -> bool {
-        self == Self::default()
+        !self.point && self.variables == 0
     }
 }
 
