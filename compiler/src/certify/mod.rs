@@ -22,6 +22,7 @@ mod ball;
 mod code;
 mod falsify;
 mod forward;
+mod jumps;
 mod pieces;
 mod ray;
 mod steepest;
@@ -76,6 +77,7 @@ pub struct Prover<'t> {
     ray_slots: Vec<Slot<1>>,
     branches: Branches<3>,
     ray_branches: Branches<1>,
+    live: Vec<bool>,
 }
 
 /// A code that is shorter than this is not made shorter over natural intervals before its full evaluation.
@@ -114,6 +116,7 @@ impl Truth {
             ray_slots: Vec::new(),
             branches: Branches::default(),
             ray_branches: Branches::default(),
+            live: Vec::new(),
         }
     }
 }

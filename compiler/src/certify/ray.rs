@@ -2,6 +2,7 @@
 
 use super::code::Code;
 use super::forward::{self, Domain};
+use super::jumps::{self, Side};
 use super::{BRANCHES, Prover, SHORT, joined};
 use crate::graph::interval::Interval;
 use std::sync::Arc;
@@ -19,6 +20,9 @@ pub enum Hit {
     /// The budget of boxes was used up; nothing before.
     Exhausted(f64),
 }
+
+/// Pieces that are looked at where a segment holds jumps.
+const PIECES: usize = 64;
 
 impl Prover<'_> {
     /// The first place with `near < t < far` where the field along `origin + t direction` changes its sign: for a ray that begins outside
@@ -51,6 +55,9 @@ impl Prover<'_> {
             }
             let slots = &self.ray_slots;
             let code = code.shorter(|i| slots.get(i).map_or(Interval::ALL, |s| s.range), &mut self.room).map_or(code, Arc::new);
+            if whole.jump && self.kept(&code, range, &mut { PIECES }) != 0 {
+                continue;
+            }
             let narrow = hi - lo <= 1e-10 * size(origin, direction, lo).max(1.0);
             if narrow || self.monotone(&code, range) {
                 match (self.sign(&code, [lo]), self.sign(&code, [hi])) {
@@ -67,6 +74,29 @@ impl Prover<'_> {
             open.push((lo, cut, code));
         }
         Hit::Miss
+    }
+
+    /// The sign that the field surely keeps all along a segment across its jumps, or 0. Looks at `left` pieces at most.
+    fn kept(&mut self, code: &Code, range: [Interval; 1], left: &mut usize) -> i8 {
+        let whole = forward::full(code, &Domain::new(range, None), &mut self.ray_slots);
+        if whole.range.lo > 0.0 || whole.range.hi < 0.0 {
+            return if whole.range.lo > 0.0 { 1 } else { -1 };
+        }
+        let slots = &self.ray_slots;
+        let parted = if whole.jump { jumps::parted(code, |i| slots.get(i).map_or(Interval::ALL, |s| s.range), &mut self.live) } else { None };
+        let mut sign = 0;
+        for (piece, guard) in parted.unwrap_or_default() {
+            if guard.side(&range, &mut self.ranges) == Side::Outside {
+                continue;
+            }
+            *left = left.saturating_sub(1);
+            let here = if *left == 0 { 0 } else { self.kept(&piece, range, left) };
+            if here == 0 || here == -sign {
+                return 0;
+            }
+            sign = here;
+        }
+        sign
     }
 
     /// Whether the field surely rises, or surely falls, all along a segment.

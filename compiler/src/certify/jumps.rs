@@ -1,0 +1,173 @@
+//! Jumps, piece by piece.
+//!
+//! Where a box holds the border between two cells of a repetition, of noise, or of a condition, an operation jumps there, and little can
+//! be said of the field over the whole box. But the border parts it in pieces, and on each the operation is a number (or an angle that
+//! does not turn over), so the field is that of a formula without the jump. The formula goes on beyond its piece, so it is looked at over
+//! the whole box: what holds there holds on the piece. A [`Guard`] tells which parts of the box hold nothing of the piece.
+
+// A step names only steps before it, so every index is in range.
+#![allow(clippy::indexing_slicing)]
+
+use super::code::{Code, Known, Step, known};
+use super::forward;
+use crate::graph::interval::Interval;
+use crate::graph::kernel::Op;
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+
+/// Jumps that may be open in a box that is parted: each can double the pieces.
+const OPEN: usize = 4;
+/// Pieces of one jump.
+const PIECES: f64 = 3.0;
+
+/// Where a piece lies: where a code's value is within an interval.
+#[derive(Clone, Debug)]
+pub(super) struct Guard {
+    code: Code,
+    within: Interval,
+}
+
+/// How a box lies to a guard's piece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    /// All of it is in the piece.
+    Inside,
+    /// None of it is.
+    Outside,
+    /// Neither is certain.
+    Both,
+}
+
+impl Guard {
+    /// How a box lies to the piece. `values` is room.
+    pub(super) fn side<const D: usize>(&self, range: &[Interval; D], values: &mut Vec<Interval>) -> Side {
+        let value = forward::natural(&self.code, range, values);
+        if value.intersect(self.within).is_empty() {
+            Side::Outside
+        } else if value.intersect(self.within) == value {
+            Side::Inside
+        } else {
+            Side::Both
+        }
+    }
+}
+
+/// The pieces of a box: of each its code and where it is. None where nothing jumps, or too much. `range`: all values of each step over the
+/// box; `live` is room.
+pub(super) fn parted(code: &Code, range: impl Fn(usize) -> Interval, live: &mut Vec<bool>) -> Option<Vec<(Code, Guard)>> {
+    live.clear();
+    live.resize(code.steps.len(), false);
+    *live.last_mut()? = true;
+    let (mut first, mut open) = (None, 0);
+    for (i, step) in code.steps.iter().enumerate().rev() {
+        let (true, Step::Op(op, from)) = (live[i], *step) else { continue };
+        let arguments = from.map(|a| range(a as usize));
+        match known(op, arguments, range(i)) {
+            Known::Argument(k) => live[from[k] as usize] = true,
+            Known::Negated => live[from[0] as usize] = true,
+            Known::Constant(_) => {}
+            Known::Open => {
+                from[..usize::from(op.row().arity)].iter().for_each(|&a| live[a as usize] = true);
+                // A hash jumps where its arguments do.
+                let [a, b, ..] = arguments;
+                if op.row().jumps && op != Op::Hash && (op != Op::Atan2 || b.lo <= 0.0 && a.contains(0.0)) {
+                    (first, open) = (Some(i), open + 1);
+                }
+            }
+        }
+    }
+    if open > OPEN {
+        return None;
+    }
+    // The first one: nothing that it depends on jumps.
+    let at = first?;
+    let Step::Op(op, from) = code.steps[at] else { return None };
+    let [a, b, ..] = from.map(|a| range(a as usize));
+    if op == Op::Atan2 {
+        return (b.hi < 0.0).then(|| half_planes(code, at, from));
+    }
+    let out = range(at);
+    if !(out.is_finite() && out.width() < PIECES) {
+        return None;
+    }
+    let argument = match op {
+        Op::Lt | Op::Le | Op::Eq => {
+            let mut steps = code.steps[..at].to_vec();
+            steps.push(Step::Op(Op::Sub, from));
+            tidied(steps)
+        }
+        _ => tidied(code.steps[..=from[0] as usize].to_vec()),
+    };
+    let mut pieces = Vec::new();
+    let mut value = out.lo;
+    while value <= out.hi {
+        let within = preimage(op, value)?;
+        pieces.push((replaced(code, at, &[Step::Constant(value)]), Guard { code: argument.clone(), within }));
+        value += 1.0;
+    }
+    Some(pieces)
+}
+
+/// Of an angle left of the origin: above and below, where it does not turn over.
+fn half_planes(code: &Code, at: usize, from: [u32; 4]) -> Vec<(Code, Guard)> {
+    let next = at as u32;
+    let argument = tidied(code.steps[..=from[0] as usize].to_vec());
+    let half = |sign: f64, y: Step, x: [u32; 2], within: Interval| {
+        // atan2(y, x) is pi/2 + atan2(-x, y) above, and -pi/2 + atan2(x, -y) below.
+        let angle = [Step::Constant(sign * FRAC_PI_2), y, Step::Op(Op::Atan2, [x[0], x[1], 0, 0]), Step::Op(Op::Add, [next, next + 2, 0, 0])];
+        (replaced(code, at, &angle), Guard { code: argument.clone(), within })
+    };
+    let [y, x, ..] = from;
+    let above = Interval { lo: 0.0, hi: f64::INFINITY };
+    vec![
+        half(1.0, Step::Op(Op::Neg, [x, 0, 0, 0]), [next + 1, y], above),
+        half(-1.0, Step::Op(Op::Neg, [y, 0, 0, 0]), [x, next + 1], above.neg()),
+    ]
+}
+
+/// For which arguments (or differences of the two) an operation that jumps has a value, or touches it.
+fn preimage(op: Op, value: f64) -> Option<Interval> {
+    let below = Interval { lo: f64::NEG_INFINITY, hi: 0.0 };
+    let (lo, hi) = match op {
+        Op::Floor => (0.0, 1.0),
+        Op::Ceil => (-1.0, 0.0),
+        Op::Round => (-0.5, 0.5),
+        Op::Trunc => (if value > 0.0 { 0.0 } else { -1.0 }, if value < 0.0 { 0.0 } else { 1.0 }),
+        Op::Sign if value == 0.0 => return Some(Interval::ZERO),
+        Op::Sign => return Some(if value > 0.0 { below.neg() } else { below }),
+        Op::Lt | Op::Le => return Some(if value == 0.0 { below.neg() } else { below }),
+        Op::Eq => return Some(if value == 0.0 { Interval::ALL } else { Interval::ZERO }),
+        _ => return None,
+    };
+    Some(Interval { lo: value + lo, hi: value + hi })
+}
+
+/// A code in which other steps stand for one of its steps.
+fn replaced(code: &Code, at: usize, by: &[Step]) -> Code {
+    let more = by.len() as u32 - 1;
+    let moved = |a: u32| if a as usize >= at { a + more } else { a };
+    let mut steps = code.steps[..at].to_vec();
+    steps.extend(by);
+    steps.extend(code.steps[at + 1..].iter().map(|step| match *step {
+        Step::Op(op, from) => Step::Op(op, from.map(moved)),
+        other => other,
+    }));
+    Code { steps }
+}
+
+/// A code with only the steps that its last one needs.
+fn tidied(steps: Vec<Step>) -> Code {
+    let code = Code { steps };
+    code.shorter(|_| Interval::ALL, &mut super::code::Room::default()).unwrap_or(code)
+}
+
+/// Whether a box lies outside of one of the guards' pieces; guards that hold all of it are dropped.
+pub(super) fn outside<const D: usize>(guards: &mut Vec<Arc<Guard>>, range: &[Interval; D], values: &mut Vec<Interval>) -> bool {
+    let mut outside = false;
+    guards.retain(|guard| {
+        let side = if outside { Side::Both } else { guard.side(range, values) };
+        outside |= side == Side::Outside;
+        side == Side::Both
+    });
+    outside
+}
