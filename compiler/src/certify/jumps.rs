@@ -9,7 +9,7 @@
 #![allow(clippy::indexing_slicing)]
 
 use super::code::{Code, Known, Step, known};
-use super::forward;
+use super::forward::{self, Slot};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use std::f64::consts::FRAC_PI_2;
@@ -52,25 +52,26 @@ impl Guard {
     }
 }
 
-/// The pieces of a box: of each its code and where it is. None where nothing jumps, or too much. `range`: all values of each step over the
-/// box; `live` is room.
-pub(super) fn parted(code: &Code, range: impl Fn(usize) -> Interval, live: &mut Vec<bool>) -> Option<Vec<(Code, Guard)>> {
+/// The pieces of a box: of each its code and where it is. None where nothing jumps, or too much. `slots`: what is known of each step over
+/// the box; `live` is room.
+pub(super) fn parted<const D: usize>(code: &Code, slots: &[Slot<D>], live: &mut Vec<bool>) -> Option<Vec<(Code, Guard)>> {
     live.clear();
     live.resize(code.steps.len(), false);
     *live.last_mut()? = true;
     let (mut first, mut open) = (None, 0);
     for (i, step) in code.steps.iter().enumerate().rev() {
         let (true, Step::Op(op, from)) = (live[i], *step) else { continue };
-        let arguments = from.map(|a| range(a as usize));
-        match known(op, arguments, range(i)) {
+        let arguments = from.map(|a| slots[a as usize]);
+        match known(op, arguments.map(|a| a.range), slots[i].range) {
             Known::Argument(k) => live[from[k] as usize] = true,
             Known::Negated => live[from[0] as usize] = true,
             Known::Constant(_) => {}
             Known::Open => {
                 from[..usize::from(op.row().arity)].iter().for_each(|&a| live[a as usize] = true);
-                // A hash jumps where its arguments do.
+                // What is made of something that jumps has to wait.
                 let [a, b, ..] = arguments;
-                if op.row().jumps && op != Op::Hash && (op != Op::Atan2 || b.lo <= 0.0 && a.contains(0.0)) {
+                let turns = op != Op::Atan2 || b.range.lo <= 0.0 && a.range.contains(0.0);
+                if op.row().jumps && turns && arguments.iter().all(|a| !a.jump) {
                     (first, open) = (Some(i), open + 1);
                 }
             }
@@ -79,14 +80,12 @@ pub(super) fn parted(code: &Code, range: impl Fn(usize) -> Interval, live: &mut 
     if open > OPEN {
         return None;
     }
-    // The first one: nothing that it depends on jumps.
     let at = first?;
     let Step::Op(op, from) = code.steps[at] else { return None };
-    let [a, b, ..] = from.map(|a| range(a as usize));
     if op == Op::Atan2 {
-        return (b.hi < 0.0).then(|| half_planes(code, at, from));
+        return (slots[from[1] as usize].range.hi < 0.0).then(|| half_planes(code, at, from));
     }
-    let out = range(at);
+    let out = slots[at].range;
     if !(out.is_finite() && out.width() < PIECES) {
         return None;
     }

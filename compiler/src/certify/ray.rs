@@ -82,8 +82,7 @@ impl Prover<'_> {
         if whole.range.lo > 0.0 || whole.range.hi < 0.0 {
             return if whole.range.lo > 0.0 { 1 } else { -1 };
         }
-        let slots = &self.ray_slots;
-        let parted = if whole.jump { jumps::parted(code, |i| slots.get(i).map_or(Interval::ALL, |s| s.range), &mut self.live) } else { None };
+        let parted = if whole.jump { jumps::parted(code, &self.ray_slots, &mut self.live) } else { None };
         let mut sign = 0;
         for (piece, guard) in parted.unwrap_or_default() {
             if guard.side(&range, &mut self.ranges) == Side::Outside {
