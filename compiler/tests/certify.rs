@@ -217,11 +217,13 @@ fn few_camera_rays_are_left_open() {
         let mut prover = truth.prover();
         let basis = Basis::of(&frame.cameras[0].1);
         let (mut open, mut exhausted) = (0, 0);
+        let mut before = 0;
         let start = std::time::Instant::now();
         for i in 0..width * height {
             let at = (f64::from(i % width) + 0.5, f64::from(i / width) + 0.5);
             let direction = basis.direction(at, (width, height));
             let hit = prover.first_hit(frame.cameras[0].1.eye, direction, 0.0, frame.max_distance, 20_000);
+            if only.is_some() { println!("ray {i} {:?} boxes {}", hit, prover.boxes() - before); before = prover.boxes(); }
             open += u32::from(matches!(hit, Hit::Ambiguous(_)));
             exhausted += u32::from(matches!(hit, Hit::Exhausted(_)));
             if only.is_some() && matches!(hit, Hit::Ambiguous(_) | Hit::Exhausted(_)) { println!("{i} {hit:?} {:?}", direction); }
@@ -329,5 +331,18 @@ fn every_operation_lies_within_its_interval() {
                 assert!(all.lo - slack <= value && value <= all.hi + slack, "{} of {at:?} is {value}, not in {all:?}", row.name);
             }
         }
+    }
+}
+#[test]
+fn balls_of_examples() {
+    use surefoot_compiler::verify::{Settings, verify};
+    let only = std::env::var("ONLY").ok();
+    for name in ["chess", "csg", "colonnade", "gyroid_ring", "lighthouse", "machine", "melting", "menger", "metaballs", "repetition", "still_life", "turbulence"] {
+        if only.as_ref().is_some_and(|o| o != name) { continue; }
+        let path = format!("{}/../examples/{name}.sdf", env!("CARGO_MANIFEST_DIR"));
+        let scene = compile(&Disk, &path, &Options::default()).compiled.unwrap();
+        let start = std::time::Instant::now();
+        let r = verify(&scene, Settings { samples: 10000, seed: 1 }, None, &|_| {}).unwrap();
+        println!("{name}: empty {} undecided {} violations {} tight {} p5 {:?} p50 {:?} {:?}", r.empty, r.undecided, r.violations.len(), r.tightness.len(), r.tightness(5), r.tightness(50), start.elapsed());
     }
 }

@@ -5,6 +5,7 @@
 
 use super::code::Code;
 use super::forward::{self, Domain};
+use super::jumps::{self, Guard, Side};
 use super::{BRANCHES, Box3, Prover, SHORT};
 use crate::graph::interval::Interval;
 use std::cmp::Ordering;
@@ -38,6 +39,8 @@ struct Open {
     near: f64,
     range: Box3,
     code: Arc<Code>,
+    /// The pieces to which the code belongs: outside of them it says nothing.
+    guards: Vec<Arc<Guard>>,
 }
 
 impl PartialEq for Open {
@@ -98,11 +101,11 @@ impl Prover<'_> {
         }
         let mut radius = reach;
         let cube = centre.map(|c| Interval::outward(c - radius, c + radius));
-        let mut open = BinaryHeap::from([Open { near: 0.0, range: cube, code: root.clone() }]);
+        let mut open = BinaryHeap::from([Open { near: 0.0, range: cube, code: root.clone(), guards: Vec::new() }]);
         // The nearest box that could not be told.
         let mut aside = f64::INFINITY;
         let mut left = budget;
-        while let Some(Open { near, range, code }) = open.pop() {
+        while let Some(Open { near, range, code, mut guards }) = open.pop() {
             if near >= radius.min(aside) {
                 break;
             }
@@ -112,6 +115,9 @@ impl Prover<'_> {
             }
             left -= 1;
             self.boxes += 1;
+            if jumps::outside(&mut guards, &range, &mut self.ranges) {
+                continue;
+            }
             let code = if code.steps.len() > SHORT {
                 let (value, code) = self.narrowed(code, &range);
                 if excludes(value, side) {
@@ -123,14 +129,28 @@ impl Prover<'_> {
             };
             let domain = Domain::new(range, Some((centre, radius)));
             let whole = forward::full(&code, &domain, &mut self.slots);
-            if excludes(whole.range, side) || near == 0.0 && self.flat(&code, &domain, centre, radius, whole.centre) {
+            let flat = near == 0.0 && excludes(whole.centre, side) && self.flat(&code, &domain, whole.centre);
+            if flat || excludes(whole.range, side) {
                 continue;
+            }
+            if whole.jump {
+                if let Some(pieces) = jumps::parted(&code, &self.slots, &mut self.live) {
+                    open.extend(pieces.into_iter().map(|(code, guard)| {
+                        let guards = guards.iter().cloned().chain([Arc::new(guard)]).collect();
+                        Open { near, range, code: Arc::new(code), guards }
+                    }));
+                    continue;
+                }
             }
             let slots = &self.slots;
             let code = code.shorter(|i| slots.get(i).map_or(Interval::ALL, |s| s.range), &mut self.room).map_or(code, Arc::new);
             let guess = nearest_fall(&domain, &whole.gradient.map(Interval::middle), centre, radius, side);
             for (at, known) in [(domain.middle, Some(whole.centre)), (guess, None)] {
                 if far(centre, at) >= radius {
+                    continue;
+                }
+                // The code tells of points in its piece only.
+                if guards.iter().any(|guard| guard.side(&at.map(Interval::point), &mut self.ranges) != Side::Inside) {
                     continue;
                 }
                 let other = match known {
@@ -150,7 +170,7 @@ impl Prover<'_> {
                 if half.iter().all(|x| x.width() <= NARROW * scale) {
                     aside = aside.min(near);
                 } else if near < radius {
-                    open.push(Open { near, range: half, code: code.clone() });
+                    open.push(Open { near, range: half, code: code.clone(), guards: guards.clone() });
                 }
             }
         }
@@ -158,12 +178,10 @@ impl Prover<'_> {
         found
     }
 
-    /// Whether no piece of the field is steep enough anywhere in the domain, which holds the ball, to bring it from its value at the ball's
-    /// centre to zero.
-    fn flat(&mut self, code: &Code, domain: &Domain<3>, centre: [f64; 3], radius: f64, value: Interval) -> bool {
-        if domain.range.iter().zip(centre).any(|(side, c)| side.lo > c - radius || side.hi < c + radius) || domain.middle != centre {
-            return false;
-        }
+    /// Whether no piece of the field is steep enough anywhere in a domain that is the ball's cube to bring it from its value at the ball's
+    /// centre to zero within the ball.
+    fn flat(&mut self, code: &Code, domain: &Domain<3>, value: Interval) -> bool {
+        let Some(radius) = domain.whole_ball() else { return false };
         let (mut norm, mut jump) = (0.0_f64, false);
         self.branches.each(code, &self.slots, BRANCHES, |piece| {
             norm = norm.max(piece.norm);

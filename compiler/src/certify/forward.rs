@@ -30,7 +30,13 @@ pub(super) struct Domain<const D: usize> {
 
 impl<const D: usize> Domain<D> {
     pub(super) fn new(range: [Interval; D], ball: Option<([f64; D], f64)>) -> Self {
-        let middle = range.map(Interval::middle);
+        let mut middle = range.map(Interval::middle);
+        // The middle of a cube about the ball is the ball's centre, but for rounding.
+        if let Some((centre, radius)) = ball {
+            if range.iter().zip(centre).all(|(side, c)| side.lo <= c - radius && c + radius <= side.hi) {
+                middle = centre;
+            }
+        }
         let mut half = [0.0; D];
         for ((half, side), m) in half.iter_mut().zip(&range).zip(&middle) {
             *half = (side.hi - m).max(m - side.lo).next_up();
@@ -44,6 +50,13 @@ impl<const D: usize> Domain<D> {
         let within = ball.map_or(f64::INFINITY, |(seen, radius)| length(&seen) + radius);
         let reach = length(&half).min(within) * (1.0 + ROUNDING);
         Self { range, middle, half, ball, reach }
+    }
+
+    /// The radius of the ball, where all of it is in the box and the middle is its centre.
+    pub(super) fn whole_ball(&self) -> Option<f64> {
+        let (seen, radius) = self.ball?;
+        let whole = seen.iter().all(|x| *x == 0.0) && self.half.iter().all(|half| *half >= radius);
+        whole.then_some(radius)
     }
 
     /// A function's values, from its value at the middle, its gradient and a bound of that's norm.

@@ -82,21 +82,16 @@ pub(super) fn parted<const D: usize>(code: &Code, slots: &[Slot<D>], live: &mut 
     }
     let at = first?;
     let Step::Op(op, from) = code.steps[at] else { return None };
-    if op == Op::Atan2 {
-        return (slots[from[1] as usize].range.hi < 0.0).then(|| half_planes(code, at, from));
+    match op {
+        Op::Lt | Op::Le | Op::Eq => return Some(orders(code, at, from)),
+        Op::Atan2 => return (slots[from[1] as usize].range.hi < 0.0).then(|| half_planes(code, at, from)),
+        _ => {}
     }
     let out = slots[at].range;
     if !(out.is_finite() && out.width() < PIECES) {
         return None;
     }
-    let argument = match op {
-        Op::Lt | Op::Le | Op::Eq => {
-            let mut steps = code.steps[..at].to_vec();
-            steps.push(Step::Op(Op::Sub, from));
-            tidied(steps)
-        }
-        _ => tidied(code.steps[..=from[0] as usize].to_vec()),
-    };
+    let argument = tidied(code.steps[..=from[0] as usize].to_vec());
     let mut pieces = Vec::new();
     let mut value = out.lo;
     while value <= out.hi {
@@ -105,6 +100,36 @@ pub(super) fn parted<const D: usize>(code: &Code, slots: &[Slot<D>], live: &mut 
         value += 1.0;
     }
     Some(pieces)
+}
+
+/// Of a comparison: less, equal and greater. What else compares the same two numbers is settled with it.
+fn orders(code: &Code, at: usize, from: [u32; 4]) -> Vec<(Code, Guard)> {
+    let mut difference = code.steps[..at].to_vec();
+    difference.push(Step::Op(Op::Sub, from));
+    let difference = tidied(difference);
+    let [a, b, ..] = from;
+    let settled = |order: f64| {
+        let mut code = code.clone();
+        for step in &mut code.steps {
+            if let Step::Op(op @ (Op::Lt | Op::Le | Op::Eq), [x, y, ..]) = *step {
+                if (x, y) == (a, b) || (x, y) == (b, a) {
+                    let (x, y) = if x == a { (order, 0.0) } else { (0.0, order) };
+                    *step = Step::Constant((op.row().value)([x, y, 0.0, 0.0]));
+                }
+            }
+        }
+        code
+    };
+    let mut pieces: Vec<(Code, Guard)> = Vec::new();
+    let below = Interval { lo: f64::NEG_INFINITY, hi: 0.0 };
+    for (order, within) in [(-1.0, below), (1.0, below.neg()), (0.0, Interval::ZERO)] {
+        let code = settled(order);
+        // Where equality makes no difference it belongs to one of the others.
+        if !pieces.iter().any(|(other, _)| other.steps == code.steps) {
+            pieces.push((code, Guard { code: difference.clone(), within }));
+        }
+    }
+    pieces
 }
 
 /// Of an angle left of the origin: above and below, where it does not turn over.
@@ -124,7 +149,7 @@ fn half_planes(code: &Code, at: usize, from: [u32; 4]) -> Vec<(Code, Guard)> {
     ]
 }
 
-/// For which arguments (or differences of the two) an operation that jumps has a value, or touches it.
+/// For which arguments a step function has a value, or touches it.
 fn preimage(op: Op, value: f64) -> Option<Interval> {
     let below = Interval { lo: f64::NEG_INFINITY, hi: 0.0 };
     let (lo, hi) = match op {
@@ -134,8 +159,6 @@ fn preimage(op: Op, value: f64) -> Option<Interval> {
         Op::Trunc => (if value > 0.0 { 0.0 } else { -1.0 }, if value < 0.0 { 0.0 } else { 1.0 }),
         Op::Sign if value == 0.0 => return Some(Interval::ZERO),
         Op::Sign => return Some(if value > 0.0 { below.neg() } else { below }),
-        Op::Lt | Op::Le => return Some(if value == 0.0 { below.neg() } else { below }),
-        Op::Eq => return Some(if value == 0.0 { Interval::ALL } else { Interval::ZERO }),
         _ => return None,
     };
     Some(Interval { lo: value + lo, hi: value + hi })
