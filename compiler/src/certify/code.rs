@@ -3,9 +3,11 @@
 // A step names only steps before it: `Code::new` and `Code::shorter` see to that, so every index is in range.
 #![allow(clippy::indexing_slicing)]
 
+use super::forms::{Form, Polynomial, formed};
 use crate::evaluate::Tape;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
+use std::sync::Arc;
 
 /// One step. Its value is known by its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,12 +18,16 @@ pub(super) enum Step {
     Constant(f64),
     /// An operation on the values of earlier steps.
     Op(Op, [u32; 4]),
+    /// The value of its first argument, of which more is known by the others.
+    Form(Form, [u32; 4]),
 }
 
 /// Steps, the last of which is the field.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Code {
     pub steps: Vec<Step>,
+    /// Of which the forms of some steps are.
+    pub polynomials: Arc<[Polynomial]>,
 }
 
 /// What becomes of an operation whose arguments are known to lie in some intervals.
@@ -56,7 +62,8 @@ impl Code {
     }
 
     fn after(mut steps: Vec<Step>, point: [u32; 3], tape: &Tape) -> Self {
-        let zero = steps.len() as u32;
+        let given = steps.len();
+        let zero = given as u32;
         // A field reads no normal.
         steps.push(Step::Constant(0.0));
         let mut places = point.to_vec();
@@ -73,7 +80,8 @@ impl Code {
         }
         let field = tape.output(0).map_or(zero, |register| places[register as usize]);
         steps.truncate(field as usize + 1);
-        Self { steps }
+        let (steps, polynomials) = formed(steps, given);
+        Self { steps, polynomials }
     }
 
     /// Sets the ray of a code made by [`Code::along`].
@@ -95,6 +103,7 @@ impl Code {
                 Step::Input(i) => at[usize::from(i)],
                 Step::Constant(value) => value,
                 Step::Op(op, from) => (op.row().value)(from.map(|i| values[i as usize])),
+                Step::Form(_, from) => values[from[0] as usize],
             });
         }
         values.last().copied().unwrap_or(0.0)
@@ -111,7 +120,9 @@ impl Code {
             if !live[i] {
                 continue;
             }
-            if let Step::Op(op, from) = *step {
+            if let Step::Form(_, from) = *step {
+                live[from[0] as usize] = true;
+            } else if let Step::Op(op, from) = *step {
                 match known(op, from.map(|a| range(a as usize)), range(i)) {
                     Known::Argument(k) => {
                         live[from[k] as usize] = true;
@@ -152,12 +163,24 @@ impl Code {
                         }
                     }
                 }
+                Step::Form(form, from) => {
+                    let value = place[from[0] as usize];
+                    // What it was made of may have gone.
+                    let gone = from[1..=form.arity()].iter().any(|&a| !live[a as usize]);
+                    if gone || matches!(steps.get(value as usize), Some(Step::Constant(_))) {
+                        place[i] = value;
+                        continue;
+                    }
+                    let mut arguments = [0; 4];
+                    arguments.iter_mut().zip(&from[..=form.arity()]).for_each(|(to, a)| *to = place[*a as usize]);
+                    Step::Form(form, arguments)
+                }
                 other => other,
             };
             place[i] = steps.len() as u32;
             steps.push(step);
         }
-        Some(Self { steps })
+        Some(Self { steps, polynomials: self.polynomials.clone() })
     }
 }
 

@@ -9,6 +9,7 @@
 #![allow(clippy::indexing_slicing)]
 
 use super::code::{Code, Known, Step, known};
+use super::forms::Form;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 
@@ -129,6 +130,9 @@ pub(super) fn natural<const D: usize>(code: &Code, range: &[Interval; D], values
             Step::Input(i) => range[usize::from(i)],
             Step::Constant(value) => Interval::point(value),
             Step::Op(op, from) => interval(op, from.map(|a| values[a as usize])),
+            Step::Form(form, [value, of @ ..]) => {
+                values[value as usize].intersect(form.range(&code.polynomials, of.map(|a| values[a as usize])))
+            }
         });
     }
     values.last().copied().unwrap_or(Interval::ZERO)
@@ -167,10 +171,25 @@ pub(super) fn full<const D: usize>(code: &Code, domain: &Domain<D>, slots: &mut 
                 let range = if jump { range } else { range.intersect(domain.mean_value(centre, &gradient, norm)) };
                 Slot { range, centre, gradient, norm, jump }
             }
+            Step::Form(form, [value, of @ ..]) => {
+                let told = formed(code, slots, form, [value, of[0], of[1], of[2]]);
+                let range = told.range.intersect(form.range(&code.polynomials, of.map(|a| slots[a as usize].range)));
+                let range = if told.jump { range } else { range.intersect(domain.mean_value(told.centre, &told.gradient, told.norm)) };
+                Slot { range, ..told }
+            }
         };
         slots.push(slot);
     }
     slots.last().copied().unwrap_or(Slot::ZERO)
+}
+
+/// What is known of a step, with what its form tells of the gradient.
+pub(super) fn formed<const D: usize>(code: &Code, slots: &[Slot<D>], form: Form, [value, of @ ..]: [u32; 4]) -> Slot<D> {
+    let known = slots[value as usize];
+    let mut gradient = form.gradient(&code.polynomials, of.map(|a| &slots[a as usize]));
+    gradient.iter_mut().zip(known.gradient).for_each(|(g, other)| *g = g.intersect(other));
+    let (gradient, norm, _) = with_norm(gradient, known.norm, known.jump);
+    Slot { gradient, norm, ..known }
 }
 
 fn hull<const D: usize>(a: &Slot<D>, b: &Slot<D>) -> ([Interval; D], f64, bool) {

@@ -60,6 +60,9 @@ pub(super) fn parted<const D: usize>(code: &Code, slots: &[Slot<D>], live: &mut 
     *live.last_mut()? = true;
     let (mut first, mut open) = (None, 0);
     for (i, step) in code.steps.iter().enumerate().rev() {
+        if let (true, Step::Form(_, from)) = (live[i], *step) {
+            live[from[0] as usize] = true;
+        }
         let (true, Step::Op(op, from)) = (live[i], *step) else { continue };
         let arguments = from.map(|a| slots[a as usize]);
         match known(op, arguments.map(|a| a.range), slots[i].range) {
@@ -91,7 +94,7 @@ pub(super) fn parted<const D: usize>(code: &Code, slots: &[Slot<D>], live: &mut 
     if !(out.is_finite() && out.width() < PIECES) {
         return None;
     }
-    let argument = tidied(code.steps[..=from[0] as usize].to_vec());
+    let argument = tidied(code, code.steps[..=from[0] as usize].to_vec());
     let mut pieces = Vec::new();
     let mut value = out.lo;
     while value <= out.hi {
@@ -106,7 +109,7 @@ pub(super) fn parted<const D: usize>(code: &Code, slots: &[Slot<D>], live: &mut 
 fn orders(code: &Code, at: usize, from: [u32; 4]) -> Vec<(Code, Guard)> {
     let mut difference = code.steps[..at].to_vec();
     difference.push(Step::Op(Op::Sub, from));
-    let difference = tidied(difference);
+    let difference = tidied(code, difference);
     let [a, b, ..] = from;
     let settled = |order: f64| {
         let mut code = code.clone();
@@ -135,7 +138,7 @@ fn orders(code: &Code, at: usize, from: [u32; 4]) -> Vec<(Code, Guard)> {
 /// Of an angle left of the origin: above and below, where it does not turn over.
 fn half_planes(code: &Code, at: usize, from: [u32; 4]) -> Vec<(Code, Guard)> {
     let next = at as u32;
-    let argument = tidied(code.steps[..=from[0] as usize].to_vec());
+    let argument = tidied(code, code.steps[..=from[0] as usize].to_vec());
     let half = |sign: f64, y: Step, x: [u32; 2], within: Interval| {
         // atan2(y, x) is pi/2 + atan2(-x, y) above, and -pi/2 + atan2(x, -y) below.
         let angle = [Step::Constant(sign * FRAC_PI_2), y, Step::Op(Op::Atan2, [x[0], x[1], 0, 0]), Step::Op(Op::Add, [next, next + 2, 0, 0])];
@@ -172,14 +175,15 @@ fn replaced(code: &Code, at: usize, by: &[Step]) -> Code {
     steps.extend(by);
     steps.extend(code.steps[at + 1..].iter().map(|step| match *step {
         Step::Op(op, from) => Step::Op(op, from.map(moved)),
+        Step::Form(form, from) => Step::Form(form, from.map(moved)),
         other => other,
     }));
-    Code { steps }
+    Code { steps, polynomials: code.polynomials.clone() }
 }
 
-/// A code with only the steps that its last one needs.
-fn tidied(steps: Vec<Step>) -> Code {
-    let code = Code { steps };
+/// Steps of a code, only those that the last one needs.
+fn tidied(code: &Code, steps: Vec<Step>) -> Code {
+    let code = Code { steps, polynomials: code.polynomials.clone() };
     code.shorter(|_| Interval::ALL, &mut super::code::Room::default()).unwrap_or(code)
 }
 

@@ -21,6 +21,7 @@
 mod ball;
 mod code;
 mod falsify;
+mod forms;
 mod forward;
 mod jumps;
 mod pieces;

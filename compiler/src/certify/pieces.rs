@@ -9,7 +9,7 @@
 #![allow(clippy::indexing_slicing)]
 
 use super::code::{Code, Known, Step, known};
-use super::forward::{Slot, derive};
+use super::forward::{Slot, derive, formed};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use rustc_hash::FxHashMap;
@@ -94,6 +94,9 @@ impl<const D: usize> Branches<D> {
         self.live.resize(code.steps.len(), false);
         *self.live.last_mut()? = true;
         for (i, step) in code.steps.iter().enumerate().rev() {
+            if let (true, Step::Form(_, from)) = (self.live[i], *step) {
+                self.live[from[0] as usize] = true;
+            }
             let (true, Step::Op(op, from)) = (self.live[i], *step) else { continue };
             let settled = match level.chosen[i] {
                 Known::Open => known(op, from.map(|a| level.ranges[a as usize]), level.ranges[i]),
@@ -132,6 +135,7 @@ impl<const D: usize> Branches<D> {
                     }
                     Slot { range, centre: range, gradient, norm, jump }
                 }
+                Step::Form(form, from) => Slot { range, ..formed(code, &self.slots, form, from) },
             });
         }
         let last = self.slots.last().copied().unwrap_or(Slot::ZERO);
@@ -144,6 +148,13 @@ impl<const D: usize> Branches<D> {
         for _ in 0..ROUNDS {
             let mut changed = false;
             for (i, step) in code.steps.iter().enumerate() {
+                if let Step::Form(form, [value, of @ ..]) = *step {
+                    let told = form.range(&code.polynomials, of.map(|a| level.ranges[a as usize]));
+                    let told = told.intersect(level.ranges[value as usize]);
+                    if !narrow(&mut level.ranges[i], told, &mut changed) {
+                        return false;
+                    }
+                }
                 let Step::Op(op, from) = *step else { continue };
                 let arguments = from.map(|a| level.ranges[a as usize]);
                 if let (Op::Min | Op::Max, Known::Open) = (op, level.chosen[i]) {
@@ -160,6 +171,12 @@ impl<const D: usize> Branches<D> {
                 }
             }
             for (i, step) in code.steps.iter().enumerate().rev() {
+                if let Step::Form(_, [value, ..]) = *step {
+                    let out = level.ranges[i];
+                    if !narrow(&mut level.ranges[value as usize], out, &mut changed) {
+                        return false;
+                    }
+                }
                 let Step::Op(op, from) = *step else { continue };
                 if !back(level, &self.differences, op, from, i, &mut changed) {
                     return false;
