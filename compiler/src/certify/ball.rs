@@ -133,14 +133,14 @@ impl Prover<'_> {
             if flat || excludes(whole.range, side) {
                 continue;
             }
-            if whole.jump {
-                if let Some(pieces) = jumps::parted(&code, &self.slots, &mut self.live) {
-                    open.extend(pieces.into_iter().map(|(code, guard)| {
-                        let guards = guards.iter().cloned().chain([Arc::new(guard)]).collect();
-                        Open { near, range, code: Arc::new(code), guards }
-                    }));
-                    continue;
-                }
+            if whole.jump
+                && let Some(pieces) = jumps::parted(&code, &self.slots, &mut self.live)
+            {
+                open.extend(pieces.into_iter().map(|(code, guard)| {
+                    let guards = guards.iter().cloned().chain([Arc::new(guard)]).collect();
+                    Open { near, range, code: Arc::new(code), guards }
+                }));
+                continue;
             }
             let slots = &self.slots;
             let code = code.shorter(|i| slots.get(i).map_or(Interval::ALL, |s| s.range), &mut self.room).map_or(code, Arc::new);

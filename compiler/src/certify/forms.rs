@@ -1,5 +1,5 @@
 //! Forms of which more is known than their operations tell one by one: a mix of two values, and a polynomial of one value, as noise and
-//! smooth steps are made of. `t t (3 - 2 t)` lies between 0 and 1 with t, but the product of its factors' intervals does not.
+//! smooth steps are made of, and what rounding leaves. `t t (3 - 2 t)` lies between 0 and 1 with t, but the product of its factors' intervals does not.
 
 // A step names only steps before it, so every index is in range.
 #![allow(clippy::indexing_slicing)]
@@ -17,11 +17,15 @@ pub(super) enum Form {
     Mix,
     /// A polynomial of one argument: this one of the code's.
     Polynomial(u16),
+    /// What is left of a value when a whole number is taken off: between these two.
+    Rest(f64, f64),
 }
 
 /// Coefficients, those of the lowest power first; each holds the true one.
 pub(super) type Polynomial = Vec<Interval>;
 
+/// Polynomials of one code.
+const MOST: usize = u16::MAX as usize;
 /// The highest power that is looked at.
 const DEGREE: usize = 8;
 /// Binomial coefficients up to that power.
@@ -43,7 +47,11 @@ const BINOMIAL: [[f64; DEGREE + 1]; DEGREE + 1] = {
 impl Form {
     /// How many arguments it has.
     pub(super) fn arity(self) -> usize {
-        if self == Self::Mix { 3 } else { 1 }
+        match self {
+            Self::Mix => 3,
+            Self::Polynomial(_) => 1,
+            Self::Rest(..) => 0,
+        }
     }
 
     /// All values. `arguments`: those of the form.
@@ -52,10 +60,11 @@ impl Form {
         match self {
             Self::Mix => mixed(a, b, t),
             Self::Polynomial(i) => polynomials.get(usize::from(i)).map_or(Interval::ALL, |p| image(p, a)),
+            Self::Rest(lo, hi) => Interval { lo, hi },
         }
     }
 
-    /// All gradients.
+    /// All gradients that the form tells of.
     pub(super) fn gradient<const D: usize>(self, polynomials: &[Polynomial], arguments: [&Slot<D>; 3]) -> [Interval; D] {
         let [a, b, t] = arguments;
         let mut gradient = a.gradient;
@@ -70,6 +79,7 @@ impl Form {
                 let slope = polynomials.get(usize::from(i)).map_or(Interval::ALL, |p| image(&derivative(p), a.range));
                 gradient.iter_mut().for_each(|x| *x = x.mul(slope));
             }
+            Self::Rest(..) => gradient = [Interval::ALL; D],
         }
         gradient
     }
@@ -107,10 +117,10 @@ fn image(polynomial: &[Interval], over: Interval) -> Interval {
         }
     }
     let mut hull = Interval::EMPTY;
-    for i in 0..=degree {
+    for (i, row) in BINOMIAL.iter().enumerate().take(degree + 1) {
         let mut sum = Interval::ZERO;
         for (k, coefficient) in shifted.iter().enumerate().take(i + 1) {
-            let share = Interval::point(BINOMIAL[i][k]).div(Interval::point(BINOMIAL[degree][k]));
+            let share = Interval::point(row[k]).div(Interval::point(BINOMIAL[degree][k]));
             sum = sum.add(coefficient.mul(share));
         }
         hull = hull.hull(sum);
@@ -133,11 +143,11 @@ pub(super) fn formed(steps: Vec<Step>, given: usize) -> (Vec<Step>, Arc<[Polynom
         place.push(at);
         if let Some([a, b, t]) = mix(&steps, *step) {
             formed.push(Step::Form(Form::Mix, [at, place[a as usize], place[b as usize], place[t as usize]]));
-        } else if let (true, Some((base, polynomial))) = (last[i], &polynomials[i]) {
-            if kept.len() < usize::from(u16::MAX) {
-                formed.push(Step::Form(Form::Polynomial(kept.len() as u16), [at, place[*base as usize], 0, 0]));
-                kept.push(polynomial.clone());
-            }
+        } else if let Some((lo, hi)) = rest(&steps, *step) {
+            formed.push(Step::Form(Form::Rest(lo, hi), [at, 0, 0, 0]));
+        } else if let (true, Some((base, polynomial))) = (last[i] && kept.len() < MOST, &polynomials[i]) {
+            formed.push(Step::Form(Form::Polynomial(kept.len() as u16), [at, place[*base as usize], 0, 0]));
+            kept.push(polynomial.clone());
         }
         place[i] = formed.len() as u32 - 1;
     }
@@ -169,6 +179,40 @@ fn mix(steps: &[Step], step: Step) -> Option<[u32; 3]> {
         }
     }
     None
+}
+
+/// Of `x - floor(x)` and its kin, and of `x - c floor(x / c)`: between which numbers it lies.
+fn rest(steps: &[Step], step: Step) -> Option<(f64, f64)> {
+    let Step::Op(Op::Sub, [x, whole, ..]) = step else { return None };
+    let constant = |i: u32| match steps[i as usize] {
+        Step::Constant(c) if c > 0.0 => Some(c),
+        _ => None,
+    };
+    let Step::Op(op, [a, b, ..]) = steps[whole as usize] else { return None };
+    let (size, op, of) = match op {
+        Op::Mul => {
+            let (c, floor) = constant(a).map(|c| (c, b)).or(constant(b).map(|c| (c, a)))?;
+            let Step::Op(op, [of, ..]) = steps[floor as usize] else { return None };
+            match steps[of as usize] {
+                Step::Op(Op::Div, [y, d, ..]) if y == x && constant(d) == Some(c) => (c, op, x),
+                // Dividing by a power of two is multiplying, exactly.
+                Step::Op(Op::Mul, [y, z, ..]) if c.to_bits().trailing_zeros() >= 52 => {
+                    let by = if y == x { z } else { y };
+                    ((y == x || z == x) && constant(by) == Some(1.0 / c)).then_some((c, op, x))?
+                }
+                _ => return None,
+            }
+        }
+        _ => (1.0, op, a),
+    };
+    let (lo, hi) = match op {
+        Op::Floor => (0.0, 1.0),
+        Op::Ceil => (-1.0, 0.0),
+        Op::Round => (-0.5, 0.5),
+        Op::Trunc => (-1.0, 1.0),
+        _ => return None,
+    };
+    (of == x).then_some(((size * lo).next_down(), (size * hi).next_up()))
 }
 
 /// Of each step the value of which it is a polynomial, and which; and whether it is worth looking at as one: of degree two or more, and

@@ -33,10 +33,10 @@ impl<const D: usize> Domain<D> {
     pub(super) fn new(range: [Interval; D], ball: Option<([f64; D], f64)>) -> Self {
         let mut middle = range.map(Interval::middle);
         // The middle of a cube about the ball is the ball's centre, but for rounding.
-        if let Some((centre, radius)) = ball {
-            if range.iter().zip(centre).all(|(side, c)| side.lo <= c - radius && c + radius <= side.hi) {
-                middle = centre;
-            }
+        if let Some((centre, radius)) = ball
+            && range.iter().zip(centre).all(|(side, c)| side.lo <= c - radius && c + radius <= side.hi)
+        {
+            middle = centre;
         }
         let mut half = [0.0; D];
         for ((half, side), m) in half.iter_mut().zip(&range).zip(&middle) {

@@ -114,11 +114,11 @@ fn orders(code: &Code, at: usize, from: [u32; 4]) -> Vec<(Code, Guard)> {
     let settled = |order: f64| {
         let mut code = code.clone();
         for step in &mut code.steps {
-            if let Step::Op(op @ (Op::Lt | Op::Le | Op::Eq), [x, y, ..]) = *step {
-                if (x, y) == (a, b) || (x, y) == (b, a) {
-                    let (x, y) = if x == a { (order, 0.0) } else { (0.0, order) };
-                    *step = Step::Constant((op.row().value)([x, y, 0.0, 0.0]));
-                }
+            if let Step::Op(op @ (Op::Lt | Op::Le | Op::Eq), [x, y, ..]) = *step
+                && ((x, y) == (a, b) || (x, y) == (b, a))
+            {
+                let (x, y) = if x == a { (order, 0.0) } else { (0.0, order) };
+                *step = Step::Constant((op.row().value)([x, y, 0.0, 0.0]));
             }
         }
         code
