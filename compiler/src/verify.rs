@@ -12,8 +12,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// How much is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// Points, over all values of the parameters; a hundredth of them is certified.
+    /// Points that are probed, over all values of the parameters.
     pub samples: usize,
+    /// How many of them are certified.
+    pub certified: usize,
     /// Chooses the points.
     pub seed: u64,
 }
@@ -144,8 +146,9 @@ pub fn verify(
     let report = Report { device: device.map(|_| Compared::default()), ..Report::default() };
     let mut trial = Trial { compiled, room: Room::of(compiled), device, random, report };
     for (moment, live) in moments.into_iter().enumerate() {
-        let samples = (settings.samples * (moment + 1)).div_ceil(count) - (settings.samples * moment).div_ceil(count);
-        trial.at(&live, samples, &|done: f64| progress((moment as f64 + done) / count as f64))?;
+        let share = |all: usize| (all * (moment + 1)).div_ceil(count) - (all * moment).div_ceil(count);
+        let share = Settings { samples: share(settings.samples), certified: share(settings.certified), ..settings };
+        trial.at(&live, share, &|done: f64| progress((moment as f64 + done) / count as f64))?;
         trial.report.moments.push(live);
     }
     trial.report.tightness.sort_by(f64::total_cmp);
@@ -191,8 +194,8 @@ fn moments(compiled: &Compiled, random: &mut Random) -> Vec<Live> {
 }
 
 impl Trial<'_> {
-    /// So many points at one moment.
-    fn at(&mut self, live: &Live, samples: usize, progress: &(dyn Fn(f64) + Sync)) -> Result<(), String> {
+    /// So much at one moment.
+    fn at(&mut self, live: &Live, settings: Settings, progress: &(dyn Fn(f64) + Sync)) -> Result<(), String> {
         let Self { compiled, room, device, random, report } = self;
         let moment = report.moments.len();
         let formula = |f| compiled.functions.formulas.get(&(compiled.root, f)).copied().ok_or("the scene has no bound");
@@ -200,7 +203,7 @@ impl Trial<'_> {
         let tape = Tape::new(&compiled.graph, &compiled.functions, &roots, live, LARGEST).map_err(|e| e.to_string())?;
         let truth = Truth::new(compiled, live, LARGEST).map_err(|e| e.to_string())?;
         let mut evaluator = tape.evaluator();
-        let points = points(&mut evaluator, samples, *room, random);
+        let points = points(&mut evaluator, settings.samples, *room, random);
         let mut tried: Vec<Tried> = Vec::with_capacity(points.len());
         evaluator.at(&points, &[], |i, values| {
             if let (Some(&point), [field, bound]) = (points.get(i), values) {
@@ -226,8 +229,11 @@ impl Trial<'_> {
         }
         progress(0.3);
         // A few of all kinds of points: their kinds stand in turn, so the step is odd.
-        let every = (tried.len() / samples.div_ceil(100).max(1)).max(1) | 1;
-        let chosen: Vec<Tried> = tried.iter().step_by(every).copied().collect();
+        let every = match tried.len() / settings.certified.max(1) {
+            0 | 1 => 1,
+            n => (n - 1) | 1,
+        };
+        let chosen: Vec<Tried> = tried.iter().step_by(every).take(settings.certified).copied().collect();
         for found in certify(&truth, &chosen, room.extent, &|part| progress(0.3 + 0.7 * part)) {
             report.empty += found.empty;
             report.undecided += found.undecided;

@@ -2,12 +2,10 @@
 
 mod common;
 
-use common::{compile_file, examples, gpu};
-use surefoot_compiler::compiled::{Compiled, Export, Live, Options};
+use common::{compile_file, examples, gpu, prelude};
+use surefoot_compiler::compiled::{Compiled, Export, Live};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
-use surefoot_compiler::reference_text::{CHAPTERS, entries};
-use surefoot_compiler::{MemoryLoader, compile};
 use surefoot_runtime::{Gpu, evaluate};
 
 /// Points of each scene.
@@ -167,31 +165,12 @@ fn the_gpu_computes_what_the_cpu_computes() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The scenes that document the prelude, each once, by the name of what they document. Modules have no more than what is asked here:
-/// drivers in software take long over the rest.
-fn prelude() -> Vec<(String, Compiled)> {
-    let exports = FUNCTIONS.map(|(export, _)| export).to_vec();
-    let mut seen = Vec::new();
-    let mut scenes = Vec::new();
-    for entry in CHAPTERS.iter().flat_map(|(file, _, text)| entries(file, text)) {
-        if seen.contains(&entry.example) {
-            continue;
-        }
-        let loader = MemoryLoader::new().with("main.sdf", format!("scene = {}\n", entry.example));
-        let options = Options { exports: exports.clone(), ..Options::default() };
-        let outcome = compile(&loader, "main.sdf", &options);
-        let compiled = outcome.compiled.unwrap_or_else(|| panic!("{}: {:?}", entry.example, outcome.diagnostics));
-        scenes.push((entry.name, compiled));
-        seen.push(entry.example);
-    }
-    scenes
-}
-
 /// Every answer of the GPU is one that the accuracy table of WGSL allows, and 99 of 100 are within 1e-5·(|p| + size).
 #[test]
 fn the_gpu_computes_the_prelude_as_the_cpu_does() {
     let gpu = gpu();
-    let scenes = prelude();
+    // Modules have no more than what is asked here: drivers in software take long over the rest.
+    let scenes = prelude(&FUNCTIONS.map(|(export, _)| export));
     assert!(scenes.len() > 100, "only {} examples", scenes.len());
     println!("on {}, {} examples at {POINTS} points", gpu.name(), scenes.len());
     println!("{:24} {:>9} {:>12} {:>9} {:>12}", "item", "function", "within 1e-5", "p99", "worst/table");

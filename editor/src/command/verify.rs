@@ -13,7 +13,7 @@ use surefoot_compiler::{Options, Outcome};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 At points near and far, inside and outside, at the ends of the parameters' ranges and between, the bound is taken at its word: no surface \
-within it. Every point is probed along 8 directions; of every hundredth it is certified in intervals that the ball of 0.99 of the bound is \
+within it. Every point is probed along 8 directions; of some it is certified in intervals that the ball of 0.99 of the bound is \
 empty. On a graphics adapter the emitted module itself computes the bound, and its numbers, less the allowance for rounding in 32 bits, \
 are held to the same. What can be chosen by name stands as the text says.")]
 pub struct Args {
@@ -22,6 +22,9 @@ pub struct Args {
     /// Points, over all values of the parameters.
     #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
     samples: u32,
+    /// How many of the points are certified.
+    #[arg(long, default_value_t = 100, value_name = "N")]
+    certified: u32,
     /// Chooses the points; the same number gives the same points.
     #[arg(long, default_value_t = 1, value_name = "S")]
     seed: u64,
@@ -43,7 +46,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
     let device = Adapter::new(args.device)?;
     let bar = LateBar::new();
-    let settings = Settings { samples: args.samples as usize, seed: args.seed };
+    let settings = Settings { samples: args.samples as usize, certified: args.certified as usize, seed: args.seed };
     let bound = |live: &Live, points: &[[f32; 3]]| device.bound(compiled, live, points);
     let bound = device.name().is_some().then_some(&bound as verify::Device);
     let report = verify::verify(compiled, settings, bound, &|part| bar.show(part));

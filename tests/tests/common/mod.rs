@@ -2,8 +2,9 @@
 #![allow(dead_code)]
 
 use std::path::{Path, PathBuf};
-use surefoot_compiler::compiled::{Compiled, Loader, Options};
-use surefoot_compiler::{compile, diagnostic};
+use surefoot_compiler::compiled::{Compiled, Export, Loader, Options};
+use surefoot_compiler::reference_text::{CHAPTERS, entries};
+use surefoot_compiler::{MemoryLoader, compile, diagnostic};
 use surefoot_runtime::Gpu;
 
 /// Files on the disk.
@@ -49,6 +50,24 @@ pub fn compile_file(path: &str) -> Result<Compiled, String> {
     let outcome = compile(&Disk, path, &Options::default());
     let words = diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
     outcome.compiled.ok_or(words)
+}
+
+/// The scenes that document the prelude, each once, by the name of what they document, with modules of these exports.
+pub fn prelude(exports: &[Export]) -> Vec<(String, Compiled)> {
+    let mut seen = Vec::new();
+    let mut scenes = Vec::new();
+    for entry in CHAPTERS.iter().flat_map(|(file, _, text)| entries(file, text)) {
+        if seen.contains(&entry.example) {
+            continue;
+        }
+        let loader = MemoryLoader::new().with("main.sdf", format!("scene = {}\n", entry.example));
+        let options = Options { exports: exports.to_vec(), ..Options::default() };
+        let outcome = compile(&loader, "main.sdf", &options);
+        let compiled = outcome.compiled.unwrap_or_else(|| panic!("{}: {:?}", entry.example, outcome.diagnostics));
+        scenes.push((entry.name, compiled));
+        seen.push(entry.example);
+    }
+    scenes
 }
 
 /// A folder for what a person may want to look at.
