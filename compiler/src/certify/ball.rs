@@ -115,7 +115,8 @@ impl Prover<'_> {
             }
             left -= 1;
             self.boxes += 1;
-            if jumps::outside(&mut guards, &range, &mut self.ranges) {
+            let domain = Domain::new(range, Some((centre, radius)));
+            if jumps::outside(&mut guards, &domain, &mut self.slots) {
                 continue;
             }
             let code = if code.steps.len() > SHORT {
@@ -127,7 +128,6 @@ impl Prover<'_> {
             } else {
                 code
             };
-            let domain = Domain::new(range, Some((centre, radius)));
             let whole = forward::full(&code, &domain, &mut self.slots);
             let flat = near == 0.0 && excludes(whole.centre, side) && self.flat(&code, &domain, whole.centre);
             if flat || excludes(whole.range, side) {
@@ -149,8 +149,9 @@ impl Prover<'_> {
                 if far(centre, at) >= radius {
                     continue;
                 }
+                let here = Domain::new(at.map(Interval::point), None);
                 // The code tells of points in its piece only.
-                if guards.iter().any(|guard| guard.side(&at.map(Interval::point), &mut self.ranges) != Side::Inside) {
+                if guards.iter().any(|guard| guard.side(&here, &mut self.slots) != Side::Inside) {
                     continue;
                 }
                 let other = match known {

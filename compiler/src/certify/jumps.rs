@@ -9,7 +9,7 @@
 #![allow(clippy::indexing_slicing)]
 
 use super::code::{Code, Known, Step, known};
-use super::forward::{self, Slot};
+use super::forward::{self, Domain, Slot};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use std::f64::consts::FRAC_PI_2;
@@ -39,9 +39,9 @@ pub(super) enum Side {
 }
 
 impl Guard {
-    /// How a box lies to the piece. `values` is room.
-    pub(super) fn side<const D: usize>(&self, range: &[Interval; D], values: &mut Vec<Interval>) -> Side {
-        let value = forward::natural(&self.code, range, values);
+    /// How a part of space lies to the piece. `slots` is room.
+    pub(super) fn side<const D: usize>(&self, domain: &Domain<D>, slots: &mut Vec<Slot<D>>) -> Side {
+        let value = forward::full(&self.code, domain, slots).range;
         if value.intersect(self.within).is_empty() {
             Side::Outside
         } else if value.intersect(self.within) == value {
@@ -187,11 +187,11 @@ fn tidied(code: &Code, steps: Vec<Step>) -> Code {
     code.shorter(|_| Interval::ALL, &mut super::code::Room::default()).unwrap_or(code)
 }
 
-/// Whether a box lies outside of one of the guards' pieces; guards that hold all of it are dropped.
-pub(super) fn outside<const D: usize>(guards: &mut Vec<Arc<Guard>>, range: &[Interval; D], values: &mut Vec<Interval>) -> bool {
+/// Whether a part of space lies outside of one of the guards' pieces; guards that hold all of it are dropped.
+pub(super) fn outside<const D: usize>(guards: &mut Vec<Arc<Guard>>, domain: &Domain<D>, slots: &mut Vec<Slot<D>>) -> bool {
     let mut outside = false;
     guards.retain(|guard| {
-        let side = if outside { Side::Both } else { guard.side(range, values) };
+        let side = if outside { Side::Both } else { guard.side(domain, slots) };
         outside |= side == Side::Outside;
         side == Side::Both
     });

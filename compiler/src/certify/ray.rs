@@ -78,14 +78,15 @@ impl Prover<'_> {
 
     /// The sign that the field surely keeps all along a segment across its jumps, or 0. Looks at `left` pieces at most.
     fn kept(&mut self, code: &Code, range: [Interval; 1], left: &mut usize) -> i8 {
-        let whole = forward::full(code, &Domain::new(range, None), &mut self.ray_slots);
+        let domain = Domain::new(range, None);
+        let whole = forward::full(code, &domain, &mut self.ray_slots);
         if whole.range.lo > 0.0 || whole.range.hi < 0.0 {
             return if whole.range.lo > 0.0 { 1 } else { -1 };
         }
         let parted = if whole.jump { jumps::parted(code, &self.ray_slots, &mut self.live) } else { None };
         let mut sign = 0;
         for (piece, guard) in parted.unwrap_or_default() {
-            if guard.side(&range, &mut self.ranges) == Side::Outside {
+            if guard.side(&domain, &mut self.ray_slots) == Side::Outside {
                 continue;
             }
             *left = left.saturating_sub(1);
