@@ -1,0 +1,157 @@
+//! The estimate of the distance near the surface, held against the certified distance.
+//!
+//! `SUREFOOT_POINTS=10000` asks at so many points of each scene, all within a hundredth of the scene's size of its surface;
+//! `SUREFOOT_SCENE=chess.sdf` asks in one.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+
+use surefoot_compiler::certify::{Hit, Prover, Truth};
+use surefoot_compiler::evaluate::Tape;
+use surefoot_compiler::graph::Function;
+use surefoot_compiler::{Compiled, Loader, MemoryLoader, Options, compile};
+
+struct Disk;
+
+impl Loader for Disk {
+    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
+        std::fs::read(path).map_err(|e| e.to_string())
+    }
+}
+
+/// Numbers in 0..1, the same on every run (SplitMix64, Steele 2014).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn within(&mut self, half: f64) -> [f64; 3] {
+        [0; 3].map(|_| (2.0 * self.next() - 1.0) * half)
+    }
+}
+
+/// How far over the true distance the estimate may be.
+const OVER: f64 = 1.05;
+/// Where more is allowed: of so many points in a thousand the estimate may be over, and this much. The field over its gradient is what a
+/// straight line says; where the field steepens toward the surface within a hundredth of the scene's size, the surface is nearer.
+const STEEPENS: [(&str, usize, f64); 5] = [
+    ("box((2, 3, 0.16)).twist(y, 3)", 20, 1.25),
+    ("colonnade.sdf", 10, 1.2),
+    ("gyroid_ring.sdf", 40, 1.3),
+    ("lighthouse.sdf", 3, 2.5),
+    ("melting.sdf", 20, 1.25),
+];
+/// How close the certified distance is settled, and the boxes that it may cost.
+const CLOSE: f64 = 0.005;
+const BOXES: usize = 4000;
+
+fn plus(a: [f64; 3], b: [f64; 3], times: f64) -> [f64; 3] {
+    [0, 1, 2].map(|i| a[i] + times * b[i])
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// The middle of a scene and its size; of one without end what the camera looks at.
+fn place(scene: &Compiled) -> ([f64; 3], f64) {
+    let frame = scene.frame(&scene.live());
+    match (scene.summary.bounds, frame.cameras.first()) {
+        (Some([low, high]), _) => {
+            ([0, 1, 2].map(|i| 0.5 * (low[i] + high[i])), [0, 1, 2].map(|i| high[i] - low[i]).into_iter().fold(0.0, f64::max))
+        }
+        (None, Some((_, camera))) => (camera.target, length(plus(camera.eye, camera.target, -1.0))),
+        (None, None) => ([0.0; 3], 4.0),
+    }
+}
+
+/// A point within so much of the surface, on any side of it.
+fn beside(prover: &mut Prover<'_>, random: &mut Random, centre: [f64; 3], size: f64) -> Option<[f64; 3]> {
+    let from = plus(centre, random.within(0.75 * size), 1.0);
+    let to = plus(centre, random.within(0.4 * size), 1.0);
+    let way = plus(to, from, -1.0);
+    let Hit::Hit(t) = prover.first_hit(from, way, 0.0, 2.0, 2000) else { return None };
+    Some(plus(plus(from, way, t), random.within(1.0), 0.01 * size / 3f64.sqrt()))
+}
+
+#[test]
+fn the_estimate_is_hardly_over_the_distance() {
+    let count: usize = std::env::var("SUREFOOT_POINTS").ok().and_then(|s| s.parse().ok()).unwrap_or(30);
+    let only = std::env::var("SUREFOOT_SCENE").ok();
+    let folder = format!("{}/../examples", env!("CARGO_MANIFEST_DIR"));
+    let mut files: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|file| file.unwrap().path().to_str().unwrap().to_owned())
+        .filter(|path| path.ends_with(".sdf"))
+        .collect();
+    files.sort();
+    let mut scenes: Vec<(String, Compiled)> = files
+        .into_iter()
+        .map(|path| (path[path.rfind('/').unwrap() + 1..].to_owned(), compile(&Disk, &path, &Options::default()).compiled.unwrap()))
+        .collect();
+    for text in [
+        "sphere(1) | box(0.8).translate(1, 0.6, 0) | torus(0.9, 0.2)",
+        "smooth_union(sphere(0.6).translate(-0.62, 0, 0), sphere(0.6).translate(0.62, 0, 0), 0.1)",
+        "smooth_union(sphere(0.6).translate(-0.4, 0, 0), sphere(0.5).translate(0.5, 0.2, 0), 0.4)",
+        "metaballs([(-0.6, 0, 0, 0.7), (0.6, 0, 0, 0.7)], 0.5)",
+        "box((2, 3, 0.16)).twist(y, 3)",
+        "box((2, 3, 0.2)).twist(y, 1)",
+    ] {
+        let loader = MemoryLoader::new().with("main.sdf", format!("scene = {text}\n"));
+        match compile(&loader, "main.sdf", &Options::default()) {
+            outcome if outcome.compiled.is_some() => scenes.push((text.to_owned(), outcome.compiled.unwrap())),
+            outcome => panic!("{text}: {:?}", outcome.diagnostics),
+        }
+    }
+    println!("{:>6} {:>6} {:>9} {:>6} {:>6} {:>6}  scene", "points", "over", "undecided", "p50", "p99", "worst");
+    let mut wrong = Vec::new();
+    for (name, scene) in scenes.into_iter().filter(|(name, _)| only.as_ref().is_none_or(|only| only == name)) {
+        let root = [Function::Distance, Function::Field].map(|f| scene.functions.formulas[&(scene.root, f)]);
+        let tape = Tape::new(&scene.graph, &scene.functions, &root, &scene.live(), 4_000_000).unwrap();
+        let truth = Truth::new(&scene, &scene.live(), 4_000_000).unwrap();
+        let mut prover = truth.prover();
+        let mut random = Random(3);
+        let (centre, size) = place(&scene);
+        let mut points = Vec::new();
+        for _ in 0..40 * count {
+            if points.len() == count {
+                break;
+            }
+            points.extend(beside(&mut prover, &mut random, centre, size));
+        }
+        let mut estimates = Vec::new();
+        tape.evaluator().at(&points, &[], |_, values| estimates.push(values[0]));
+        let (mut ratios, mut undecided, mut over, mut worst) = (Vec::new(), 0, 0, (0.0, String::new()));
+        for (point, estimate) in points.iter().zip(estimates) {
+            assert!(estimate.is_finite(), "{name}: {estimate} at {point:?}");
+            let found = prover.distance(*point, 0.03 * size, CLOSE, BOXES);
+            // Certain: there is a surface nearer than the estimate by more than is allowed.
+            let ratio = estimate.abs() / found.at_most;
+            if ratio > OVER {
+                over += 1;
+                if ratio > worst.0 {
+                    worst = (ratio, format!("{name} at {point:?}: {estimate}, and the surface is {found:?}"));
+                }
+            } else if estimate.abs() > OVER * found.at_least {
+                undecided += 1;
+            }
+            ratios.push(ratio);
+        }
+        ratios.sort_by(f64::total_cmp);
+        let part = |percent: usize| ratios.get((ratios.len() * percent).div_ceil(100).max(1) - 1).copied().unwrap_or(0.0);
+        println!("{:6} {over:6} {undecided:9} {:6.3} {:6.3} {:6.3}  {name}", points.len(), part(50), part(99), part(100));
+        let known = STEEPENS.iter().find(|(scene, ..)| *scene == name);
+        let (share, most) = known.map_or((0, OVER), |(_, share, most)| (*share, *most));
+        if over * 1000 > share * points.len().max(100) || worst.0 > most {
+            wrong.push(worst.1);
+        } else if over > 0 {
+            println!("       {}", worst.1);
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
