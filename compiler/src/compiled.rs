@@ -4,6 +4,7 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::functions::{Functions, Summary};
 use crate::graph::algebra::Reals;
 use crate::graph::{multiple_of, Graph, Leaf, NodeId, Proof, ShapeId};
+use crate::physics::{BallsNodes, PhysicsNodes};
 use crate::source::{Sources, Span};
 use crate::syntax::ast::Type;
 use std::rc::Rc;
@@ -365,6 +366,10 @@ pub struct SceneBlocks {
     pub extent: f64,
     /// Stops.
     pub exposure: Option<NodeId>,
+    /// How balls move, where the text says.
+    pub physics: Option<PhysicsNodes>,
+    /// The groups of balls, in the order of the text.
+    pub balls: Vec<BallsNodes>,
 }
 
 impl SceneBlocks {

@@ -207,6 +207,9 @@ codes! {
     Unused, "unused", Warning,
         "A parameter that nothing reads. Its slider would do nothing.",
         "param a = 1 in 0..2\nscene = sphere(1)";
+    NoRoom, "no-room", Warning,
+        "The balls of a group have no room in the box where they begin. They begin within each other and push apart.",
+        "scene = plane(y)\nballs b { count: 1000, radius: 0.5, spawn: (0, 1, 0)..(1, 2, 1) }";
 }
 
 /// Renders diagnostics with the lines that they speak of. `color` adds ANSI colours.

@@ -7,6 +7,7 @@ use crate::compiled::{LightNodes, Parameter, SceneBlocks, Shadow};
 use crate::diagnostic::Code;
 use crate::graph::kernel::Op;
 use crate::graph::{Leaf, NodeId, ParameterComponent};
+use crate::physics::{BallsNodes, PhysicsNodes};
 use crate::source::Span;
 use crate::syntax::ast::{BlockKind, Entry, Expr, ExprKind, ItemKind, Name, Type};
 use crate::syntax::words::nearest;
@@ -34,6 +35,8 @@ impl SceneBlocks {
             nodes.extend([reach, strength]);
         }
         nodes.extend(self.shadows.iter().chain(&self.max_distance).chain(&self.exposure));
+        nodes.extend(self.physics.iter().flat_map(PhysicsNodes::nodes));
+        nodes.extend(self.balls.iter().flat_map(BallsNodes::nodes));
         nodes
     }
 }
@@ -463,9 +466,17 @@ impl Elaborator<'_> {
                 }
             }
             BlockKind::Render => self.render(&seen, &env, blocks)?,
-            BlockKind::Physics | BlockKind::Balls | BlockKind::Mesh => {
-                self.later(kind, kind_span, file, &seen, &env)?;
+            BlockKind::Physics => {
+                let physics = self.physics(&seen, &env)?;
+                if blocks.physics.replace(physics).is_some() {
+                    self.error(Code::TwiceDeclared, kind_span, "`physics` is given twice", "delete one of them");
+                }
             }
+            BlockKind::Balls => {
+                let balls = self.balls(name_text, &seen, &env)?;
+                blocks.balls.push(balls);
+            }
+            BlockKind::Mesh => self.mesh(kind_span, file, &seen, &env)?,
         }
         Ok(())
     }
@@ -548,18 +559,16 @@ impl Elaborator<'_> {
         if ok { Ok(()) } else { Err(Stop) }
     }
 
-    /// Blocks that are checked now and drawn by later work.
-    fn later(
+    /// A mesh, which is checked now and drawn by later work.
+    fn mesh(
         &mut self,
-        kind: BlockKind,
         kind_span: Span,
         file: Option<&(String, Span)>,
         seen: &FxHashMap<&str, &Entry>,
         env: &Env,
     ) -> Elaborated<()> {
-        let words = block_words(kind);
         let mut ok = true;
-        if kind == BlockKind::Mesh && file.is_none() {
+        if file.is_none() {
             ok = false;
             self.error(
                 Code::MissingArgument,
@@ -576,51 +585,34 @@ impl Elaborator<'_> {
                 ok = false;
                 continue;
             };
-            let ty = match (kind, &*entry.key.text) {
-                (_, "material") => Type::Material,
-                (_, "gravity" | "velocity" | "translate" | "rotate") => Type::Vec(3),
-                (BlockKind::Mesh, "scale") => match value {
-                    Value::Vector(_) => Type::Vec(3),
-                    _ => Type::Float,
-                },
-                (_, "count" | "substeps" | "seed") => Type::Int,
-                (_, "bounds" | "spawn") => {
-                    ok &= self.range_of(&value, &Type::Vec(3), at, env).is_ok();
-                    continue;
-                }
-                (_, "radius") if matches!(value, Value::Range(_)) => {
-                    ok &= self.range_of(&value, &Type::Float, at, env).is_ok();
-                    continue;
-                }
+            let ty = match (&*entry.key.text, &value) {
+                ("material", _) => Type::Material,
+                ("translate" | "rotate", _) | ("scale", Value::Vector(_)) => Type::Vec(3),
                 _ => Type::Float,
             };
             let Ok(value) = self.coerce(value, &ty, at, env) else {
                 ok = false;
                 continue;
             };
-            let least = match &*entry.key.text {
-                "restitution" | "friction" | "rolling" | "count" => Some(0.0),
-                "radius" | "scale" | "substeps" => Some(f64::MIN_POSITIVE),
-                _ => None,
-            };
-            if let (Some(least), Value::Number(node, _)) = (least, &value)
+            if let Value::Number(node, _) = &value
                 && let Some(c) = self.graph.as_constant(*node)
-                && c < least
+                && c < f64::MIN_POSITIVE
             {
                 ok = false;
                 self.error(
                     Code::BadValue,
                     at,
-                    format!("the `{}` of `{words}` is {}", entry.key.text, short(c)),
-                    if least == 0.0 { "write one that is at least 0" } else { "write one that is greater than 0" },
+                    format!("the `{}` of `mesh` is {}", entry.key.text, short(c)),
+                    "write one that is greater than 0",
                 );
             }
         }
-        self.not_drawn(kind_span, words);
+        self.not_drawn(kind_span, "mesh");
         if ok { Ok(()) } else { Err(Stop) }
     }
 
-    fn range_of(&mut self, value: &Value, ty: &Type, span: Span, env: &Env) -> Elaborated<()> {
+    /// The numbers of a range's ends: those of the lesser first.
+    pub(super) fn range_of(&mut self, value: &Value, ty: &Type, span: Span, env: &Env) -> Elaborated<Vec<NodeId>> {
         let Value::Range(range) = value else {
             let found = value.describe(self);
             return Err(self.error(
@@ -637,7 +629,8 @@ impl Elaborator<'_> {
             Value::Vector(v) => v.to_vec(),
             _ => Vec::new(),
         };
-        for (a, b) in nodes(&from).into_iter().zip(nodes(&to)) {
+        let (mut ends, high) = (nodes(&from), nodes(&to));
+        for (&a, &b) in ends.iter().zip(&high) {
             if let (Some(a), Some(b)) = (self.graph.as_constant(a), self.graph.as_constant(b))
                 && a > b
             {
@@ -649,10 +642,11 @@ impl Elaborator<'_> {
                 ));
             }
         }
-        Ok(())
+        ends.extend(high);
+        Ok(ends)
     }
 
-    fn vec3_entry(
+    pub(super) fn vec3_entry(
         &mut self,
         expr: Option<&Expr>,
         env: &Env,
@@ -691,7 +685,7 @@ impl Elaborator<'_> {
         }
     }
 
-    fn number_entry(
+    pub(super) fn number_entry(
         &mut self,
         expr: Option<&Expr>,
         env: &Env,
@@ -819,7 +813,7 @@ fn in_degrees(expr: &Expr) -> bool {
 }
 
 /// A number as a person would write it.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     let rounded = (value * 1e6).round() / 1e6;
     format!("{rounded}")
 }

@@ -1,0 +1,261 @@
+//! Balls that fall on the field: what a scene says of them, where they begin, and their step in 64 bits.
+//!
+//! The step is the twin of `runtime/src/physics/*.wgsl`, look for look and bounce for bounce: what changes here changes there.
+
+pub mod ground;
+pub mod meet;
+pub mod spawn;
+pub mod travel;
+pub mod world;
+
+pub use ground::{Field, Ground, Touch};
+pub use world::World;
+
+use crate::compiled::{Compiled, Live};
+use crate::graph::{Graph, Leaf, NodeId, algebra::Reals};
+use crate::reference::vector::{Vec3, length};
+
+/// The most balls of a scene.
+pub const MOST_BALLS: u32 = 1 << 20;
+/// The most parts of a step.
+pub const MOST_SUBSTEPS: u32 = 64;
+/// How often two balls that touch are looked at in a part of a step.
+pub const MEETINGS: u32 = 4;
+/// The most neighbours of a ball that are looked at.
+pub const NEIGHBOURS: usize = 24;
+/// How far apart two balls still count as neighbours, in parts of the sum of their radii.
+pub const NEAR_BALLS: f64 = 1.05;
+/// How often a ball looks at the field in a part of a step.
+pub const LOOKS: u32 = 48;
+/// A contact is met to this part of the radius.
+pub const NEAR: f64 = 2e-4;
+/// How long a ball must keep its place before it sleeps, in seconds.
+pub const PATIENCE: f64 = 0.5;
+/// A ball that moved by less than this part of its radius has kept its place.
+pub const PLACE: f64 = 0.02;
+
+/// The entries of a block `physics`, as nodes over parameters and time.
+#[derive(Clone, Debug)]
+pub struct PhysicsNodes {
+    /// Acceleration.
+    pub gravity: [NodeId; 3],
+    /// Speed after a bounce over speed before, 0 to 1.
+    pub restitution: NodeId,
+    /// Coulomb's coefficient.
+    pub friction: NodeId,
+    /// The force that brakes a rolling ball, over the force that presses it.
+    pub rolling: NodeId,
+    /// Parts of a step.
+    pub substeps: NodeId,
+    /// Least and greatest corner of a box that no ball leaves.
+    pub walls: Option<[[NodeId; 3]; 2]>,
+}
+
+/// The entries of a block `balls`, as nodes over parameters and time.
+#[derive(Clone, Debug)]
+pub struct BallsNodes {
+    /// Its name.
+    pub name: String,
+    /// How many.
+    pub count: NodeId,
+    /// Least and greatest radius.
+    pub radius: [NodeId; 2],
+    /// Least and greatest corner of the box in which they begin.
+    pub spawn: [[NodeId; 3]; 2],
+    /// With which velocity.
+    pub velocity: [NodeId; 3],
+    /// What chance is made of.
+    pub seed: NodeId,
+    /// The material's colour, emission, roughness, metallic, reflectivity.
+    pub look: Option<[NodeId; 9]>,
+}
+
+impl PhysicsNodes {
+    /// Every node of the block.
+    pub fn nodes(&self) -> Vec<NodeId> {
+        let mut nodes = self.gravity.to_vec();
+        nodes.extend([self.restitution, self.friction, self.rolling, self.substeps]);
+        nodes.extend(self.walls.iter().flatten().flatten());
+        nodes
+    }
+}
+
+impl BallsNodes {
+    /// Every node of the block.
+    pub fn nodes(&self) -> Vec<NodeId> {
+        let mut nodes = vec![self.count, self.seed];
+        nodes.extend(self.radius.iter().chain(self.spawn.iter().flatten()).chain(&self.velocity));
+        nodes.extend(self.look.iter().flatten());
+        nodes
+    }
+}
+
+/// The numbers of a block `physics` at one moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law {
+    /// Acceleration.
+    pub gravity: Vec3,
+    /// Speed after a bounce over speed before, 0 to 1.
+    pub restitution: f64,
+    /// Coulomb's coefficient.
+    pub friction: f64,
+    /// The force that brakes a rolling ball, over the force that presses it.
+    pub rolling: f64,
+    /// Parts of a step.
+    pub substeps: u32,
+    /// Least and greatest corner of a box that no ball leaves.
+    pub walls: Option<[Vec3; 2]>,
+    /// Radius about the origin beyond which a ball is gone.
+    pub extent: f64,
+}
+
+impl Law {
+    /// The speed across a surface below which a ball does not bounce: twice what a part of a step of `h` seconds adds.
+    pub fn rest(&self, h: f64) -> f64 {
+        2.0 * length(self.gravity) * h
+    }
+}
+
+/// The numbers of a block `balls` at one moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Its name.
+    pub name: String,
+    /// How many.
+    pub count: u32,
+    /// Least and greatest radius.
+    pub radius: [f64; 2],
+    /// Least and greatest corner of the box in which they begin.
+    pub spawn: [Vec3; 2],
+    /// With which velocity.
+    pub velocity: Vec3,
+    /// What chance is made of.
+    pub seed: u32,
+    /// Linear colour, emission, roughness, metallic, reflectivity.
+    pub look: [f64; 9],
+}
+
+/// One ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// Its centre.
+    pub position: Vec3,
+    /// Its radius.
+    pub radius: f64,
+    /// Velocity of the centre.
+    pub velocity: Vec3,
+    /// Angular velocity, radians a second.
+    pub spin: Vec3,
+    /// Index of its group.
+    pub group: u32,
+    /// What it does.
+    pub state: State,
+    /// Since when it has kept its place, in seconds.
+    pub quiet: f64,
+    /// The place.
+    pub anchor: Vec3,
+    /// How many balls touch it; of one that sleeps, how many did when it fell asleep.
+    pub touching: u32,
+    /// Whether it touches the field.
+    pub grounded: bool,
+}
+
+/// What a ball does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// It moves.
+    Awake,
+    /// It rests and is not computed.
+    Asleep,
+    /// It left the scene.
+    Gone,
+}
+
+impl Ball {
+    /// A ball that stands still.
+    pub fn at(position: Vec3, radius: f64) -> Self {
+        Self {
+            position,
+            radius,
+            velocity: [0.0; 3],
+            spin: [0.0; 3],
+            group: 0,
+            state: State::Awake,
+            quiet: 0.0,
+            anchor: position,
+            touching: 0,
+            grounded: false,
+        }
+    }
+
+    /// Its mass, in that of a ball of radius 1.
+    pub fn mass(&self) -> f64 {
+        self.radius * self.radius * self.radius
+    }
+}
+
+/// Values of nodes at one moment; those that read the point are taken at the origin, with the normal up.
+fn values(graph: &Graph, live: &Live, nodes: &[NodeId]) -> Vec<f64> {
+    let leaf = |leaf| match leaf {
+        Leaf::Time => live.time,
+        Leaf::Parameter(i) => live.component(graph, i),
+        Leaf::Normal(1) => 1.0,
+        _ => 0.0,
+    };
+    let values = graph.evaluate(&mut Reals, nodes, |_, l| leaf(l), |_, _, _, _| 0.0);
+    values.into_iter().map(|v| if v.is_finite() { v } else { 0.0 }).collect()
+}
+
+impl Compiled {
+    /// Whether there are balls in the scene.
+    pub fn has_balls(&self) -> bool {
+        !self.blocks.balls.is_empty()
+    }
+
+    /// How balls move at one moment.
+    pub fn law(&self, live: &Live) -> Law {
+        let extent = self.blocks.extent;
+        let Some(nodes) = &self.blocks.physics else {
+            let gravity = [0.0, -9.81, 0.0];
+            return Law { gravity, restitution: 0.5, friction: 0.3, rolling: 0.01, substeps: 4, walls: None, extent };
+        };
+        let one = |node| values(&self.graph, live, &[node]).first().copied().unwrap_or(0.0);
+        let three = |nodes: [NodeId; 3]| nodes.map(one);
+        Law {
+            gravity: three(nodes.gravity),
+            restitution: one(nodes.restitution).clamp(0.0, 1.0),
+            friction: one(nodes.friction).max(0.0),
+            rolling: one(nodes.rolling).max(0.0),
+            substeps: (one(nodes.substeps).round() as u32).clamp(1, MOST_SUBSTEPS),
+            walls: nodes.walls.map(|ends| ends.map(three)),
+            extent,
+        }
+    }
+
+    /// The groups of balls at one moment.
+    pub fn groups(&self, live: &Live) -> Vec<Group> {
+        let one = |node| values(&self.graph, live, &[node]).first().copied().unwrap_or(0.0);
+        let mut left = MOST_BALLS;
+        let mut group = |nodes: &BallsNodes| {
+            let count = (one(nodes.count).round() as u32).min(left);
+            left -= count;
+            let [low, high] = nodes.radius.map(|r| one(r).max(1e-6));
+            Group {
+                name: nodes.name.clone(),
+                count,
+                radius: [low, high.max(low)],
+                spawn: nodes.spawn.map(|end| end.map(one)),
+                velocity: nodes.velocity.map(one),
+                seed: one(nodes.seed).round() as u32,
+                look: nodes.look.map_or([0.55, 0.55, 0.55, 0.0, 0.0, 0.0, 0.6, 0.0, 0.0], |look| look.map(one)),
+            }
+        };
+        self.blocks.balls.iter().map(&mut group).collect()
+    }
+
+    /// Whether the field changes with time or a parameter: its surface may push.
+    pub fn field_moves(&self) -> bool {
+        use crate::compiled::UniformSource::{Parameter, Time};
+        self.module.uniforms.iter().any(|u| matches!(u.source, Time | Parameter(_)))
+    }
+}

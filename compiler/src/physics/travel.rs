@@ -1,0 +1,220 @@
+//! One ball for a part of a step: flight, bounces, rolling, rest.
+
+use super::ground::near;
+use super::{Ball, Ground, LOOKS, Law, PATIENCE, PLACE, State, Touch};
+use crate::reference::vector::{Vec3, add, along, cross, dot, length, scale, sub};
+
+/// A wall that appears within this part of the radius of a ball in one part of a step moves; farther, it jumps.
+const JUMP: f64 = 0.5;
+/// A ball that turns faster than this does not sleep, in radians a second.
+const IDLE: f64 = 4.0;
+
+/// Moves a ball that the others have pushed, for `h` seconds.
+pub fn travel(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
+    match ball.state {
+        State::Gone => return,
+        State::Asleep if stays(ball, ground) => return,
+        State::Asleep => wake(ball),
+        State::Awake => {}
+    }
+    ball.grounded = false;
+    go(ball, law, ground, h);
+    settle(ball, law, ground, h);
+    walls(ball, law, h);
+    let far = length(ball.position);
+    // A number that is none is not less than anything.
+    let here = far <= law.extent + ball.radius;
+    if !here {
+        ball.state = State::Gone;
+        ball.velocity = [0.0; 3];
+        ball.spin = [0.0; 3];
+        return;
+    }
+    rest(ball, h);
+}
+
+/// Wakes a ball.
+pub fn wake(ball: &mut Ball) {
+    ball.state = State::Awake;
+    ball.quiet = 0.0;
+    ball.anchor = ball.position;
+}
+
+/// Whether a ball that sleeps goes on: nothing moves the surface below it.
+fn stays(ball: &Ball, ground: &impl Ground) -> bool {
+    let p = ball.position;
+    let Some(before) = ground.before(p) else { return true };
+    let touch = ground.touch(p, ball.radius);
+    let reach = 1.1 * ball.radius;
+    // The way of the ball itself may not be near a surface; then it lies on others.
+    if touch.distance > reach && before > reach {
+        return true;
+    }
+    let now = ground.before(sub(p, scale(touch.normal, touch.distance)));
+    now.is_some_and(|gap| gap.abs() <= 1e-5 * ball.radius)
+}
+
+/// The speed of the surface along its normal, where it moves; what jumps does not push.
+fn surface_speed(ball: &Ball, touch: &Touch, ground: &impl Ground, h: f64) -> f64 {
+    let foot = sub(ball.position, scale(touch.normal, touch.distance));
+    let moved = ground.before(foot).unwrap_or(0.0);
+    if moved.abs() > JUMP * ball.radius { 0.0 } else { moved / h }
+}
+
+/// How far a ball is put back out of the solid: wholly where its centre is outside, else a half of its radius at a time.
+fn out(touch: &Touch, radius: f64) -> f64 {
+    let depth = radius - touch.distance;
+    if touch.distance > 0.0 { depth.max(0.0) } else { depth.min(0.5 * radius) }
+}
+
+/// Friction and the resistance to rolling under an impulse `press` (for each unit of mass) along the normal.
+pub fn rub(ball: &mut Ball, law: &Law, normal: Vec3, press: f64) {
+    if press <= 0.0 {
+        return;
+    }
+    let r = ball.radius;
+    // The speed with which the ball's lowest point slides.
+    let along_surface = sub(ball.velocity, scale(normal, dot(ball.velocity, normal)));
+    let slide = sub(along_surface, scale(cross(ball.spin, normal), r));
+    let speed = length(slide);
+    if speed > 1e-12 {
+        // A solid ball: 2/7 of the slide's speed as an impulse ends it.
+        let impulse = (law.friction * press).min(2.0 / 7.0 * speed);
+        let way = scale(slide, 1.0 / speed);
+        ball.velocity = along(ball.velocity, way, -impulse);
+        ball.spin = along(ball.spin, cross(normal, way), 2.5 * impulse / r);
+    }
+    let turn = length(ball.spin);
+    if turn > 0.0 {
+        let brake = 2.5 * law.rolling * press / r;
+        ball.spin = scale(ball.spin, (1.0 - brake / turn).max(0.0));
+    }
+}
+
+/// Looks along the way until the time is up. No piece of it is longer than what the bound allows the centre, so nothing is passed.
+fn go(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
+    let g = law.gravity;
+    let rest = law.rest(h);
+    let mut left = h;
+    for _ in 0..LOOKS {
+        if left <= 0.0 {
+            return;
+        }
+        let near = near(ball.position, ball.radius);
+        let free = ground.free(ball.position);
+        let speed = length(ball.velocity) + length(g) * left + 1e-12;
+        if free >= ball.radius + near {
+            let dt = left.min((free - ball.radius) / speed);
+            fly(ball, g, dt);
+            left -= dt;
+            continue;
+        }
+        let touch = ground.touch(ball.position, ball.radius);
+        let gap = touch.distance - ball.radius;
+        if gap > near {
+            // The bound sees less than there is.
+            let reach = (0.9 * gap).min(0.9 * free).max(0.5 * near);
+            let dt = left.min(reach / speed);
+            fly(ball, g, dt);
+            left -= dt;
+            continue;
+        }
+        ball.grounded = true;
+        let n = touch.normal;
+        let push = surface_speed(ball, &touch, ground, h);
+        if gap < 0.0 {
+            ball.position = along(ball.position, n, out(&touch, ball.radius));
+        }
+        let across = dot(ball.velocity, n) - push;
+        if across < -rest {
+            let press = (1.0 + law.restitution) * -across;
+            ball.velocity = along(ball.velocity, n, press);
+            rub(ball, law, n, press);
+            continue;
+        }
+        let inside = touch.distance <= 0.0;
+        let reach = if inside { 0.25 * ball.radius } else { (0.5 * free).max(0.5 * near) };
+        let dt = left.min(reach / speed);
+        left -= dt;
+        if across > 1e-3 * rest {
+            fly(ball, g, dt);
+            continue;
+        }
+        // It lies on the surface: what presses it there is taken up, and it moves along.
+        ball.velocity = along(ball.velocity, n, -across);
+        let pull = dot(g, n).min(0.0);
+        let before = ball.velocity;
+        ball.velocity = along(ball.velocity, sub(g, scale(n, pull)), dt);
+        rub(ball, law, n, (-across).max(0.0) - pull * dt);
+        let mean = scale(add(before, ball.velocity), 0.5);
+        // The surface is where it will be at the step's end already.
+        ball.position = along(ball.position, sub(mean, scale(n, push)), dt);
+    }
+}
+
+fn fly(ball: &mut Ball, g: Vec3, dt: f64) {
+    ball.position = along(along(ball.position, ball.velocity, dt), g, 0.5 * dt * dt);
+    ball.velocity = along(ball.velocity, g, dt);
+}
+
+/// Puts a ball that moved into a surface back out of it; in a groove it has two to leave.
+fn settle(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
+    for _ in 0..4 {
+        if ground.free(ball.position) >= ball.radius {
+            return;
+        }
+        let touch = ground.touch(ball.position, ball.radius);
+        if touch.distance >= ball.radius {
+            return;
+        }
+        ball.grounded = true;
+        let n = touch.normal;
+        ball.position = along(ball.position, n, out(&touch, ball.radius));
+        let across = dot(ball.velocity, n) - surface_speed(ball, &touch, ground, h);
+        // What is faster bounces in the next part of the step.
+        if across < 0.0 && across > -law.rest(h) {
+            ball.velocity = along(ball.velocity, n, -across);
+            rub(ball, law, n, -across);
+        }
+    }
+}
+
+/// Keeps a ball within the walls.
+fn walls(ball: &mut Ball, law: &Law, h: f64) {
+    let Some([low, high]) = law.walls else { return };
+    for (normal, end) in [([1.0, 0.0, 0.0], low), ([0.0, 1.0, 0.0], low), ([0.0, 0.0, 1.0], low)]
+        .into_iter()
+        .chain([([-1.0, 0.0, 0.0], high), ([0.0, -1.0, 0.0], high), ([0.0, 0.0, -1.0], high)])
+    {
+        let depth = ball.radius - dot(sub(ball.position, end), normal);
+        if depth <= 0.0 {
+            continue;
+        }
+        ball.grounded = true;
+        ball.position = along(ball.position, normal, depth);
+        let across = dot(ball.velocity, normal);
+        if across < 0.0 {
+            let bounce = if across < -law.rest(h) { law.restitution } else { 0.0 };
+            let press = (1.0 + bounce) * -across;
+            ball.velocity = along(ball.velocity, normal, press);
+            rub(ball, law, normal, press);
+        }
+    }
+}
+
+/// Lets a ball that has long kept its place sleep.
+fn rest(ball: &mut Ball, h: f64) {
+    let moved = length(sub(ball.position, ball.anchor));
+    let idle = moved <= PLACE * ball.radius && length(ball.spin) <= IDLE;
+    if !idle || !(ball.grounded || ball.touching > 0) {
+        ball.anchor = ball.position;
+        ball.quiet = 0.0;
+        return;
+    }
+    ball.quiet += h;
+    if ball.quiet > PATIENCE {
+        ball.state = State::Asleep;
+        ball.velocity = [0.0; 3];
+        ball.spin = [0.0; 3];
+    }
+}

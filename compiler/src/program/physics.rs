@@ -1,0 +1,147 @@
+//! The blocks `physics` and `balls`: how balls move, and which there are.
+
+use super::blocks::short;
+use super::value::Value;
+use super::{Elaborated, Elaborator, Env, Stop};
+use crate::diagnostic::Code;
+use crate::graph::NodeId;
+use crate::physics::{BallsNodes, MOST_BALLS, MOST_SUBSTEPS, PhysicsNodes};
+use crate::source::Span;
+use crate::syntax::ast::{Entry, Expr, Type};
+use rustc_hash::FxHashMap;
+
+/// The entries of a block by their keys.
+type Entries<'a> = FxHashMap<&'a str, &'a Entry>;
+
+impl Elaborator<'_> {
+    /// The block `physics`.
+    pub(super) fn physics(&mut self, seen: &Entries, env: &Env) -> Elaborated<PhysicsNodes> {
+        let entry = |key: &str| seen.get(key).map(|e| &e.value);
+        let share = Some((0.0, 1.0));
+        let positive = Some((0.0, f64::INFINITY));
+        let gravity = self.vec3_entry(entry("gravity"), env, [0.0, -9.81, 0.0]);
+        let restitution =
+            self.number_entry(entry("restitution"), env, 0.5, share, "a number from 0 (it stays) to 1 (it comes back as fast)");
+        let friction = self.number_entry(entry("friction"), env, 0.3, positive, "a number of at least 0");
+        let rolling = self.number_entry(entry("rolling"), env, 0.01, positive, "a number of at least 0");
+        let most = f64::from(MOST_SUBSTEPS);
+        let substeps = self.whole_entry(entry("substeps"), env, 4.0, (1.0, most), "a whole number from 1 to 64");
+        let walls = entry("bounds").map(|expr| self.vec3_range(expr, env)).transpose();
+        Ok(PhysicsNodes {
+            gravity: gravity?,
+            restitution: restitution?,
+            friction: friction?,
+            rolling: rolling?,
+            substeps: substeps?,
+            walls: walls?,
+        })
+    }
+
+    /// A block `balls`.
+    pub(super) fn balls(&mut self, name: String, seen: &Entries, env: &Env) -> Elaborated<BallsNodes> {
+        let entry = |key: &str| seen.get(key).map(|e| &e.value);
+        let most = f64::from(MOST_BALLS);
+        let count = self.whole_entry(entry("count"), env, 1000.0, (0.0, most), "a whole number from 0 to 1048576");
+        let radius = self.radius(entry("radius"), env);
+        let spawn = match entry("spawn") {
+            Some(expr) => self.vec3_range(expr, env),
+            None => Ok([[-1.0, 2.0, -1.0], [1.0, 4.0, 1.0]].map(|end| end.map(|c| self.graph.constant(c)))),
+        };
+        let velocity = self.vec3_entry(entry("velocity"), env, [0.0; 3]);
+        let seed = self.whole_entry(entry("seed"), env, 0.0, (0.0, 16777216.0), "a whole number from 0 to 16777216");
+        let material = match entry("material") {
+            Some(expr) => self.expression(expr, env).and_then(|value| match self.coerce(value, &Type::Material, expr.span, env)? {
+                Value::Material(id) => Ok(self.graph.materials.get(id.0 as usize).map(crate::graph::Material::nodes)),
+                _ => Err(Stop),
+            }),
+            None => Ok(None),
+        };
+        let (count, radius, spawn) = (count?, radius?, spawn?);
+        if let Some(expr) = entry("count").or(entry("spawn")) {
+            self.room(count, radius, spawn, expr.span);
+        }
+        Ok(BallsNodes { name, count, radius, spawn, velocity: velocity?, seed: seed?, look: material? })
+    }
+
+    /// Warns where so many balls have no room in their box.
+    fn room(&mut self, count: NodeId, radius: [NodeId; 2], spawn: [[NodeId; 3]; 2], span: Span) {
+        let [low, high] = spawn.map(|end| end.map(|n| self.graph.as_constant(n)));
+        let known = |v: [Option<f64>; 3]| match v {
+            [Some(a), Some(b), Some(c)] => Some([a, b, c]),
+            _ => None,
+        };
+        let (Some(count), Some(radius), Some(low), Some(high)) =
+            (self.graph.as_constant(count), radius.last().and_then(|r| self.graph.as_constant(*r)), known(low), known(high))
+        else {
+            return;
+        };
+        let room = crate::physics::spawn::room(low, high, radius);
+        if count > room {
+            self.warn(
+                Code::NoRoom,
+                span,
+                format!("{} balls of radius {} have no room in `spawn`; it holds {}", short(count), short(radius), short(room)),
+                "they begin within each other and push apart: make the box larger, or the balls fewer or smaller",
+            );
+        }
+    }
+
+    /// A radius, or the least and the greatest of many.
+    fn radius(&mut self, expr: Option<&Expr>, env: &Env) -> Elaborated<[NodeId; 2]> {
+        let Some(expr) = expr else { return Ok([self.graph.constant(0.05); 2]) };
+        let value = self.expression(expr, env)?;
+        let ends = match value {
+            Value::Range(_) => self.range_of(&value, &Type::Float, expr.span, env)?,
+            other => {
+                let value = self.coerce(other, &Type::Float, expr.span, env)?;
+                vec![self.to_number(&value, expr.span, env)?; 2]
+            }
+        };
+        let &[low, high] = ends.as_slice() else { return Err(Stop) };
+        for end in [low, high] {
+            if let Some(c) = self.graph.as_constant(end)
+                && !(c > 0.0 && c.is_finite())
+            {
+                return Err(self.error(
+                    Code::BadValue,
+                    expr.span,
+                    format!("the `radius` of `balls` is {}", short(c)),
+                    "write one that is greater than 0",
+                ));
+            }
+        }
+        Ok([low, high])
+    }
+
+    /// A box, least corner first.
+    fn vec3_range(&mut self, expr: &Expr, env: &Env) -> Elaborated<[[NodeId; 3]; 2]> {
+        let value = self.expression(expr, env)?;
+        let ends = self.range_of(&value, &Type::Vec(3), expr.span, env)?;
+        match *ends.as_slice() {
+            [a, b, c, x, y, z] => Ok([[a, b, c], [x, y, z]]),
+            _ => Err(Stop),
+        }
+    }
+
+    fn whole_entry(
+        &mut self,
+        expr: Option<&Expr>,
+        env: &Env,
+        default: f64,
+        limits: (f64, f64),
+        wanted: &str,
+    ) -> Elaborated<NodeId> {
+        let node = self.number_entry(expr, env, default, Some(limits), wanted)?;
+        if let (Some(expr), Some(c)) = (expr, self.graph.as_constant(node))
+            && c.fract() != 0.0
+        {
+            return Err(self.error(
+                Code::TypeMismatch,
+                expr.span,
+                format!("a whole number is needed here, and this is {}", short(c)),
+                format!("write {wanted}"),
+            ));
+        }
+        Ok(node)
+    }
+}

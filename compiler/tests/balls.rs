@@ -1,0 +1,201 @@
+//! The step of balls in 64 bits, held against closed forms.
+
+use surefoot_compiler::physics::{Ball, Field, Ground, Law, State, Touch, World, spawn};
+use surefoot_compiler::reference::vector::{add, dot, length, scale, sub};
+use surefoot_compiler::{Compiled, Live, MemoryLoader, Options, compile, diagnostic};
+
+const STEP: f64 = 1.0 / 60.0;
+
+fn scene(text: &str) -> Compiled {
+    let outcome = compile(&MemoryLoader::new().with("s.sdf", text), "s.sdf", &Options::default());
+    let words = diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
+    outcome.compiled.unwrap_or_else(|| panic!("{words}"))
+}
+
+fn law(restitution: f64, friction: f64, rolling: f64) -> Law {
+    Law { gravity: [0.0, -9.81, 0.0], restitution, friction, rolling, substeps: 4, walls: None, extent: 100.0 }
+}
+
+/// Runs balls over a field that stands still.
+fn run(compiled: &Compiled, live: &Live, law: &Law, balls: Vec<Ball>, seconds: f64, mut each: impl FnMut(&World)) -> World {
+    let ground = Field::new(compiled, live, None).unwrap();
+    let mut world = World::new(balls);
+    while world.time < seconds - 1e-9 {
+        world.step(law, STEP, |_, _| ground.clone());
+        each(&world);
+    }
+    world
+}
+
+/// The gap between a ball and the surface, in parts of its radius.
+fn gap(ground: &impl Ground, ball: &Ball) -> f64 {
+    (ground.touch(ball.position, ball.radius).distance - ball.radius) / ball.radius
+}
+
+/// A place to rest: its name, its text, and where the ball is let fall from.
+const PLACES: [(&str, &str, [f64; 3]); 5] = [
+    ("plane", "scene = plane(y)", [0.1, 0.4, 0.2]),
+    ("bowl", "param r = 1 in 0.6..1.4\nscene = (box(4, 2, 4) - sphere(r).translate(0, 1, 0)).translate(0, 0, 0)", [0.2, 0.8, 0.1]),
+    (
+        "a V between two boxes",
+        "param turn = 0.6 in 0.3..1.2\nscene = box(4, 1, 4).translate(2, -0.5, 0).rotate(z, turn) | box(4, 1, 4).translate(-2, -0.5, 0).rotate(z, -turn)",
+        [0.05, 0.5, 0.3],
+    ),
+    (
+        "the groove of a lying twisted column",
+        "param rate = 2 in 0.5..4\nlet column = box(0.8, 6, 0.8).twist(y, rate).rotate(x, 90deg)\nscene = box(1.6, 0.8, 5).translate(0, -0.4, 0) - column",
+        [0.03, 0.1, 0.1],
+    ),
+    (
+        "the saddle of a smooth union",
+        "param k = 0.3 in 0.1..0.6\nscene = smooth_union(sphere(0.5).translate(-0.45, 0, 0), sphere(0.5).translate(0.45, 0, 0), k) | box(3, 0.1, 3).translate(0, 0.3, 0)",
+        [0.02, 0.8, 0.0],
+    ),
+];
+
+#[test]
+fn balls_rest_on_the_surface() {
+    for (name, text, start) in PLACES {
+        let compiled = scene(text);
+        println!("factor {}", compiled.summary.factor);
+        for part in [0.0, 0.5, 1.0] {
+            let mut live = compiled.live();
+            for (slot, p) in live.components.iter_mut().zip(&compiled.graph.parameters) {
+                *slot = p.min + part * (p.max - p.min);
+            }
+            let world = run(&compiled, &live, &law(0.5, 0.5, 0.02), vec![Ball::at(start, 0.05)], 10.0, |_| {});
+            let ground = Field::new(&compiled, &live, None).unwrap();
+            let ball = &world.balls[0];
+            let gap = gap(&ground, ball);
+            println!("{name} {part}: gap {gap:.2e} at {:?} {:?} v {:.1e}", ball.position, ball.state, length(ball.velocity));
+            assert!(gap.abs() < 2e-3, "{name} at {part}: a gap of {gap} radii at {:?}", ball.position);
+        }
+    }
+}
+
+/// The field, where a ball takes the bound for the distance.
+struct ByBound(Field);
+
+impl Ground for ByBound {
+    fn free(&self, p: [f64; 3]) -> f64 {
+        self.0.free(p)
+    }
+
+    fn touch(&self, center: [f64; 3], radius: f64) -> Touch {
+        Touch { distance: self.0.free(center), ..self.0.touch(center, radius) }
+    }
+
+    fn before(&self, _: [f64; 3]) -> Option<f64> {
+        None
+    }
+}
+
+#[test]
+fn by_the_bound_a_ball_hovers() {
+    let (name, text, start) = PLACES[3];
+    let compiled = scene(text);
+    let live = compiled.live();
+    let ground = ByBound(Field::new(&compiled, &live, None).unwrap());
+    let mut world = World::new(vec![Ball::at(start, 0.05)]);
+    while world.time < 10.0 {
+        world.step(&law(0.5, 0.5, 0.02), STEP, |_, _| ByBound(ground.0.clone()));
+    }
+    let gap = gap(&ground.0, &world.balls[0]);
+    println!("{name} by the bound: a gap of {gap} radii");
+    assert!(gap > 0.2, "{gap}");
+}
+
+#[test]
+fn five_bounces_are_as_high_as_the_formula_says() {
+    let compiled = scene("scene = plane(y)");
+    for restitution in [0.9, 0.7] {
+        let mut tops = Vec::new();
+        let mut last = [0.0f64; 2];
+        let live = compiled.live();
+        run(&compiled, &live, &law(restitution, 0.3, 0.0), vec![Ball::at([0.0, 1.05, 0.0], 0.05)], 5.0, |world| {
+            let ball = &world.balls[0];
+            // Where the ball turns within a step: the top from its height and its speed.
+            if last[1] > 0.0 && ball.velocity[1] <= 0.0 {
+                tops.push(last[0] + last[1] * last[1] / (2.0 * 9.81) - 0.05);
+            }
+            last = [ball.position[1], ball.velocity[1]];
+        });
+        for (i, top) in tops.iter().take(5).enumerate() {
+            let want = restitution.powi(2 * (i as i32 + 1));
+            println!("e = {restitution}: bounce {i} to {top:.5}, closed form {want:.5}");
+            assert!((top / want - 1.0).abs() < 0.01, "bounce {i}: {top} and not {want}");
+        }
+        assert!(tops.len() >= 5);
+    }
+}
+
+#[test]
+fn what_slides_rolls_at_five_sevenths() {
+    let compiled = scene("scene = plane(y)");
+    let ball = Ball { velocity: [2.0, 0.0, 0.0], ..Ball::at([0.0, 0.05, 0.0], 0.05) };
+    let world = run(&compiled, &compiled.live(), &law(0.5, 0.3, 0.0), vec![ball], 2.0, |_| {});
+    let ball = &world.balls[0];
+    let share = ball.velocity[0] / 2.0;
+    println!("{share:.5} of the speed, 5/7 = {:.5}; rim {:.5}", 5.0 / 7.0, -ball.spin[2] * ball.radius / ball.velocity[0]);
+    assert!((share * 7.0 / 5.0 - 1.0).abs() < 0.02);
+    assert!((-ball.spin[2] * ball.radius / ball.velocity[0] - 1.0).abs() < 1e-3, "it rolls");
+}
+
+#[test]
+fn a_ball_rolls_down_a_slope() {
+    let slope = 20f64.to_radians();
+    let compiled = scene("scene = plane(y).rotate(z, 20deg)");
+    let start = Ball::at([-slope.sin() * 0.05, slope.cos() * 0.05, 0.0], 0.05);
+    let begun = start.position;
+    let world = run(&compiled, &compiled.live(), &law(0.5, 0.4, 0.0), vec![start], 2.0, |_| {});
+    let way = length(sub(world.balls[0].position, begun));
+    let want = 0.5 * 5.0 / 7.0 * 9.81 * slope.sin() * 4.0;
+    println!("{way:.5} along the slope, closed form {want:.5}");
+    assert!((way / want - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn two_balls_keep_their_momentum() {
+    let compiled = scene("scene = plane(y, -50)");
+    let law = Law { gravity: [0.0; 3], ..law(0.8, 0.3, 0.0) };
+    let a = Ball { velocity: [1.0, 0.1, 0.0], ..Ball::at([-0.3, 0.0, 0.0], 0.1) };
+    let b = Ball { velocity: [-2.0, 0.0, 0.2], spin: [0.0, 3.0, 9.0], ..Ball::at([0.3, 0.04, 0.0], 0.05) };
+    let momentum = |balls: &[Ball]| balls.iter().fold([0.0; 3], |sum, b| add(sum, scale(b.velocity, b.mass())));
+    let before = momentum(&[a, b]);
+    let world = run(&compiled, &compiled.live(), &law, vec![a, b], 1.0, |_| {});
+    let lost = length(sub(momentum(&world.balls), before)) / length(before);
+    assert!(dot(world.balls[0].velocity, [1.0, 0.0, 0.0]) < 1.0, "they met");
+    println!("momentum lost: {lost:.2e}");
+    assert!(lost < 1e-5, "{lost}");
+}
+
+#[test]
+fn fast_balls_pass_no_thin_wall() {
+    let compiled = scene("scene = box(0.01, 4, 4)");
+    let law = Law { gravity: [0.0; 3], ..law(1.0, 0.3, 0.0) };
+    // A hundred radii a step.
+    let speed = 100.0 * 0.02 / STEP;
+    let ball = |i: u32| {
+        let (y, z) = (f64::from(i % 20) * 0.15 - 1.5, f64::from(i / 20) * 0.15 - 1.5);
+        Ball { velocity: [speed, 0.3 * y, 0.3 * z], ..Ball::at([-1.0 - 0.013 * f64::from(i), y, z], 0.02) }
+    };
+    let world = run(&compiled, &compiled.live(), &law, (0..400).map(ball).collect(), 0.2, |_| {});
+    let passed = world.balls.iter().filter(|b| b.position[0] > 0.0 || b.velocity[0] > 0.0).count();
+    assert_eq!(passed, 0);
+}
+
+#[test]
+fn a_group_has_room_and_keeps_its_seed() {
+    let compiled = scene("scene = plane(y)\nballs b { count: 500, radius: 0.02..0.06, spawn: (-1, 1, -1)..(1, 2, 1), seed: 3 }");
+    let groups = compiled.groups(&compiled.live());
+    let balls = spawn::spawn(&groups);
+    assert_eq!(balls, spawn::spawn(&groups));
+    assert_eq!(balls.len(), 500);
+    for (i, a) in balls.iter().enumerate() {
+        assert!((0.02..=0.06).contains(&(a.radius as f32 as f64)), "{}", a.radius);
+        for b in &balls[..i] {
+            assert!(length(sub(a.position, b.position)) > a.radius + b.radius, "{a:?} {b:?}");
+        }
+    }
+    assert!(balls.iter().all(|b| b.state == State::Awake));
+}
