@@ -85,6 +85,10 @@ impl Ground for ByBound {
         Touch { distance: self.0.free(center), ..self.0.touch(center, radius) }
     }
 
+    fn distance(&self, p: [f64; 3]) -> f64 {
+        self.free(p)
+    }
+
     fn before(&self, _: [f64; 3]) -> Option<f64> {
         None
     }

@@ -13,6 +13,8 @@ pub trait Ground {
     fn free(&self, p: Vec3) -> f64;
     /// The nearest point of the surface, for a ball.
     fn touch(&self, center: Vec3, radius: f64) -> Touch;
+    /// The distance of a point, as an estimate.
+    fn distance(&self, p: Vec3) -> f64;
     /// The distance of a point before the newest part of a step, where the surface moves.
     fn before(&self, p: Vec3) -> Option<f64>;
 }
@@ -32,7 +34,7 @@ pub struct Field {
     bound: Tape,
     /// Gradient, field, distance.
     slopes: Tape,
-    distance: Option<Tape>,
+    before: Option<Tape>,
 }
 
 /// The most operations of a function at one point.
@@ -53,7 +55,7 @@ impl Field {
         Ok(Self {
             bound: tape(&[own(Function::Bound).unwrap_or(field)], live)?,
             slopes: tape(&[slope(0), slope(1), slope(2), field, distance], live)?,
-            distance: before.map(|before| tape(&[distance], before)).transpose()?,
+            before: before.map(|before| tape(&[distance], before)).transpose()?,
         })
     }
 
@@ -129,7 +131,11 @@ impl Ground for Field {
         best
     }
 
+    fn distance(&self, p: Vec3) -> f64 {
+        self.slopes(p).2
+    }
+
     fn before(&self, p: Vec3) -> Option<f64> {
-        self.distance.as_ref().map(|tape| one(tape, p))
+        self.before.as_ref().map(|tape| one(tape, p))
     }
 }

@@ -27,6 +27,8 @@ pub const NEIGHBOURS: usize = 24;
 pub const NEAR_BALLS: f64 = 1.05;
 /// How often a ball looks at the field in a part of a step.
 pub const LOOKS: u32 = 48;
+/// How often it is put out of what it moved into at the end of a part of a step.
+pub const SETTLES: u32 = 4;
 /// A contact is met to this part of the radius.
 pub const NEAR: f64 = 2e-4;
 /// How long a ball must keep its place before it sleeps, in seconds.

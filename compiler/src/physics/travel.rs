@@ -1,7 +1,7 @@
 //! One ball for a part of a step: flight, bounces, rolling, rest.
 
 use super::ground::near;
-use super::{Ball, Ground, LOOKS, Law, PATIENCE, PLACE, State, Touch};
+use super::{Ball, Ground, LOOKS, Law, PATIENCE, PLACE, SETTLES, State, Touch};
 use crate::reference::vector::{Vec3, add, along, cross, dot, length, scale, sub};
 
 /// A wall that appears within this part of the radius of a ball in one part of a step moves; farther, it jumps.
@@ -19,7 +19,6 @@ pub fn travel(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
     }
     ball.grounded = false;
     go(ball, law, ground, h);
-    settle(ball, law, ground, h);
     walls(ball, law, h);
     let far = length(ball.position);
     // A number that is none is not less than anything.
@@ -40,18 +39,11 @@ pub fn wake(ball: &mut Ball) {
     ball.anchor = ball.position;
 }
 
-/// Whether a ball that sleeps goes on: nothing moves the surface below it.
+/// Whether a ball that sleeps goes on: nothing near it moves.
 fn stays(ball: &Ball, ground: &impl Ground) -> bool {
-    let p = ball.position;
-    let Some(before) = ground.before(p) else { return true };
-    let touch = ground.touch(p, ball.radius);
-    let reach = 1.1 * ball.radius;
-    // The way of the ball itself may not be near a surface; then it lies on others.
-    if touch.distance > reach && before > reach {
-        return true;
-    }
-    let now = ground.before(sub(p, scale(touch.normal, touch.distance)));
-    now.is_some_and(|gap| gap.abs() <= 1e-5 * ball.radius)
+    let Some(before) = ground.before(ball.position) else { return true };
+    let now = ground.distance(ball.position);
+    now.min(before) > 1.1 * ball.radius || (now - before).abs() <= 1e-5 * ball.radius
 }
 
 /// The speed of the surface along its normal, where it moves; what jumps does not push.
@@ -91,19 +83,22 @@ pub fn rub(ball: &mut Ball, law: &Law, normal: Vec3, press: f64) {
     }
 }
 
-/// Looks along the way until the time is up. No piece of it is longer than what the bound allows the centre, so nothing is passed.
+/// Looks along the way until the time is up. No piece of it is longer than what the bound allows the centre, so nothing is passed. At
+/// the end the ball is put back out of the surface that it moved into; in a groove it has two to leave.
 fn go(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
     let g = law.gravity;
     let rest = law.rest(h);
     let mut left = h;
-    for _ in 0..LOOKS {
-        if left <= 0.0 {
-            return;
-        }
+    let mut settled = 0;
+    for _ in 0..LOOKS + SETTLES {
         let near = near(ball.position, ball.radius);
         let free = ground.free(ball.position);
+        let ends = left <= 0.0;
+        if ends && (free >= ball.radius || settled == SETTLES) {
+            return;
+        }
         let speed = length(ball.velocity) + length(g) * left + 1e-12;
-        if free >= ball.radius + near {
+        if !ends && free >= ball.radius + near {
             let dt = left.min((free - ball.radius) / speed);
             fly(ball, g, dt);
             left -= dt;
@@ -111,6 +106,9 @@ fn go(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
         }
         let touch = ground.touch(ball.position, ball.radius);
         let gap = touch.distance - ball.radius;
+        if ends && gap >= 0.0 {
+            return;
+        }
         if gap > near {
             // The bound sees less than there is.
             let reach = (0.9 * gap).min(0.9 * free).max(0.5 * near);
@@ -126,6 +124,15 @@ fn go(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
             ball.position = along(ball.position, n, out(&touch, ball.radius));
         }
         let across = dot(ball.velocity, n) - push;
+        if ends {
+            settled += 1;
+            // What is faster bounces in the next part of the step.
+            if across < 0.0 && across > -rest {
+                ball.velocity = along(ball.velocity, n, -across);
+                rub(ball, law, n, -across);
+            }
+            continue;
+        }
         if across < -rest {
             let press = (1.0 + law.restitution) * -across;
             ball.velocity = along(ball.velocity, n, press);
@@ -155,28 +162,6 @@ fn go(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
 fn fly(ball: &mut Ball, g: Vec3, dt: f64) {
     ball.position = along(along(ball.position, ball.velocity, dt), g, 0.5 * dt * dt);
     ball.velocity = along(ball.velocity, g, dt);
-}
-
-/// Puts a ball that moved into a surface back out of it; in a groove it has two to leave.
-fn settle(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
-    for _ in 0..4 {
-        if ground.free(ball.position) >= ball.radius {
-            return;
-        }
-        let touch = ground.touch(ball.position, ball.radius);
-        if touch.distance >= ball.radius {
-            return;
-        }
-        ball.grounded = true;
-        let n = touch.normal;
-        ball.position = along(ball.position, n, out(&touch, ball.radius));
-        let across = dot(ball.velocity, n) - surface_speed(ball, &touch, ground, h);
-        // What is faster bounces in the next part of the step.
-        if across < 0.0 && across > -law.rest(h) {
-            ball.velocity = along(ball.velocity, n, -across);
-            rub(ball, law, n, -across);
-        }
-    }
 }
 
 /// Keeps a ball within the walls.

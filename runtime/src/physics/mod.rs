@@ -1,0 +1,305 @@
+//! Balls that fall on the field, on the GPU. Their state stands in two buffers that trade places. The code of the contact is made of an
+//! emitted module; it is built on any thread and put in between two steps, and no ball notices.
+
+mod buffers;
+mod contact;
+
+pub use contact::Contact;
+
+use crate::gpu::Gpu;
+use crate::headless;
+use buffers::{Balls, Layout};
+use bytemuck::{Pod, Zeroable};
+use surefoot_compiler::compiled::{Compiled, Live};
+use surefoot_compiler::physics::{Ball, Law, MEETINGS, State, meet, spawn};
+
+/// Balls of a scene on a device.
+#[derive(Debug)]
+pub struct Physics {
+    gpu: Gpu,
+    layout: Layout,
+    passes: Passes,
+    contact: Contact,
+    balls: Balls,
+    /// Another field is below the balls than in the last step.
+    anew: bool,
+    steps: u64,
+}
+
+/// The passes over balls that no scene changes.
+#[derive(Debug)]
+struct Passes {
+    count: wgpu::ComputePipeline,
+    scan_blocks: wgpu::ComputePipeline,
+    scan_sums: wgpu::ComputePipeline,
+    scatter: wgpu::ComputePipeline,
+    put_in_order: wgpu::ComputePipeline,
+    neighbours: wgpu::ComputePipeline,
+    meet_first: wgpu::ComputePipeline,
+    meet_again: wgpu::ComputePipeline,
+}
+
+/// The numbers of a step, as `state.wgsl` declares them.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+struct Step {
+    gravity: [f32; 3],
+    h: f32,
+    low: [f32; 3],
+    restitution: f32,
+    high: [f32; 3],
+    friction: f32,
+    rolling: f32,
+    rest: f32,
+    extent: f32,
+    side: f32,
+    count: u32,
+    mask: u32,
+    walls: u32,
+    moves: u32,
+}
+
+/// A ball, as `state.wgsl` declares it.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+struct Cell {
+    position: [f32; 3],
+    radius: f32,
+    velocity: [f32; 3],
+    word: u32,
+    spin: [f32; 3],
+    quiet: f32,
+    anchor: [f32; 3],
+    touching: u32,
+}
+
+/// Bytes of a ball in [`Physics::buffer`].
+pub const BALL_SIZE: u64 = size_of::<Cell>() as u64;
+
+const ASLEEP: u32 = 1 << 16;
+const GONE: u32 = 1 << 17;
+const GROUNDED: u32 = 1 << 18;
+
+impl Cell {
+    fn of(ball: &Ball) -> Self {
+        let narrow = |v: [f64; 3]| v.map(|c| c as f32);
+        let state = match ball.state {
+            State::Awake => 0,
+            State::Asleep => ASLEEP,
+            State::Gone => GONE,
+        };
+        Self {
+            position: narrow(ball.position),
+            radius: ball.radius as f32,
+            velocity: narrow(ball.velocity),
+            word: ball.group & 0xffff | state | if ball.grounded { GROUNDED } else { 0 },
+            spin: narrow(ball.spin),
+            quiet: ball.quiet as f32,
+            anchor: narrow(ball.anchor),
+            touching: ball.touching,
+        }
+    }
+
+    fn ball(&self) -> Ball {
+        let wide = |v: [f32; 3]| v.map(f64::from);
+        Ball {
+            position: wide(self.position),
+            radius: f64::from(self.radius),
+            velocity: wide(self.velocity),
+            spin: wide(self.spin),
+            group: self.word & 0xffff,
+            state: match self.word {
+                word if word & GONE != 0 => State::Gone,
+                word if word & ASLEEP != 0 => State::Asleep,
+                _ => State::Awake,
+            },
+            quiet: f64::from(self.quiet),
+            anchor: wide(self.anchor),
+            touching: self.touching,
+            grounded: self.word & GROUNDED != 0,
+        }
+    }
+}
+
+impl Physics {
+    /// The balls of a scene where they begin; none where the scene has no balls, and then nothing is built.
+    pub fn prepare(gpu: &Gpu, compiled: &Compiled, live: &Live) -> Result<Option<Self>, String> {
+        if !compiled.has_balls() {
+            return Ok(None);
+        }
+        Self::with(gpu, compiled, &spawn::spawn(&compiled.groups(live))).map(Some)
+    }
+
+    /// Given balls over a scene's field, whether the scene has balls or not.
+    pub fn with(gpu: &Gpu, compiled: &Compiled, balls: &[Ball]) -> Result<Self, String> {
+        let contact = Contact::prepare(gpu, compiled)?;
+        let layout = gpu.catch(|| Layout::new(gpu))?;
+        let passes = gpu.catch(|| Passes::new(gpu, &layout))??;
+        let balls = gpu.catch(|| Balls::new(gpu, &layout, &cells(balls)))?;
+        Ok(Self { gpu: gpu.clone(), layout, passes, contact, balls, anew: false, steps: 0 })
+    }
+
+    /// Puts other contact code in; the balls stay as they are, bit by bit, and those that sleep wake.
+    pub fn put(&mut self, contact: Contact) {
+        self.contact = contact;
+        self.anew = true;
+    }
+
+    /// How many balls there are, those that left the scene among them.
+    pub fn count(&self) -> u32 {
+        self.balls.count()
+    }
+
+    /// Steps so far.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// The buffer with the balls as they are now, [`BALL_SIZE`] bytes each: position and radius, velocity and a word whose lower half is the
+    /// group and whose bit 17 says that the ball is gone, angular velocity and four bytes, and sixteen bytes more.
+    pub fn buffer(&self) -> &wgpu::Buffer {
+        self.balls.current()
+    }
+
+    /// The balls as they are now.
+    pub fn read(&self) -> Result<Vec<Ball>, String> {
+        let size = BALL_SIZE * u64::from(self.count());
+        if size == 0 {
+            return Ok(Vec::new());
+        }
+        let (copy, submitted) = self.gpu.catch(|| {
+            let copy = self.gpu.device().create_buffer(&wgpu::BufferDescriptor {
+                label: Some("surefoot balls, read"),
+                size,
+                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+                mapped_at_creation: false,
+            });
+            let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
+            encoder.copy_buffer_to_buffer(self.balls.current(), 0, &copy, 0, size);
+            (copy, self.gpu.queue().submit([encoder.finish()]))
+        })?;
+        let bytes = headless::read(&self.gpu, &copy, submitted)?;
+        Ok(bytemuck::pod_collect_to_vec::<u8, Cell>(&bytes).iter().map(Cell::ball).collect())
+    }
+
+    /// Replaces all balls.
+    pub fn write(&mut self, balls: &[Ball]) -> Result<(), String> {
+        self.balls = self.gpu.catch(|| Balls::new(&self.gpu, &self.layout, &cells(balls)))?;
+        Ok(())
+    }
+
+    /// Adds balls to those that are there.
+    pub fn add(&mut self, more: &[Ball]) -> Result<(), String> {
+        let mut balls = self.read()?;
+        balls.extend_from_slice(more);
+        balls.truncate(surefoot_compiler::physics::MOST_BALLS as usize);
+        self.write(&balls)
+    }
+
+    /// Orders a step from one moment to another; `compiled` is the scene that the contact was made of. Does not wait for it.
+    pub fn step(&mut self, compiled: &Compiled, before: &Live, now: &Live) -> Result<(), String> {
+        self.step_by(compiled, &compiled.law(now), before, now)
+    }
+
+    /// The same with another law than the scene's.
+    pub fn step_by(&mut self, compiled: &Compiled, law: &Law, before: &Live, now: &Live) -> Result<(), String> {
+        let seconds = now.time - before.time;
+        if self.count() == 0 || seconds <= 0.0 {
+            return Ok(());
+        }
+        let parts = law.substeps;
+        let changes = self.contact.write_moments(&self.gpu, compiled, before, now, parts);
+        let moves = match (self.anew, changes) {
+            (true, _) => 2,
+            (false, changes) => u32::from(changes),
+        };
+        let h = seconds / f64::from(parts);
+        let step = self.numbers(law, h, moves);
+        let gpu = self.gpu.clone();
+        gpu.catch(|| {
+            self.balls.write_step(gpu.queue(), bytemuck::bytes_of(&step));
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            for part in 0..parts {
+                self.order(&mut encoder, part);
+            }
+            gpu.queue().submit([encoder.finish()]);
+        })?;
+        self.anew = false;
+        self.steps += 1;
+        Ok(())
+    }
+
+    fn numbers(&self, law: &Law, h: f64, moves: u32) -> Step {
+        let narrow = |v: [f64; 3]| v.map(|c| c as f32);
+        let [low, high] = law.walls.unwrap_or([[0.0; 3]; 2]);
+        Step {
+            gravity: narrow(law.gravity),
+            h: h as f32,
+            low: narrow(low),
+            restitution: law.restitution as f32,
+            high: narrow(high),
+            friction: law.friction as f32,
+            rolling: law.rolling as f32,
+            rest: law.rest(h) as f32,
+            extent: law.extent as f32,
+            side: meet::cell_side(f64::from(self.balls.most())) as f32,
+            count: self.count(),
+            mask: self.balls.buckets() - 1,
+            walls: u32::from(law.walls.is_some()),
+            moves,
+        }
+    }
+
+    /// A part of a step.
+    fn order(&mut self, encoder: &mut wgpu::CommandEncoder, part: u32) {
+        let (count, buckets) = (self.count(), self.balls.buckets());
+        encoder.clear_buffer(self.balls.counts(), 0, None);
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        let passes = &self.passes;
+        let each = count.div_ceil(64);
+        pass.set_bind_group(1, self.balls.group(), &[]);
+        for (pipeline, groups) in [
+            (&passes.count, each),
+            (&passes.scan_blocks, buckets / 256),
+            (&passes.scan_sums, 1),
+            (&passes.scatter, each),
+            (&passes.put_in_order, buckets / 64),
+            (&passes.neighbours, each),
+        ] {
+            pass.set_pipeline(pipeline);
+            pass.dispatch_workgroups(groups, 1, 1);
+        }
+        for turn in 0..MEETINGS {
+            pass.set_pipeline(if turn == 0 { &passes.meet_first } else { &passes.meet_again });
+            pass.set_bind_group(1, self.balls.group(), &[]);
+            pass.dispatch_workgroups(each, 1, 1);
+            self.balls.trade();
+        }
+        self.contact.bind(&mut pass, part);
+        pass.set_bind_group(1, self.balls.group(), &[]);
+        pass.dispatch_workgroups(each, 1, 1);
+        self.balls.trade();
+    }
+}
+
+fn cells(balls: &[Ball]) -> Vec<Cell> {
+    balls.iter().map(Cell::of).collect()
+}
+
+impl Passes {
+    fn new(gpu: &Gpu, layout: &Layout) -> Result<Self, String> {
+        let wgsl = format!("{}\n{}", include_str!("state.wgsl"), include_str!("grid.wgsl"));
+        let layouts = [None, Some(layout.balls())];
+        let pass = |entry| gpu.compute_pipeline("surefoot balls", &wgsl, entry, &layouts);
+        Ok(Self {
+            count: pass("count")?,
+            scan_blocks: pass("scan_blocks")?,
+            scan_sums: pass("scan_sums")?,
+            scatter: pass("scatter")?,
+            put_in_order: pass("put_in_order")?,
+            neighbours: pass("neighbours")?,
+            meet_first: pass("meet_first")?,
+            meet_again: pass("meet_again")?,
+        })
+    }
+}
