@@ -84,24 +84,28 @@ fn balls_rest_on_the_surface() {
 #[test]
 fn the_device_and_64_bits_agree_until_two_balls_meet() {
     let gpu = gpu();
-    let compiled = scene("scene = (box(6, 2, 6) - sphere(3).translate(0, 3, 0)) | sphere(0.4).translate(0.9, 0.3, 0.2) | torus(1.3, 0.2).translate(0, 0.6, 0)");
+    let compiled = scene("scene = smooth_union(box(8, 2, 8) - sphere(3).translate(0, 3, 0), sphere(1).translate(0, -0.4, 0), 0.3)");
     let law = law(0.5, 0.3, 0.01);
-    let group = "balls b { count: 1000, radius: 0.01..0.02, spawn: (-1.6, 1.5, -1.6)..(1.6, 2.5, 1.6), seed: 5 }";
+    let group = "balls b { count: 1000, radius: 0.02..0.03, spawn: (-1.8, 1.5, -1.8)..(1.8, 3, 1.8), seed: 5 }";
     let balls = spawn::spawn(&scene(&format!("scene = plane(y)\n{group}")).groups(&compiled.live()));
     let ground = Field::new(&compiled, &compiled.live(), None).unwrap();
     let mut world = World::new(balls.clone());
     let mut physics = Physics::with(&gpu, &compiled, &balls).unwrap();
     let mut live = compiled.live();
     let mut met = vec![false; balls.len()];
+    let mut first = std::collections::BTreeSet::new();
     let (mut worst, mut judged) = (0.0f64, 0);
-    for _ in 0..90 {
+    for step in 0..90 {
         world.step(&law, STEP, |_, _| ground.clone());
         run(&mut physics, &compiled, &law, &mut live, 1);
         let device = physics.read().unwrap();
         for (i, a) in world.balls.iter().enumerate() {
-            met[i] |= a.touching > 0 || device[i].touching > 0;
+            // Within a step they go no farther towards each other.
+            let near = |b: &Ball| length(sub(a.position, b.position)) < a.radius + b.radius + STEP * length(sub(a.velocity, b.velocity)) + 0.01;
+            met[i] = met[i] || world.balls.iter().enumerate().any(|(k, b)| k != i && near(b));
             if !met[i] {
                 let apart = length(sub(a.position, device[i].position)) / a.radius;
+                if apart > 1e-3 && first.insert(i) && first.len() < 10 { println!("step {step} ball {i} {apart:.1e} {:?} {:?}", a.position, a.velocity); }
                 worst = worst.max(apart);
                 judged += 1;
             }

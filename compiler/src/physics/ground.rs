@@ -5,7 +5,7 @@ use crate::compiled::{Compiled, Live};
 use crate::evaluate::{Tape, TooLarge, lanes};
 use crate::functions::Functions;
 use crate::graph::{Function, NodeId};
-use crate::reference::vector::{Vec3, add, along, dot, length, scale, sub};
+use crate::reference::vector::{Vec3, along, dot, length, scale, sub};
 
 /// The surface as balls meet it.
 pub trait Ground {
@@ -40,7 +40,9 @@ pub struct Field {
 /// The most operations of a function at one point.
 const LIMIT: usize = 2_000_000;
 /// How often the nearest point is improved.
-const IMPROVEMENTS: u32 = 8;
+const IMPROVEMENTS: u32 = 10;
+/// A way to the centre that leans by no more than this is upright.
+const UPRIGHT: f64 = 0.01;
 
 impl Field {
     /// The field at one moment, and as it was `before`, where it moves.
@@ -90,7 +92,7 @@ impl Ground for Field {
     }
 
     /// From the estimate at the centre down to the surface by Newton's steps, then along it to where the way to the centre stands upright on
-    /// it. The nearest point that was on the surface is the answer; where none was, the estimate.
+    /// it. Where it never does, as at an edge, the nearest point that was on the surface is the answer; where none was, the estimate.
     fn touch(&self, center: Vec3, radius: f64) -> Touch {
         let (gradient, field, estimate) = self.slopes(center);
         let steepness = length(gradient);
@@ -100,7 +102,8 @@ impl Ground for Field {
         // From the surface's point to the centre.
         let mut way = scale(first, estimate);
         let mut best = Touch { normal: first, distance: estimate };
-        let mut least = f64::INFINITY;
+        let (mut least, mut from, mut across) = (f64::INFINITY, way, [0.0; 3]);
+        let mut stride = 1.0;
         for _ in 0..IMPROVEMENTS {
             let (gradient, field, _) = self.slopes(sub(center, way));
             let steepness = length(gradient);
@@ -114,19 +117,20 @@ impl Ground for Field {
                 continue;
             }
             let far = length(way);
+            let height = dot(way, normal);
+            let aside = sub(way, scale(normal, height));
+            if length(aside) <= UPRIGHT * far {
+                return Touch { normal, distance: height };
+            }
             if far < least {
                 let upright = far > 1e-3 * radius;
                 best = Touch { normal: if upright { scale(way, side / far) } else { normal }, distance: side * far };
-                least = far;
+                (least, from, across) = (far, way, aside);
             } else {
-                break;
+                // Too far, past an edge: a shorter step from the nearest point.
+                stride *= 0.4;
             }
-            let height = dot(way, normal);
-            let across = sub(way, scale(normal, height));
-            if length(across) <= 0.01 * far {
-                break;
-            }
-            way = add(scale(normal, rest), sub(way, scale(across, 0.7)));
+            way = along(from, across, -stride);
         }
         best
     }

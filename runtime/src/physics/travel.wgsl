@@ -2,7 +2,9 @@
 
 const LOOKS: u32 = 48u;
 const SETTLES: u32 = 4u;
-const IMPROVEMENTS: u32 = 8u;
+const IMPROVEMENTS: u32 = 10u;
+// A way to the centre that leans by no more than this is upright.
+const UPRIGHT: f32 = 0.01;
 
 // The nearest point of the surface, seen from a centre.
 struct Touch {
@@ -11,7 +13,7 @@ struct Touch {
 }
 
 // From the estimate at the centre down to the surface by Newton's steps, then along it to where the way to the centre stands upright on
-// it. The nearest point that was on the surface is the answer; where none was, the estimate.
+// it. Where it never does, as at an edge, the nearest point that was on the surface is the answer; where none was, the estimate.
 fn touch(center: vec3f, r: f32) -> Touch {
     let estimate = sf_distance(center);
     let tolerance = max(5e-5 * r, 4e-7 * (length(center) + 1.0));
@@ -20,6 +22,9 @@ fn touch(center: vec3f, r: f32) -> Touch {
     var way = vec3f(0.0);
     var best = Touch(vec3f(0.0, 1.0, 0.0), estimate);
     var least = 1e30;
+    var origin = vec3f(0.0);
+    var across = vec3f(0.0);
+    var stride = 1.0;
     for (var turn = 0u; turn <= IMPROVEMENTS; turn++) {
         let slope = sf_gradient(center - way);
         let steepness = length(slope.xyz);
@@ -42,19 +47,24 @@ fn touch(center: vec3f, r: f32) -> Touch {
             continue;
         }
         let far = length(way);
-        if far >= least {
-            break;
+        let height = dot(way, normal);
+        let aside = way - normal * height;
+        if length(aside) <= UPRIGHT * far {
+            return Touch(normal, height);
         }
-        best = Touch(normal, side * far);
-        if far > 1e-3 * r {
-            best.normal = way * (side / far);
+        if far < least {
+            best = Touch(normal, side * far);
+            if far > 1e-3 * r {
+                best.normal = way * (side / far);
+            }
+            least = far;
+            origin = way;
+            across = aside;
+        } else {
+            // Too far, past an edge: a shorter step from the nearest point.
+            stride *= 0.4;
         }
-        least = far;
-        let across = way - normal * dot(way, normal);
-        if length(across) <= 0.01 * far {
-            break;
-        }
-        way += normal * rest - 0.7 * across;
+        way = origin - stride * across;
     }
     return best;
 }
