@@ -106,7 +106,7 @@ fn gather(ball: &Ball, list: &[usize], balls: &[Ball], law: &Law, h: f64, first:
     }
     // The centre stays on its side of the surface: what is pushed here is less than what the field puts back.
     let far = length(push);
-    let most = 0.1 * ball.radius;
+    let most = 0.05 * ball.radius;
     met.position = along(met.position, push, if far > most { most / far } else { 1.0 });
     met
 }

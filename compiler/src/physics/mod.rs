@@ -20,7 +20,7 @@ pub const MOST_BALLS: u32 = 1 << 20;
 /// The most parts of a step.
 pub const MOST_SUBSTEPS: u32 = 64;
 /// How often two balls that touch are looked at in a part of a step.
-pub const MEETINGS: u32 = 4;
+pub const MEETINGS: u32 = 12;
 /// The most neighbours of a ball that are looked at.
 pub const NEIGHBOURS: usize = 24;
 /// How far apart two balls still count as neighbours, in parts of the sum of their radii.
@@ -193,6 +193,15 @@ impl Ball {
     /// Its mass, in that of a ball of radius 1.
     pub fn mass(&self) -> f64 {
         self.radius * self.radius * self.radius
+    }
+}
+
+impl Live {
+    /// Live values on the way to others, at `part` of it.
+    pub fn between(&self, to: &Live, part: f64) -> Live {
+        let mix = |a: f64, b: f64| a + (b - a) * part;
+        let components = self.components.iter().zip(&to.components).map(|(a, b)| mix(*a, *b)).collect();
+        Live { time: mix(self.time, to.time), components, followed: None, tightened: to.tightened.clone() }
     }
 }
 

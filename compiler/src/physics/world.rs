@@ -1,6 +1,8 @@
 //! All balls of a scene, step by step.
 
-use super::{Ball, Ground, Law, MEETINGS, meet, travel};
+use super::{Ball, Field, Ground, Law, MEETINGS, meet, travel};
+use crate::compiled::{Compiled, Live};
+use crate::evaluate::TooLarge;
 use crate::reference::vector::{dot, scale};
 
 /// Balls, and the time that passed for them.
@@ -34,6 +36,22 @@ impl World {
             }
         }
         self.time = start + seconds;
+    }
+
+    /// A step over a scene's field from one moment to another; an error where the field has too many operations for the processor.
+    pub fn step_scene(&mut self, compiled: &Compiled, before: &Live, now: &Live) -> Result<(), TooLarge> {
+        let law = compiled.law(now);
+        let moves = compiled.field_moves() && compiled.uniform_bytes(before, [0.0; 3]) != compiled.uniform_bytes(now, [0.0; 3]);
+        let seconds = now.time - before.time;
+        // Two moments are computed at first, so that what fails does so before anything has moved.
+        let whole = Field::new(compiled, now, moves.then_some(before))?;
+        let start = self.time;
+        self.step(&law, seconds, |from, to| {
+            let at = |time: f64| before.between(now, ((time - start) / seconds).clamp(0.0, 1.0));
+            let part = moves.then(|| Field::new(compiled, &at(to), Some(&at(from)))).and_then(Result::ok);
+            part.unwrap_or_else(|| whole.clone())
+        });
+        Ok(())
     }
 
     /// Kinetic energy of motion and spin, and energy of place, for each unit of mass of a ball of radius 1.

@@ -8,6 +8,7 @@ mod explain;
 mod fmt;
 mod reference;
 mod render;
+mod simulate;
 mod values;
 mod verify;
 mod view;
@@ -50,6 +51,8 @@ enum Command {
     Fmt(fmt::Args),
     /// Write pictures of a scene.
     Render(render::Args),
+    /// Let a scene's balls fall, and write where they are.
+    Simulate(simulate::Args),
     /// Measure.
     Bench(bench::Args),
     /// Explain what the compiler says.
@@ -98,6 +101,7 @@ pub fn run() -> ExitCode {
         Some(Command::Compile(args)) => compile::run(&args),
         Some(Command::Fmt(args)) => fmt::run(&args),
         Some(Command::Render(args)) => render::run(&args),
+        Some(Command::Simulate(args)) => simulate::run(&args),
         Some(Command::Bench(args)) => bench::run(&args),
         Some(Command::Explain(args)) => explain::run(&args),
         Some(Command::Reference(args)) => reference::run(&args),

@@ -81,7 +81,7 @@ impl Contact {
             return false;
         }
         for part in 0..=parts {
-            let live = between(before, now, f64::from(part) / f64::from(parts));
+            let live = before.between(now, f64::from(part) / f64::from(parts));
             gpu.queue().write_buffer(moments, u64::from(part * self.stride), &compiled.uniform_bytes(&live, origin));
         }
         self.last.clear();
@@ -99,13 +99,6 @@ impl Contact {
         };
         pass.set_bind_group(0, &self.group, offsets);
     }
-}
-
-/// Live values on the way from one moment to another.
-pub fn between(before: &Live, now: &Live, part: f64) -> Live {
-    let mix = |a: f64, b: f64| a + (b - a) * part;
-    let components = before.components.iter().zip(&now.components).map(|(a, b)| mix(*a, *b)).collect();
-    Live { time: mix(before.time, now.time), components, followed: None, ..now.clone() }
 }
 
 /// The text of the pass. Where the field moves, its functions read a private copy of the block: what is now, or what was.

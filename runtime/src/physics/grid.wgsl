@@ -233,7 +233,7 @@ fn meet(index: u32, first: bool) {
         }
     }
     let size = length(push);
-    let most = 0.1 * ball.r;
+    let most = 0.05 * ball.r;
     met.p += push * select(1.0, most / size, size > most);
     if (met.word & ASLEEP) == 0u {
         met.touching = count;

@@ -161,6 +161,11 @@ impl Physics {
         self.balls.current()
     }
 
+    /// Waits until all that was ordered is done.
+    pub fn wait(&self) -> Result<(), String> {
+        headless::wait(&self.gpu, self.gpu.queue().submit([]))
+    }
+
     /// The balls as they are now.
     pub fn read(&self) -> Result<Vec<Ball>, String> {
         let size = BALL_SIZE * u64::from(self.count());
