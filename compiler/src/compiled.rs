@@ -516,7 +516,7 @@ impl Compiled {
         }
     }
 
-    /// The steepest of so many samples of what a factor was found from: no constant is smaller.
+    /// How steep what a factor was found from is at the steepest place found, from so many samples uphill: no constant is smaller.
     pub fn sampled_factor(&self, factor: usize, samples: usize) -> f64 {
         let search = self.functions.searches.get(factor).and_then(Option::as_ref);
         search.map_or(1.0, |s| s.sample(&self.graph, samples))

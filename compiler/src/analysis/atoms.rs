@@ -43,7 +43,7 @@ pub fn norm_by_atoms(tape: &Tape, duals: &[Dual], branches: Option<&Branches>) -
         let Some(partials) = partials(tape, duals, branches, i) else { return f64::INFINITY };
         for (a, slope) in &partials {
             if let Some(slot) = by.get_mut(*a) {
-                *slot = plus(*slot, along.mul(*slope));
+                *slot = slot.add(along.mul(*slope));
             }
         }
         if let Some(slot) = slopes.get_mut(i) {
@@ -79,7 +79,7 @@ pub fn norm_by_atoms(tape: &Tape, duals: &[Dual], branches: Option<&Branches>) -
         for (a, slope) in partials {
             let moved = along.get(*a).copied().unwrap_or(Interval::ZERO);
             if moved != Interval::ZERO {
-                total = plus(total, if linear && *slope == Interval::ONE { moved } else { moved.mul(*slope) });
+                total = total.add(if linear && *slope == Interval::ONE { moved } else { moved.mul(*slope) });
             }
         }
         // What cancels up to rounding cancels.
@@ -94,21 +94,6 @@ pub fn norm_by_atoms(tape: &Tape, duals: &[Dual], branches: Option<&Branches>) -
     let nearest = (directional * 1e9).round() / 1e9;
     let directional = if (directional - nearest).abs() < 1e-12 { nearest } else { directional };
     sum.min(directional)
-}
-
-/// Sums of exact numbers stay exact.
-fn plus(a: Interval, b: Interval) -> Interval {
-    if a == Interval::ZERO {
-        return b;
-    }
-    if b == Interval::ZERO {
-        return a;
-    }
-    let exact = |x: f64, y: f64| x + y - x == y && x + y - y == x;
-    if a.is_finite() && b.is_finite() && exact(a.lo, b.lo) && exact(a.hi, b.hi) {
-        return Interval::new(a.lo + b.lo, a.hi + b.hi);
-    }
-    a.add(b)
 }
 
 fn parts(tape: &Tape, duals: &[Dual]) -> Vec<Part> {

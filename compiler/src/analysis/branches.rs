@@ -21,7 +21,7 @@ const MOST_SHARES: u64 = 100;
 /// The side of a kink that is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// The first argument of `min` and `max`, the second of `select`, `abs` of what is not negative.
+    /// The first argument of `min` and `max`, the second of `select`, `abs` of what is not negative, an angle above zero.
     First,
     /// The other.
     Second,
@@ -73,6 +73,13 @@ impl Branches {
                 if let Some(&a) = args.first() {
                     next.limit(a, if first { Interval::new(0.0, f64::INFINITY) } else { Interval::new(f64::NEG_INFINITY, 0.0) });
                     next.sign(tape, values, a, !first);
+                }
+            }
+            // The line itself, on which the angle turns over, belongs to neither.
+            Some(Step::Op(Op::Atan2, args)) => {
+                if let Some(&y) = args.first() {
+                    let least = f64::from_bits(1);
+                    next.limit(y, if first { Interval::new(least, f64::INFINITY) } else { Interval::new(f64::NEG_INFINITY, -least) });
                 }
             }
             Some(Step::Op(Op::Select, args)) => {

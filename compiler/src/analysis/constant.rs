@@ -35,22 +35,23 @@ impl Facts {
             self.constants.insert(key, constant);
             return constant;
         }
+        let constant = self.found(graph, node, domain, budget);
+        self.constants.insert(key, constant);
+        constant
+    }
+
+    /// The constant of a node as a whole.
+    fn found(&mut self, graph: &Graph, node: NodeId, domain: &Domain, budget: usize) -> Constant {
         let tape = self.tape(graph, node);
         let weight = self.weight(graph, node);
         let budget = budget.min((self.steps / weight.max(1)).max(8));
         let search = |facts: &mut Self| {
-            facts.supremum(&tape, domain, budget, |facts, d| {
+            facts.supremum(graph, &tape, domain, budget, |facts, d| {
                 let (dual, runs) = facts.dual_of(graph, &tape, d);
                 Norm { norm: dual.norm, jumps: dual.jumps != 0, runs }
             })
         };
-        let constant = if budget > 1 {
-            self.remembered_constant(graph, &[node], domain, budget, search)
-        } else {
-            search(self)
-        };
-        self.constants.insert(key, constant);
-        constant
+        if budget > 1 { self.remembered_constant(graph, &[node], domain, budget, search) } else { search(self) }
     }
 
     /// Of what is a distance from another, a multiple or a sum, over all space: the constants of the terms, each found by itself.
@@ -84,9 +85,9 @@ impl Facts {
                 if period::one_period(&tape, domain.point).is_finite() {
                     return None;
                 }
-                let whole = self.dual_of(graph, &tape, domain).0;
+                let whole = self.found(graph, node, domain, budget);
                 let (first, second) = (self.constant(graph, a, domain, budget), self.constant(graph, b, domain, budget));
-                let lipschitz = (first.lipschitz + second.lipschitz).min(whole.norm);
+                let lipschitz = (first.lipschitz + second.lipschitz).min(whole.lipschitz);
                 Some(Constant { lipschitz, jumps: first.jumps || second.jumps })
             }
             _ => None,
@@ -109,7 +110,7 @@ impl Facts {
         let rows: Vec<usize> = tape.roots().collect();
         let budget = budget.min((self.steps / tape.steps.len().max(1)).max(8));
         let search = |facts: &mut Self| {
-            facts.supremum(&tape, domain, budget, |facts, d| {
+            facts.supremum(graph, &tape, domain, budget, |facts, d| {
                 let mut norm = Norm { norm: 0.0, jumps: false, runs: 0 };
                 let pinned = facts.pinned.clone();
                 let leaf = |leaf| leaf_dual(graph, &pinned, leaf, d);
@@ -160,6 +161,7 @@ impl Facts {
     /// The largest of `norm` over a domain, the worst box split again and again.
     fn supremum(
         &mut self,
+        graph: &Graph,
         tape: &Tape,
         domain: &Domain,
         budget: usize,
@@ -167,10 +169,17 @@ impl Facts {
     ) -> Constant {
         let first = norm(self, domain);
         // What the formula does not read needs no splitting.
-        let axes: Vec<usize> = (0..3).filter(|&i| tape.reads(i)).collect();
+        let conditions: Vec<_> = domain.within.iter().map(|(node, level)| (self.tape(graph, *node), *level)).collect();
+        let axes: Vec<usize> = (0..3).filter(|&i| tape.reads(i) || conditions.iter().any(|(c, _)| c.reads(i))).collect();
+        let beyond = |facts: &mut Self, part: &Box3| {
+            let here = domain.at(*part);
+            let above = |range: Option<&Interval>, level: f64| range.is_some_and(|r| r.lo > level);
+            domain.leaves_out(part) || conditions.iter().any(|(tape, level)| above(facts.ranges_of(graph, tape, &here).last(), *level))
+        };
         let domain = &domain.at(period::one_period(tape, domain.point));
-        let splits = axes.iter().all(|&i| domain.point.axis(i).is_finite()) && !axes.is_empty();
-        if !splits || budget <= 1 {
+        // Without end a formula is worth a search where it is not wild already: what is far away is one box.
+        let endless = axes.iter().any(|&i| !domain.point.axis(i).is_finite());
+        if axes.is_empty() || budget <= 1 || endless && !first.norm.is_finite() {
             return Constant { lipschitz: first.norm, jumps: first.jumps };
         }
         let mut used = first.runs;
@@ -178,6 +187,9 @@ impl Facts {
         let mut weights = [1.0; 3];
         for &i in &axes {
             let side = domain.point.axis(i);
+            if !side.is_finite() {
+                continue;
+            }
             let flat = domain.point.with_axis(i, Interval::point(side.lo + 0.4837 * side.width()));
             let without = norm(self, &domain.at(flat));
             used += without.runs;
@@ -190,12 +202,17 @@ impl Facts {
         let end = self.ran + STEPS_MORE * self.steps as u64;
         while used < budget && self.ran < end {
             let Some(worst) = open.pop() else { break };
-            let width = |i: &usize| worst.region.axis(*i).width() * weights.get(*i).copied().unwrap_or(1.0);
+            // What does not get less steep far away is not searched any longer.
+            if endless && used > budget / 2 && worst.norm > 0.99 * first.norm {
+                open.push(worst);
+                break;
+            }
+            let width = |i: &usize| breadth(worst.region.axis(*i)) * weights.get(*i).copied().unwrap_or(1.0);
             let Some(&widest) = axes.iter().max_by(|a, b| width(a).total_cmp(&width(b))) else { break };
             // Not the middle itself, where what is symmetric has its kinks.
             let inside = Box3(worst.region.0.map(|i| Interval::point(if i.is_finite() { i.lo + 0.4837 * i.width() } else { i.middle() })));
             let at = norm(self, &domain.at(inside));
-            if at.norm.is_finite() && !domain.leaves_out(&inside) {
+            if at.norm.is_finite() && !beyond(self, &inside) {
                 least = least.max(at.norm);
             }
             if worst.norm <= least * 1.02 || width(&widest) < 1e-9 {
@@ -203,10 +220,10 @@ impl Facts {
                 break;
             }
             let side = worst.region.axis(widest);
-            let half = side.middle();
+            let half = if side == Interval::ALL { 0.0 } else { side.middle() };
             for part in [Interval::new(side.lo, half), Interval::new(half, side.hi)] {
                 let region = worst.region.with_axis(widest, part);
-                if domain.leaves_out(&region) {
+                if beyond(self, &region) {
                     continue;
                 }
                 let found = norm(self, &domain.at(region));
@@ -225,6 +242,11 @@ pub(super) const STEPS: usize = 20_000;
 
 /// How many times as many steps the kinks and the calls in it may cost.
 const STEPS_MORE: u64 = 8;
+
+/// The width of a side; what has no end counts the less, the farther away it begins.
+fn breadth(side: Interval) -> f64 {
+    if side.is_finite() { side.width() } else { 4.0 / (1.0 + side.mignitude()) }
+}
 
 /// What one box tells.
 struct Norm {

@@ -1,5 +1,6 @@
 //! Boxes, and where formulas are looked at.
 
+use crate::graph::NodeId;
 use crate::graph::interval::Interval;
 
 /// A box: the product of three intervals.
@@ -86,12 +87,14 @@ pub struct Domain {
     pub narrowed: bool,
     /// Points farther than this from an axis (its index) are of no interest either.
     pub tube: Option<(usize, f64)>,
+    /// Nor are points at which one of these nodes of the own space, which read no variables, is more than its level.
+    pub within: Vec<(NodeId, f64)>,
 }
 
 impl Domain {
     /// A box, with nothing known of variables.
     pub fn of(point: Box3) -> Self {
-        Self { point, variables: Vec::new(), narrowed: false, tube: None }
+        Self { point, variables: Vec::new(), narrowed: false, tube: None, within: Vec::new() }
     }
 
     /// What is known of a variable.
@@ -104,7 +107,7 @@ impl Domain {
 
     /// The same with another box.
     pub fn at(&self, point: Box3) -> Self {
-        Self { point, variables: self.variables.clone(), narrowed: self.narrowed, tube: self.tube }
+        Self { point, ..self.clone() }
     }
 
     /// Smallest domain that holds both.
@@ -120,7 +123,13 @@ impl Domain {
                 Err(i) => variables.insert(i, (*v, *r)),
             }
         }
-        Self { point: self.point.hull(&other.point), variables, narrowed: self.narrowed && other.narrowed, tube: None }
+        Self {
+            point: self.point.hull(&other.point),
+            variables,
+            narrowed: self.narrowed && other.narrowed,
+            tube: None,
+            within: if self.within == other.within { self.within.clone() } else { Vec::new() },
+        }
     }
 
     /// The variables of which something is known.
@@ -128,8 +137,15 @@ impl Domain {
         self.variables.iter().map(|(v, _)| *v).collect()
     }
 
-    /// Its bits, to look things up by.
+    /// Its bits, to look things up by in one graph.
     pub fn key(&self) -> Vec<u64> {
+        let mut key = self.plain_key();
+        key.extend(self.within.iter().flat_map(|(node, level)| [u64::from(node.0), level.to_bits()]));
+        key
+    }
+
+    /// The same without what nodes say.
+    pub fn plain_key(&self) -> Vec<u64> {
         let bits = |i: &Interval| [i.lo.to_bits(), i.hi.to_bits()];
         let mut key: Vec<u64> =
             self.point.0.iter().chain(self.variables.iter().map(|(_, r)| r)).flat_map(bits).collect();

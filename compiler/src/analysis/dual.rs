@@ -333,7 +333,13 @@ pub fn run(
             }
             Step::Op(op, args) => {
                 let (of, n) = few(args);
-                algebra.op(*op, of.get(..n).unwrap_or(&of))
+                let dual = algebra.op(*op, of.get(..n).unwrap_or(&of));
+                // The angle has two sides where it turns over.
+                let over = *op == Op::Atan2 && dual.jumps & JUMPS_HERE != 0 && of.first().is_some_and(|y| y.value.contains(0.0));
+                if over && undecided.is_none() && tape.is_kink(i) && branches.is_none_or(|b| b.side(i).is_none()) {
+                    *undecided = Some(i);
+                }
+                dual
             }
             Step::Claim(claim, args) => {
                 let mut of = gather(args);
@@ -554,5 +560,25 @@ pub fn map_norm(tape: &Tape, values: &[Dual], rows: &[usize]) -> f64 {
             }
         }
     }
-    matrix_norm(&matrix)
+    let apart = rows.iter().map(|&r| steady(tape, values, r, 8)).collect::<Vec<_>>();
+    let rest = apart.iter().map(|(_, norm)| norm * norm).sum::<f64>().sqrt().next_up();
+    let steady: Vec<_> = apart.iter().map(|(g, _)| (*g, Dual::components_norm(g))).collect();
+    matrix_norm(&matrix).min(matrix_norm(&steady) + rest)
+}
+
+/// A gradient as one that is the same in the whole box, and the norm of what is added to it.
+fn steady(tape: &Tape, values: &[Dual], step: usize, depth: u32) -> ([Interval; 3], f64) {
+    let Some(dual) = values.get(step) else { return ([Interval::ZERO; 3], f64::INFINITY) };
+    if dual.gradient.iter().all(|g| g.is_point()) {
+        return (dual.gradient, 0.0);
+    }
+    match tape.steps.get(step) {
+        Some(Step::Op(op @ (Op::Add | Op::Sub), args)) if depth > 0 => {
+            let part = |i: usize| args.get(i).map(|&a| steady(tape, values, a, depth - 1));
+            let (Some((a, r)), Some((b, s))) = (part(0), part(1)) else { return ([Interval::ZERO; 3], dual.norm) };
+            let b = if *op == Op::Add { b } else { b.map(Interval::neg) };
+            (add(a, b), (r + s).next_up())
+        }
+        _ => ([Interval::ZERO; 3], dual.norm),
+    }
 }

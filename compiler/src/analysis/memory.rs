@@ -56,7 +56,7 @@ impl Facts {
             return search(self);
         }
         let contents: Vec<Content> = nodes.iter().map(|&n| self.content(graph, n)).collect();
-        let key = digest(&(contents, domain.key(), domain.ids(), budget, self.steps));
+        let key = digest(&(contents, self.content_of_domain(graph, domain), budget, self.steps));
         if let Some(known) = self.memory.constants.get(&key) {
             self.memory.remembered += 1;
             return *known;
@@ -70,7 +70,7 @@ impl Facts {
 
     /// A box within the domain that holds every point at which the node is at most zero; found before, or now.
     pub fn solid_region(&mut self, graph: &Graph, node: NodeId, domain: &Domain) -> Box3 {
-        let key = digest(&(self.content(graph, node), domain.key(), domain.ids(), domain.narrowed));
+        let key = digest(&(self.content(graph, node), self.content_of_domain(graph, domain), domain.narrowed));
         if let Some(known) = self.memory.regions.get(&key) {
             self.memory.remembered += 1;
             return *known;
@@ -80,6 +80,12 @@ impl Facts {
         self.memory.make_room();
         self.memory.regions.insert(key, found);
         found
+    }
+
+    fn content_of_domain(&mut self, graph: &Graph, domain: &Domain) -> Content {
+        let within: Vec<(Content, u64)> =
+            domain.within.iter().map(|(node, level)| (self.content(graph, *node), level.to_bits())).collect();
+        digest(&(domain.plain_key(), domain.ids(), within))
     }
 
     /// The content of a node.

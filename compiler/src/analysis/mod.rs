@@ -253,7 +253,7 @@ impl Facts {
             .iter()
             .map(|&v| (v, cells(v).map_or(Interval::ALL, |(lo, hi)| Interval::new(lo, hi))))
             .collect();
-        let domain = Domain { point: Box3::cube(extent), variables, narrowed: false, tube: None };
+        let domain = Domain { variables, ..Domain::of(Box3::cube(extent)) };
         self.solid_region(graph, value, &domain)
     }
 }
@@ -272,14 +272,13 @@ pub fn leaf_dual(graph: &Graph, pinned: &[f64], leaf: Leaf, domain: &Domain) -> 
 pub fn call_domain(variables: &[u32], args: &[Interval]) -> Domain {
     let arg = |i: usize| args.get(i).copied().unwrap_or(Interval::ALL);
     Domain {
-        point: Box3([arg(0), arg(1), arg(2)]),
         variables: variables.iter().enumerate().map(|(i, &v)| (v, arg(3 + i))).collect(),
-        narrowed: false,
-        tube: None,
+        ..Domain::of(Box3([arg(0), arg(1), arg(2)]))
     }
 }
 
-/// Parameters that stand at one value, where the facts are not meant for their whole range: components by their index.
+/// Parameters that stand at one value, where the facts are not meant for their whole range: components by their index, and behind them
+/// the time, where that stands too.
 pub type Pinned = Rc<[f64]>;
 
 /// All values of a leaf.
@@ -288,7 +287,7 @@ pub fn leaf_range(graph: &Graph, pinned: &[f64], leaf: Leaf, domain: &Domain) ->
         Leaf::P(i) => domain.point.axis(usize::from(i)),
         Leaf::Normal(_) => Interval::new(-1.0, 1.0),
         // Any time that a person may wait for, and what came before.
-        Leaf::Time => Interval::new(-1e7, 1e7),
+        Leaf::Time => pinned.get(graph.parameters.len()).map_or(Interval::new(-1e7, 1e7), |t| Interval::point(*t)),
         Leaf::Parameter(i) => match (pinned.get(i as usize), graph.parameters.get(i as usize)) {
             (Some(value), _) => Interval::point(*value),
             (None, Some(p)) => Interval::new(p.min, p.max),

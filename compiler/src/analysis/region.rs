@@ -90,7 +90,7 @@ impl Facts {
                     variables.push((v, self.range(graph, *arg, domain)));
                 }
                 let value = s.value;
-                let own = Domain { point: own, variables, narrowed: domain.narrowed, tube: None };
+                let own = Domain { variables, narrowed: domain.narrowed, ..Domain::of(own) };
                 let region = self.region(graph, value, &own, level);
                 let mut back = region;
                 for (i, shift) in shifts.iter().enumerate() {

@@ -35,17 +35,66 @@ impl Search {
         found.lipschitz * (1.0 + ROUNDING)
     }
 
-    /// The steepest of so many points of the domain, with values of the parameters from their ranges.
+    /// How steep it is at the steepest place found: the best of so many points of the domain, with values of the parameters and a time from
+    /// their ranges, and from there uphill. No constant is smaller.
     pub fn sample(&self, graph: &Graph, samples: usize) -> f64 {
-        let mut steepest: f64 = 0.0;
-        for i in 0..samples {
+        let place = |i: usize| {
             let (here, pinned) = spread(graph, &self.domain, &[], i);
-            let found = Search { domain: here, ..self.clone() }.run(graph, pinned, 1);
-            if found.is_finite() {
-                steepest = steepest.max(found);
+            let point = here.point.0.iter().chain(here.variables.iter().map(|(_, r)| r)).map(|r| r.middle());
+            point.chain(pinned.iter().copied()).chain([0.37 * i as f64 % 20.0]).collect::<Vec<f64>>()
+        };
+        let mut best: Vec<(f64, Vec<f64>)> = (0..samples).map(|i| (self.at(graph, &place(i)), place(i))).collect();
+        best.sort_by(|a, b| b.0.total_cmp(&a.0));
+        best.truncate(CLIMBS);
+        best.into_iter().map(|(steep, at)| self.climb(graph, steep, at)).fold(0.0, f64::max)
+    }
+
+    /// How steep it is at one place: the point, the variables, the parameters and the time. Nothing where no finite slope is known.
+    fn at(&self, graph: &Graph, place: &[f64]) -> f64 {
+        let mut numbers = place.iter().copied();
+        let mut next = || Interval::point(numbers.next().unwrap_or(0.0));
+        let mut here = self.domain.at(Box3([next(), next(), next()]));
+        here.variables.iter_mut().for_each(|(_, range)| *range = next());
+        let pinned: Pinned = numbers.collect();
+        let mut facts = Facts { pinned: pinned.clone(), ..Facts::default() };
+        let beyond = |(node, level): &(NodeId, f64)| facts.range(graph, *node, &here).lo > *level;
+        if self.domain.leaves_out(&here.point) || self.domain.within.iter().any(beyond) {
+            return 0.0;
+        }
+        let search = Search { target: self.target.clone(), domain: here, parameters: Vec::new() };
+        let found = search.run(graph, pinned, 1);
+        if found.is_finite() { found } else { 0.0 }
+    }
+
+    /// From a place uphill, along one coordinate at a time (a compass search: Kolda, Lewis and Torczon 2003).
+    fn climb(&self, graph: &Graph, mut steep: f64, mut at: Vec<f64>) -> f64 {
+        let sides = self.domain.point.0.iter().chain(self.domain.variables.iter().map(|(_, r)| r)).copied();
+        let sides: Vec<Interval> = sides.chain(graph.parameters.iter().map(|p| Interval::new(p.min, p.max))).chain([Interval::ALL]).collect();
+        let mut stride = 0.05;
+        for round in 0..ROUNDS {
+            let before = steep;
+            for i in 0..sides.len() + SLANTED {
+                // Along an edge of the domain no coordinate alone may lead on.
+                let slanted = |k: usize| (2.4 * (round * SLANTED + i) as f64 + 1.7 * k as f64).sin();
+                let direction = |k: usize| if i < sides.len() { f64::from(u8::from(i == k)) } else { slanted(k) };
+                for sign in [1.0, -1.0] {
+                    let moved = |(k, (x, side)): (usize, (&f64, &Interval))| {
+                        let width = if side.is_finite() { side.width() } else { 4.0 };
+                        (x + sign * stride * width * direction(k)).clamp(side.lo, side.hi)
+                    };
+                    let next: Vec<f64> = at.iter().zip(&sides).enumerate().map(moved).collect();
+                    let found = self.at(graph, &next);
+                    if found > steep {
+                        (steep, at) = (found, next);
+                        break;
+                    }
+                }
+            }
+            if steep <= before {
+                stride /= 2.0;
             }
         }
-        steepest
+        steep
     }
 }
 
@@ -53,7 +102,9 @@ impl Search {
 pub fn spread(graph: &Graph, domain: &Domain, pinned: &[f64], i: usize) -> (Domain, Pinned) {
     let part = |k: u32| ((i as f64 + 0.5) * PLASTIC.powi(-(k as i32))).fract();
     let within = |side: Interval, k: u32| {
-        Interval::point(if side.is_finite() { side.lo + part(k) * side.width() } else { side.middle() + 20.0 * part(k) - 10.0 })
+        // Without end: most of them near the middle.
+        let far = |t: f64| 4.0 * t / (1.0 - t * t);
+        Interval::point(if side.is_finite() { side.lo + part(k) * side.width() } else { side.middle() + far(2.0 * part(k) - 1.0) })
     };
     let mut here = domain.at(Box3([1, 2, 3].map(|k| within(domain.point.axis(k as usize - 1), k))));
     for (v, range) in &mut here.variables {
@@ -68,6 +119,11 @@ pub fn spread(graph: &Graph, domain: &Domain, pinned: &[f64], i: usize) -> (Doma
 
 /// The real root of x⁴ = x + 1, whose powers are the steps of the recurrence in three dimensions.
 const PLASTIC: f64 = 1.220_744_084_605_759_6;
+/// From how many samples a climb begins, and how often it tries every direction.
+const CLIMBS: usize = 8;
+const ROUNDS: usize = 32;
+/// How many directions it tries beside the coordinates.
+const SLANTED: usize = 6;
 /// How many steps of a formula a box may cost before it counts as more than one.
 const STEPS_A_BOX: usize = 100;
 /// What the search itself may be off by.

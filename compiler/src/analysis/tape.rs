@@ -89,7 +89,7 @@ impl Tape {
                     (args, if state == State::Quiet { State::Quiet } else { State::Apart })
                 }
             };
-            if let (Step::Op(Op::Min | Op::Max | Op::Abs | Op::Select, _), State::Apart, Some(slot)) =
+            if let (Step::Op(Op::Min | Op::Max | Op::Abs | Op::Select | Op::Atan2, _), State::Apart, Some(slot)) =
                 (step, state, kinks.get_mut(i))
             {
                 *slot = true;

@@ -15,8 +15,17 @@ impl Builder<'_> {
             Node::Op(op @ (Op::Min | Op::Max), args) => {
                 let near = if op == Op::Max { self.narrowed(node, domain) } else { None };
                 let inner = near.as_ref().map_or(domain, |(d, _, _)| d);
-                let args: Vec<NodeId> =
-                    args.iter().map(|a| self.bound(shape, *a, inner, continuous)).collect();
+                let cut = if op == Op::Max { self.cut(node, inner) } else { None };
+                let args: Vec<NodeId> = args
+                    .iter()
+                    .map(|&a| match &cut {
+                        Some(cut) if cut.wild == a => {
+                            let bound = self.bound(shape, a, &cut.domain, continuous);
+                            self.kept_within(cut, bound)
+                        }
+                        _ => self.bound(shape, a, inner, continuous),
+                    })
+                    .collect();
                 let value = self.graph.op(op, &args);
                 match near {
                     Some((_, region, reach)) => self.behind(region, None, reach, value),
@@ -294,7 +303,7 @@ impl Builder<'_> {
         };
         let bounded = region != domain.point;
         let near = domain.at(region.grow(reach));
-        let constant = self.facts.constant(self.graph, node, &near, BUDGET);
+        let constant = self.constant_within(node, &near);
         if plain && all.lipschitz <= STEEPEST && (!bounded || constant.lipschitz > 0.85 * all.lipschitz) {
             return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true });
         }

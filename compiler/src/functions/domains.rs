@@ -1,17 +1,20 @@
 //! Where a shape is asked for its value: the domain of every shape, and the region that holds the solid of a formula.
 
-use super::{Builder, Narrowed, STEEPEST};
-use crate::analysis::{Box3, Domain};
+use super::{BUDGET, Builder, Cut, GENTLE, Narrowed, STEEPEST, UNIT};
+use crate::analysis::{Box3, Constant, Domain};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Function, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
 use rustc_hash::FxHashSet;
 
+/// How many times as many boxes a constant may cost where conditions leave something out.
+const LONGER: usize = 16;
+
 impl Builder<'_> {
     /// Where each shape's formula is asked for, from the extent of the scene inward.
     pub(super) fn find_domains(&mut self) {
         let world = [0, 1, 2].map(|i| (WORLD + i, Interval::new(-self.extent, self.extent)));
-        let root = Domain { point: Box3::cube(self.extent), variables: world.to_vec(), narrowed: false, tube: None };
+        let root = Domain { variables: world.to_vec(), ..Domain::of(Box3::cube(self.extent)) };
         self.domains.insert(self.root, root);
         let mut order: Vec<ShapeId> = vec![self.root];
         let mut seen: FxHashSet<ShapeId> = order.iter().copied().collect();
@@ -47,8 +50,12 @@ impl Builder<'_> {
             Node::Op(op @ (Op::Min | Op::Max), args) => {
                 let near = if op == Op::Max { self.narrowed(node, domain) } else { None };
                 let inner = near.as_ref().map_or(domain, |(d, _, _)| d).clone();
-                for arg in args.iter() {
-                    self.visit(*arg, &inner);
+                let cut = if op == Op::Max { self.cut(node, &inner) } else { None };
+                for &arg in args.iter() {
+                    match &cut {
+                        Some(cut) if cut.wild == arg => self.visit(arg, &cut.domain),
+                        _ => self.visit(arg, &inner),
+                    }
                 }
             }
             Node::Op(Op::Neg, args) | Node::Claim(args, Claim::Continuous) => {
@@ -73,7 +80,7 @@ impl Builder<'_> {
     pub(super) fn visit_all(&mut self, node: NodeId, domain: &Domain) {
         let tape = self.facts.tape(self.graph, node);
         let ranges = self.facts.ranges_of(self.graph, &tape, domain);
-        for step in &tape.steps {
+        for (at, step) in tape.steps.iter().enumerate() {
             if let crate::analysis::tape::Step::Call(inner, args) = step {
                 let args: Vec<Interval> = args
                     .iter()
@@ -83,6 +90,11 @@ impl Builder<'_> {
                     self.graph.shape(*inner).map(|s| s.variables.clone()).unwrap_or_default();
                 let mut own = crate::analysis::call_domain(&variables, &args);
                 own.narrowed = domain.narrowed;
+                // What stands at the same point is within the same.
+                let here = |(i, a): (usize, &NodeId)| *self.graph.node(*a) == Node::Leaf(Leaf::P(i as u8));
+                if tape.nodes.get(at).is_some_and(|n| self.graph.arguments(*n).iter().take(3).enumerate().all(here)) {
+                    own.within.clone_from(&domain.within);
+                }
                 self.widen(*inner, own);
             }
         }
@@ -121,6 +133,81 @@ impl Builder<'_> {
         }
         let inner = Domain { narrowed: true, ..domain.at(region.grow(reach)) };
         Some((inner, region, reach))
+    }
+
+    /// For an intersection of something wild with something tame: the wild operand need only hold near the tame one, if there it is less
+    /// steep by much. Unlike a box the tame one may leave out an axis, or a hole.
+    pub(super) fn cut(&mut self, node: NodeId, domain: &Domain) -> Option<Cut> {
+        let key = (node, domain.key());
+        if let Some(known) = self.cuts.get(&key) {
+            return known.clone();
+        }
+        let found = self.find_cut(node, domain);
+        self.cuts.insert(key, found.clone());
+        found
+    }
+
+    fn find_cut(&mut self, node: NodeId, domain: &Domain) -> Option<Cut> {
+        let args = self.graph.arguments(node).to_vec();
+        let &[a, b] = args.as_slice() else { return None };
+        if !domain.point.is_finite() {
+            return None;
+        }
+        let everywhere = Domain { within: Vec::new(), ..domain.at(Box3::ALL) };
+        for (wild, tame) in [(a, b), (b, a)] {
+            let of_tame = self.facts.constant(self.graph, tame, &everywhere, 1);
+            if of_tame.lipschitz > UNIT || of_tame.jumps || self.graph.reads(tame).variables != 0 {
+                continue;
+            }
+            if self.facts.constant(self.graph, wild, &everywhere, 1).lipschitz <= STEEPEST {
+                continue;
+            }
+            let whole = self.facts.constant(self.graph, wild, domain, BUDGET);
+            if whole.lipschitz <= GENTLE {
+                continue;
+            }
+            let (_, reach) = self.region_of(node, domain)?;
+            // Nearer to the tame operand it may be gentler still.
+            let mut found: Option<Cut> = None;
+            let mut least = 0.85 * whole.lipschitz.min(STEEPEST);
+            for level in [2.0 * reach, 0.5 * reach, 0.125 * reach] {
+                let mut near = domain.clone();
+                near.within.push((tame, level));
+                let here = self.constant_within(wild, &near);
+                if here.lipschitz < least {
+                    least = 0.5 * here.lipschitz;
+                    found = Some(Cut { wild, tame, level, domain: near });
+                }
+                if here.lipschitz < 2.0 {
+                    break;
+                }
+            }
+            if found.is_some() {
+                return found;
+            }
+        }
+        None
+    }
+
+    /// A constant over a domain; where conditions leave something out, it takes more boxes to see it.
+    pub(super) fn constant_within(&mut self, node: NodeId, domain: &Domain) -> Constant {
+        let first = self.facts.constant(self.graph, node, domain, BUDGET);
+        if domain.within.is_empty() || first.lipschitz <= GENTLE {
+            return first;
+        }
+        let steps = self.facts.steps;
+        self.facts.steps *= LONGER;
+        let second = self.facts.constant(self.graph, node, domain, BUDGET * LONGER);
+        self.facts.steps = steps;
+        second
+    }
+
+    /// The bound of what is wild, no longer than the way out of the part in which it holds: the distance to there is at least the level less
+    /// the value of the tame operand, which is no steeper than one.
+    pub(super) fn kept_within(&mut self, cut: &Cut, bound: NodeId) -> NodeId {
+        let level = self.graph.constant(cut.level);
+        let room = self.graph.op(Op::Sub, &[level, cut.tame]);
+        self.graph.op(Op::Min, &[bound, room])
     }
 
     pub(super) fn widen(&mut self, shape: ShapeId, domain: Domain) {

@@ -112,6 +112,16 @@ struct Known {
 /// The domain that the parts of a formula with a region need, the region, and how far beyond it the formula is trusted.
 type Narrowed = (Domain, Box3, f64);
 
+/// An intersection of which one operand need only hold where the other is at most a level.
+#[derive(Clone, Debug)]
+struct Cut {
+    wild: NodeId,
+    tame: NodeId,
+    level: f64,
+    /// Where that is.
+    domain: Domain,
+}
+
 /// What is made on the way from graph to functions.
 pub struct Builder<'a> {
     graph: &'a mut Graph,
@@ -121,6 +131,7 @@ pub struct Builder<'a> {
     domains: FxHashMap<ShapeId, Domain>,
     treatments: FxHashMap<(ShapeId, NodeId, Vec<u64>, bool), Option<Treatment>>,
     regions: FxHashMap<(NodeId, Vec<u64>, bool), Option<Narrowed>>,
+    cuts: FxHashMap<(NodeId, Vec<u64>), Option<Cut>>,
     built: Functions,
     /// What was found on the way.
     pub diagnostics: Vec<Diagnostic>,
@@ -164,6 +175,7 @@ pub fn build(
         domains: FxHashMap::default(),
         treatments: FxHashMap::default(),
         regions: FxHashMap::default(),
+        cuts: FxHashMap::default(),
         built: Functions::default(),
         diagnostics: Vec::new(),
         kind: Kind::Exact,

@@ -12,6 +12,12 @@ pub struct Interval {
 /// How far the results of the mathematics library may be from the true value, relative to one.
 const LIBM: f64 = 4.0 * f64::EPSILON;
 
+/// Whether a product of two numbers surely has no more digits than a number holds.
+fn multiplies_exactly(a: f64, b: f64) -> bool {
+    let digits = |x: f64| 53 - x.to_bits().trailing_zeros().min(52);
+    (a * b).is_normal() && digits(a) + digits(b) <= 53
+}
+
 // Named as the operations of the kernel are; an interval is no number, so the operators stay free.
 #[allow(clippy::should_implement_trait)]
 impl Interval {
@@ -123,7 +129,13 @@ impl Interval {
         if self.is_empty() || b.is_empty() {
             return Self::EMPTY;
         }
-        Self::outward(self.lo + b.lo, self.hi + b.hi)
+        let (lo, hi) = (self.lo + b.lo, self.hi + b.hi);
+        // A sum without rounding stays as it is: so whole numbers do, and the cells that they name.
+        let exact = |x: f64, y: f64, sum: f64| sum - x == y && sum - y == x;
+        Self::new(
+            if exact(self.lo, b.lo, lo) { lo } else { lo.next_down() },
+            if exact(self.hi, b.hi, hi) { hi } else { hi.next_up() },
+        )
     }
 
     /// `a - b`
@@ -146,6 +158,9 @@ impl Interval {
             return self;
         }
         let product = |x: f64, y: f64| if x == 0.0 || y == 0.0 { 0.0 } else { x * y };
+        if self.is_point() && b.is_point() && multiplies_exactly(self.lo, b.lo) {
+            return Self::point(product(self.lo, b.lo));
+        }
         let (p, q) = (product(self.lo, b.lo), product(self.lo, b.hi));
         let (r, s) = (product(self.hi, b.lo), product(self.hi, b.hi));
         Self::outward(p.min(q).min(r).min(s), p.max(q).max(r).max(s))

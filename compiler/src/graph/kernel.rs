@@ -504,6 +504,8 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
         Op::Mul if is(ca, 0.0) || is(cb, 0.0) => Some(graph.constant(0.0)),
         // The square of one interval is not the product of two.
         Op::Mul if a == b => Some(graph.op(Op::Square, &[a])),
+        // ((x x) x) x
+        Op::Mul if fourth(graph, a, b).is_some() => fourth(graph, a, b).map(|square| graph.op(Op::Square, &[square])),
         Op::Mul if is(ca, 1.0) => Some(b),
         Op::Mul if is(cb, 1.0) => Some(a),
         Op::Mul if is(ca, -1.0) => Some(graph.op(Op::Neg, &[b])),
@@ -545,6 +547,12 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
             _ => None,
         },
         Op::Pow if is(cb, 0.0) => Some(graph.constant(1.0)),
+        // Of roots of sums of squares more is known.
+        Op::Pow if is(cb, 0.5) => Some(graph.op(Op::Sqrt, &[a])),
+        Op::Pow if is(cb, 0.25) => {
+            let root = graph.op(Op::Sqrt, &[a]);
+            Some(graph.op(Op::Sqrt, &[root]))
+        }
         Op::Pow => {
             // A constant whole exponent multiplies, and so takes negative numbers too.
             let n = cb.filter(|n| n.fract() == 0.0 && n.abs() <= 16.0)?;
@@ -667,6 +675,13 @@ fn turned<T: Terms>(graph: &T, a: T::Id, b: T::Id) -> Option<(T::Id, T::Id, T::I
     let t = angle(c, Op::Cos)?;
     let (_, y) = second.into_iter().find(|(s, _)| angle(*s, Op::Sin) == Some(t))?;
     Some((x, y, t))
+}
+
+/// The square of `x`, where `a` is its cube and `b` is `x`.
+fn fourth<T: Terms>(graph: &T, a: T::Id, b: T::Id) -> Option<T::Id> {
+    let (Op::Mul, &[square, x]) = graph.operation(a)? else { return None };
+    let squared = matches!(graph.operation(square)?, (Op::Square, &[y]) if y == b);
+    (x == b && squared).then_some(square)
 }
 
 /// What is squared in the terms of a sum, two to four of them; a constant counts as the square of its root.

@@ -6,6 +6,7 @@
 //! needs is the structure of the formulas.
 
 pub mod algebra;
+mod blend;
 pub(crate) mod index;
 pub mod interval;
 pub mod kernel;
@@ -361,6 +362,11 @@ impl Graph {
     pub fn op(&mut self, op: Op, args: &[NodeId]) -> NodeId {
         if let Some(simple) = kernel::simplify(self, op, args) {
             return simple;
+        }
+        if let (Op::Add | Op::Sub, &[a, b]) = (op, args)
+            && let Some(blend) = self.recognised(op, a, b)
+        {
+            return blend;
         }
         let known = |node: Option<&Node>| matches!(node, Some(Node::Op(o, a)) if *o == op && **a == *args);
         let new = self.nodes.len() as u32;

@@ -1,0 +1,206 @@
+//! Smooth unions that are written out are known again.
+//!
+//! `h = clamp(1/2 + (b - a)/(2k), 0, 1)` and `b (1 - h) + a h - k h (1 - h)` (Quilez, "smooth minimum") is a polynomial of a clamped share
+//! whose terms cancel only together: its slopes by a and b are h and 1 - h, for k above zero and below. However it is written, its terms
+//! multiplied out are the same, and by them it is recognised.
+
+use super::kernel::Op;
+use super::{Claim, ClaimGroup, Graph, Leaf, Node, NodeId};
+use std::collections::BTreeMap;
+
+/// A sum of products of powers of nodes, each with a coefficient.
+type Sum = BTreeMap<Vec<(NodeId, i32)>, f64>;
+
+/// A sum of more terms is not multiplied out.
+const MOST_TERMS: usize = 48;
+/// Terms are looked into so deep.
+const MOST_DEPTH: u32 = 12;
+
+impl Graph {
+    /// A sum or a difference, with the claim that it is no steeper than what it blends where it is a smooth union that is written out.
+    pub(super) fn recognised(&mut self, op: Op, a: NodeId, b: NodeId) -> Option<NodeId> {
+        let (share, radius) = self.dip(b)?;
+        let (first, second) = self.blended(op, a, share, radius)?;
+        let blend = self.intern(Node::Op(op, [a, b].into()));
+        let constants = [self.leaf(Leaf::Variable(0)), self.leaf(Leaf::Variable(1))];
+        let larger = self.op(Op::Max, &constants);
+        let groups = [ClaimGroup::Vector(1), ClaimGroup::Vector(1)].into();
+        Some(self.intern(Node::Claim([blend, first, second].into(), Claim::Lipschitz(larger, groups))))
+    }
+
+    /// Of `k h (1 - h)`, with h clamped between 0 and 1 and k the same everywhere: h, and the factors of k.
+    fn dip(&self, node: NodeId) -> Option<(NodeId, Vec<NodeId>)> {
+        let mut factors = vec![];
+        let mut open = vec![node];
+        while let Some(id) = open.pop() {
+            match self.node(id) {
+                Node::Op(Op::Mul, args) => open.extend(args.iter().copied()),
+                _ => factors.push(id),
+            }
+            if factors.len() > 8 {
+                return None;
+            }
+        }
+        let rest_of = |id: NodeId| match self.node(id) {
+            Node::Op(Op::Sub, args) if self.as_constant(*args.first()?) == Some(1.0) => args.get(1).copied(),
+            _ => None,
+        };
+        let share = factors.iter().find_map(|f| rest_of(*f).filter(|h| factors.contains(h) && self.clamped(*h).is_some()))?;
+        let mut wanted = [false; 2];
+        factors.retain(|&f| {
+            let kind = if f == share { 0 } else if rest_of(f) == Some(share) { 1 } else { 2 };
+            match wanted.get_mut(kind) {
+                Some(seen) => std::mem::replace(seen, true),
+                None => true,
+            }
+        });
+        let uniform = factors.iter().all(|f| self.reads(*f).nothing() && !self.reads(*f).shapes);
+        uniform.then_some((share, factors))
+    }
+
+    /// What is clamped between 0 and 1 in a node that is that.
+    fn clamped(&self, node: NodeId) -> Option<NodeId> {
+        let against = |id: NodeId, wanted: Op, limit: f64| match self.node(id) {
+            Node::Op(op, args) if *op == wanted => {
+                let (&a, &b) = (args.first()?, args.get(1)?);
+                if self.as_constant(b) == Some(limit) { Some(a) } else { (self.as_constant(a) == Some(limit)).then_some(b) }
+            }
+            _ => None,
+        };
+        let below = |id| against(id, Op::Min, 1.0);
+        let above = |id| against(id, Op::Max, 0.0);
+        below(node).and_then(above).or_else(|| above(node).and_then(below))
+    }
+
+    /// The operands, where `mixed` goes from one to the other with the share and the share is 1/2 + (second - first)/(2 radius).
+    fn blended(&mut self, op: Op, mixed: NodeId, share: NodeId, radius: Vec<NodeId>) -> Option<(NodeId, NodeId)> {
+        let (one, zero) = (self.constant(1.0), self.constant(0.0));
+        let first = self.with_share(mixed, share, one, MOST_DEPTH)?;
+        let second = self.with_share(mixed, share, zero, MOST_DEPTH)?;
+        // The operands as they are; or laid open, where the share was written with their parts.
+        let bare = |id: NodeId| match self.node(id) {
+            Node::Op(Op::Neg, args) => args.first().copied().unwrap_or(id),
+            _ => id,
+        };
+        let sign = if op == Op::Sub { 2.0 } else { -2.0 };
+        let fits = |atoms: &[NodeId]| self.fits(mixed, share, (first, second), (sign, &radius), atoms);
+        let closed = fits(&[share, bare(first), bare(second)]);
+        (closed == Some(true) || fits(&[share]) == Some(true)).then_some((first, second))
+    }
+
+    /// Whether the terms of a blend, multiplied out down to the atoms, are those of a smooth union with `sign` times half the radius.
+    fn fits(&self, mixed: NodeId, share: NodeId, of: (NodeId, NodeId), radius: (f64, &[NodeId]), atoms: &[NodeId]) -> Option<bool> {
+        let sum = |id: NodeId| self.sum(id, atoms, MOST_DEPTH);
+        let (a, b) = (sum(of.0)?, sum(of.1)?);
+        // b + (a - b) h
+        let apart = added(&b, &a, -1.0);
+        let line = added(&b, &multiplied(&apart, &[(vec![(share, 1)], 1.0)].into())?, -1.0);
+        if !same(&sum(mixed)?, &line) {
+            return Some(false);
+        }
+        let mut twice: Sum = [(vec![], radius.0)].into();
+        for &factor in radius.1 {
+            twice = multiplied(&twice, &sum(factor)?)?;
+        }
+        let from_half = added(&sum(self.clamped(share)?)?, &[(vec![], 0.5)].into(), -1.0);
+        Some(same(&multiplied(&twice, &from_half)?, &apart))
+    }
+
+    /// A term with another node in the place of the share.
+    fn with_share(&mut self, node: NodeId, share: NodeId, by: NodeId, depth: u32) -> Option<NodeId> {
+        if node == share {
+            return Some(by);
+        }
+        match self.node(node).clone() {
+            Node::Op(op @ (Op::Add | Op::Sub | Op::Mul | Op::Neg), args) if depth > 0 && self.holds(node, share, depth) => {
+                let args: Option<Vec<NodeId>> = args.iter().map(|&a| self.with_share(a, share, by, depth - 1)).collect();
+                Some(self.op(op, &args?))
+            }
+            _ => Some(node),
+        }
+    }
+
+    fn holds(&self, node: NodeId, share: NodeId, depth: u32) -> bool {
+        // What is made of a node comes after it.
+        node == share || node.0 > share.0 && depth > 0 && self.arguments(node).iter().any(|&a| self.holds(a, share, depth - 1))
+    }
+
+    /// A term multiplied out; atoms are not looked into.
+    fn sum(&self, node: NodeId, atoms: &[NodeId], depth: u32) -> Option<Sum> {
+        let part = |i: usize| self.sum(*self.arguments(node).get(i)?, atoms, depth.checked_sub(1)?);
+        if atoms.contains(&node) {
+            return Some([(vec![(node, 1)], 1.0)].into());
+        }
+        Some(match self.node(node) {
+            Node::Constant(bits) => [(vec![], f64::from_bits(*bits))].into(),
+            Node::Op(Op::Add, _) => added(&part(0)?, &part(1)?, 1.0),
+            Node::Op(Op::Sub, _) => added(&part(0)?, &part(1)?, -1.0),
+            Node::Op(Op::Neg, _) => added(&Sum::new(), &part(0)?, -1.0),
+            Node::Op(Op::Mul, _) => multiplied(&part(0)?, &part(1)?)?,
+            Node::Op(Op::Div, _) => {
+                let below = part(1)?;
+                let mut terms = below.iter();
+                let (Some((product, c)), None) = (terms.next(), terms.next()) else { return None };
+                let inverse = product.iter().map(|(id, power)| (*id, -power)).collect();
+                multiplied(&part(0)?, &[(inverse, 1.0 / c)].into())?
+            }
+            _ => [(vec![(node, 1)], 1.0)].into(),
+        })
+    }
+}
+
+fn added(a: &Sum, b: &Sum, times: f64) -> Sum {
+    let mut sum = a.clone();
+    for (product, c) in b {
+        *sum.entry(product.clone()).or_insert(0.0) += times * c;
+    }
+    sum
+}
+
+fn multiplied(a: &Sum, b: &Sum) -> Option<Sum> {
+    let mut sum = Sum::new();
+    for (x, c) in a {
+        for (y, d) in b {
+            let mut powers: BTreeMap<NodeId, i32> = x.iter().copied().collect();
+            for (id, power) in y {
+                *powers.entry(*id).or_insert(0) += power;
+            }
+            let product = powers.into_iter().filter(|(_, power)| *power != 0).collect();
+            *sum.entry(product).or_insert(0.0) += c * d;
+        }
+    }
+    (sum.len() <= MOST_TERMS).then_some(sum)
+}
+
+/// Whether two sums are the same up to the rounding of their coefficients.
+fn same(a: &Sum, b: &Sum) -> bool {
+    let size = a.values().chain(b.values()).fold(0.0_f64, |s, c| s.max(c.abs()));
+    added(a, b, -1.0).values().all(|c| c.abs() <= 1e-13 * size)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{MemoryLoader, Options, compile};
+
+    fn factor(body: &str) -> f64 {
+        let text = format!("field f(k: float) = {{ let a = length(p - (0.5, 0, 0)) - 0.6; let b = length(p + (0.5, 0, 0)) - 0.5; {body} }}\nscene = f(0.3)\n");
+        let outcome = compile(&MemoryLoader::new().with("a.sdf", text), "a.sdf", &Options::default());
+        outcome.compiled.map_or(f64::NAN, |c| c.summary.factor)
+    }
+
+    #[test]
+    fn smooth_unions_are_recognised_however_they_are_written() {
+        for body in [
+            "let h = clamp(0.5 + 0.5 * (b - a) / k, 0, 1); mix(b, a, h) - k * h * (1 - h)",
+            "let h = saturate((b - a) / (2 * k) + 0.5); b + (a - b) * h - h * k * (1 - h)",
+            "let h = clamp(0.5 - 0.5 * (b - a) / k, 0, 1); mix(b, a, h) + k * h * (1 - h)",
+            "let h = clamp(0.5 - 0.5 * (b + a) / k, 0, 1); mix(b, -a, h) + k * h * (1 - h)",
+            "let h = max(0, min(1, 0.5 + 0.5 * (b - a) / k)); (1 - h) * b + h * a - (1 - h) * (h * k)",
+        ] {
+            assert_eq!(factor(body), 1.0, "{body}");
+        }
+        // A share of another width is no smooth union.
+        assert!(factor("let h = clamp(0.5 + 0.8 * (b - a) / k, 0, 1); mix(b, a, h) - k * h * (1 - h)") > 1.0);
+        assert!(factor("let h = clamp(0.5 + 0.5 * (b - a) / k, 0, 1); mix(b, a, h) - 2 * k * h * (1 - h)") > 1.0);
+    }
+}
