@@ -114,7 +114,16 @@ impl Graph {
         match self.node(node).clone() {
             Node::Op(op @ (Op::Add | Op::Sub | Op::Mul | Op::Neg), args) if depth > 0 && self.holds(node, share, depth) => {
                 let args: Option<Vec<NodeId>> = args.iter().map(|&a| self.with_share(a, share, by, depth - 1)).collect();
-                Some(self.op(op, &args?))
+                let args = args?;
+                // b + (a - b)
+                let less = |whole: NodeId, part: NodeId| match self.node(whole) {
+                    Node::Op(Op::Sub, parts) if parts.get(1) == Some(&part) => parts.first().copied(),
+                    _ => None,
+                };
+                match *args.as_slice() {
+                    [x, y] if op == Op::Add => Some(less(x, y).or_else(|| less(y, x)).unwrap_or_else(|| self.op(op, &args))),
+                    _ => Some(self.op(op, &args)),
+                }
             }
             _ => Some(node),
         }
