@@ -414,6 +414,7 @@ const FORMULA: &[&str] = &[
     "hash(floor(2 * p))",
     "hash3(floor(<point>)).y",
     "influence(<point>, <size>)",
+    "shortage(<point>, [(<vector>, <size>), (0, 0, 0, 0.8)], <small>)",
     "ring_distance(p.xz, p.y, <size>)",
     "trapezoid_distance((length(p.xz), p.y), <size>, <size>, <size>)",
     "bezier_distance(p.xy, <pair>, (1, <number>))",
