@@ -147,18 +147,52 @@ mod gpu {
 
     use super::{Compiled, Live, Shot, View};
     use surefoot_runtime::headless;
+    use surefoot_runtime::physics::{Physics, STEP};
     use surefoot_runtime::{Gpu, Picture};
 
     /// A device with a scene's pipeline.
     pub struct Painter {
         gpu: Gpu,
         picture: Picture,
+        balls: Option<Balls>,
+    }
+
+    /// The balls at a moment of the scene's clock, which begins with them.
+    struct Balls {
+        physics: Physics,
+        time: f64,
     }
 
     impl Painter {
         pub fn new(gpu: Gpu, compiled: &Compiled, view: View) -> Result<Self, String> {
             let picture = Picture::prepare(&gpu, compiled, headless::FORMAT, view)?;
-            Ok(Self { gpu, picture })
+            Ok(Self { gpu, picture, balls: None })
+        }
+
+        /// Lets the balls fall until the moment of the picture; from the start, where they are beyond it.
+        fn show_balls(&mut self, compiled: &Compiled, live: &Live) -> Result<(), String> {
+            let known = self.balls.take().filter(|balls| balls.time <= live.time);
+            let begun = |physics| Balls { physics, time: 0.0 };
+            self.balls = match known {
+                Some(balls) => Some(balls),
+                None => Physics::prepare(&self.gpu, compiled, live)?.map(begun),
+            };
+            if let Some(Balls { physics, time }) = &mut self.balls {
+                let start = *time;
+                let steps = ((live.time - start) / STEP + 1e-6).floor() as u32;
+                for step in 1..=steps {
+                    let now = Live { time: start + f64::from(step) * STEP, ..live.clone() };
+                    physics.advance(compiled, &now, STEP, 1)?;
+                    // Not more than a few at once are in the queue of a slow device.
+                    if step % 16 == 0 {
+                        physics.wait()?;
+                    }
+                }
+                *time = start + f64::from(steps) * STEP;
+            }
+            let physics = self.balls.as_ref().map(|balls| &balls.physics);
+            self.picture.show_balls(&self.gpu, compiled, live, physics);
+            Ok(())
         }
 
         pub fn name(&self) -> &str {
@@ -175,6 +209,7 @@ mod gpu {
             live: &Live,
             shot: &Shot,
         ) -> Result<Vec<u8>, String> {
+            self.show_balls(compiled, live)?;
             let wanted = headless::Shot {
                 camera: Some(shot.camera),
                 ..headless::Shot::new(shot.width, shot.height)

@@ -1,9 +1,11 @@
 //! One frame is a list of passes. A pass that a scene does not need is not in it: nothing of it is compiled and it has no buffers.
 
-use crate::gpu::Gpu;
+use crate::gpu::{DEPTH, Gpu};
 use crate::passes::ScenePipeline;
 use crate::passes::scene::{Features, ViewMode};
+use crate::physics::Physics;
 use crate::view::View;
+use std::sync::{Mutex, PoisonError};
 use surefoot_compiler::compiled::{Compiled, Live};
 
 /// A pass by its name.
@@ -11,6 +13,8 @@ use surefoot_compiler::compiled::{Compiled, Live};
 pub enum PassKind {
     /// Rays through the field, over the whole screen.
     Scene,
+    /// Balls over it, with its depth.
+    Balls,
 }
 
 /// A pass of a frame, and why it is there.
@@ -30,17 +34,21 @@ pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
     let parts = [
         (features.shadows, "a light throws shadows"),
         (features.occlusion, "corners are kept from the sky's light"),
-        (features.depth, "meshes are drawn after it"),
+        (features.depth, "balls are drawn after it"),
     ];
     let reasons: Vec<&str> = parts.into_iter().filter(|(on, _)| *on).map(|(_, why)| why).collect();
-    vec![PlannedPass {
+    let mut passes = vec![PlannedPass {
         kind: PassKind::Scene,
         name: "scene",
         reason: match reasons.is_empty() {
             true => "a ray for each pixel".to_owned(),
             false => format!("a ray for each pixel; {}", reasons.join(", ")),
         },
-    }]
+    }];
+    if features.depth {
+        passes.push(PlannedPass { kind: PassKind::Balls, name: "balls", reason: "the scene has balls".to_owned() });
+    }
+    passes
 }
 
 /// A compiled scene, ready to be drawn.
@@ -49,6 +57,8 @@ pub struct Picture {
     mode: ViewMode,
     passes: Vec<PlannedPass>,
     scene: ScenePipeline,
+    /// The depth of the newest size, where there is depth.
+    depth: Mutex<Option<wgpu::Texture>>,
 }
 
 impl Picture {
@@ -63,6 +73,7 @@ impl Picture {
             mode,
             passes: plan(compiled, mode),
             scene: ScenePipeline::prepare(gpu, compiled, format, mode)?,
+            depth: Mutex::default(),
         })
     }
 
@@ -88,8 +99,49 @@ impl Picture {
         self.scene.update(queue, compiled, live, view)
     }
 
-    /// Draws the frame.
+    /// Shows the scene's balls as they are now, or none. Nothing happens where the scene has none.
+    pub fn show_balls(&mut self, gpu: &Gpu, compiled: &Compiled, live: &Live, physics: Option<&Physics>) {
+        if let Some(balls) = self.scene.balls_mut() {
+            balls.show(gpu, compiled, live, physics);
+        }
+    }
+
+    /// The depth that a target of so many pixels needs beside its colour, where the frame has any. Its contents need not be kept from one
+    /// pass to the next: the field is drawn first, and writes it.
+    pub fn depth(&self, gpu: &Gpu, size: wgpu::Extent3d) -> Option<wgpu::TextureView> {
+        if !self.scene.has_depth() {
+            return None;
+        }
+        let mut kept = self.depth.lock().unwrap_or_else(PoisonError::into_inner);
+        let texture = match kept.take().filter(|t| t.size() == size) {
+            Some(texture) => texture,
+            None => gpu.device().create_texture(&wgpu::TextureDescriptor {
+                label: Some("surefoot depth"),
+                size,
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: DEPTH,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+                view_formats: &[],
+            }),
+        };
+        let view = texture.create_view(&Default::default());
+        *kept = Some(texture);
+        Some(view)
+    }
+
+    /// Draws the frame. The pass has the depth of [`Picture::depth`], where there is one.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.scene.draw(pass);
+    }
+}
+
+/// What a pass with depth is begun with: nothing is nearer than infinity, and nobody needs it after.
+pub fn depth_attachment(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+        stencil_ops: None,
     }
 }

@@ -55,7 +55,14 @@ pub(crate) struct PipelineKey {
     pub constants: Vec<(&'static str, f64)>,
     /// What it draws on.
     pub format: wgpu::TextureFormat,
+    /// Names of the entry points.
+    pub entries: [&'static str; 2],
+    /// How its depth is compared with what is there, where there is depth at all.
+    pub depth: Option<wgpu::CompareFunction>,
 }
+
+/// Format of the depth that passes share: 1 at the near plane, 0 at infinity.
+pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// How many pipelines are kept: enough to switch a choice back and forth, few enough to forget what was typed a minute ago.
 const KEPT: usize = 8;
@@ -160,8 +167,8 @@ impl Gpu {
         }
     }
 
-    /// A pipeline that draws one triangle over the screen: entry points `vertex` and `fragment`. One that was built before is
-    /// taken again.
+    /// A pipeline that draws triangles without vertices: one over the screen, or two for each instance. One that was built before is taken
+    /// again.
     pub(crate) fn screen_pipeline(
         &self,
         label: &str,
@@ -183,16 +190,22 @@ impl Gpu {
                 layout: Some(&self.layout(label, layouts)),
                 vertex: wgpu::VertexState {
                     module: &module,
-                    entry_point: Some("vertex"),
+                    entry_point: Some(key.entries[0]),
                     compilation_options: compilation_options.clone(),
                     buffers: &[],
                 },
                 primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: None,
+                depth_stencil: key.depth.map(|compare| wgpu::DepthStencilState {
+                    format: DEPTH,
+                    depth_write_enabled: Some(true),
+                    depth_compare: Some(compare),
+                    stencil: Default::default(),
+                    bias: Default::default(),
+                }),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: Some(wgpu::FragmentState {
                     module: &module,
-                    entry_point: Some("fragment"),
+                    entry_point: Some(key.entries[1]),
                     compilation_options,
                     targets: &[Some(key.format.into())],
                 }),

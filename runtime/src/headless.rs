@@ -1,6 +1,6 @@
 //! Pictures and numbers without a window.
 
-use crate::frame::Picture;
+use crate::frame::{Picture, depth_attachment};
 use crate::gpu::Gpu;
 use crate::passes::scene::ViewMode;
 use crate::view::View;
@@ -179,6 +179,7 @@ fn texture(gpu: &Gpu, width: u32, height: u32, format: wgpu::TextureFormat) -> w
 fn encode(gpu: &Gpu, picture: &Picture, texture: &wgpu::Texture) -> wgpu::CommandEncoder {
     let mut encoder = gpu.device().create_command_encoder(&Default::default());
     let view = texture.create_view(&Default::default());
+    let depth = picture.depth(gpu, texture.size());
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("surefoot"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -190,6 +191,7 @@ fn encode(gpu: &Gpu, picture: &Picture, texture: &wgpu::Texture) -> wgpu::Comman
                 store: wgpu::StoreOp::Store,
             },
         })],
+        depth_stencil_attachment: depth.as_ref().map(depth_attachment),
         ..Default::default()
     });
     picture.draw(&mut pass);

@@ -12,6 +12,7 @@ use eframe::egui_wgpu::RenderState;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::Camera;
+use surefoot_runtime::frame::depth_attachment;
 use surefoot_runtime::{Gpu, Stage, View};
 
 /// How long a picture may take while something moves, in seconds: at least the first, and as long as the window takes for all else, up
@@ -279,6 +280,7 @@ impl Canvas {
         let submission = self.gpu.catch(|| {
             let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
             let view = texture.create_view(&Default::default());
+            let depth = stage.picture().and_then(|picture| picture.depth(&self.gpu, texture.size()));
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("surefoot"),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -287,6 +289,7 @@ impl Canvas {
                     resolve_target: None,
                     ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
                 })],
+                depth_stencil_attachment: depth.as_ref().map(depth_attachment),
                 ..Default::default()
             });
             pass.set_viewport(0.0, 0.0, size[0] as f32, size[1] as f32, 0.0, 1.0);

@@ -1,5 +1,6 @@
 //! The pass over the screen on the GPU: pipeline, uniforms, draw.
 
+use super::balls::BallsPipeline;
 use super::scene::{Features, SceneUniforms, ViewMode};
 use crate::gpu::{Gpu, PipelineKey, UniformBlock, uniform_layout};
 use crate::view::View;
@@ -12,6 +13,9 @@ pub struct ScenePipeline {
     module: UniformBlock,
     scene: UniformBlock,
     srgb_target: bool,
+    balls: Option<BallsPipeline>,
+    /// The newest view.
+    view: Option<View>,
 }
 
 impl ScenePipeline {
@@ -36,6 +40,13 @@ impl ScenePipeline {
             wgsl: format!("{}\n{}", compiled.module.code(), features.wgsl()),
             constants: Vec::new(),
             format,
+            entries: ["vertex", "fragment"],
+            // The field is drawn first, whatever was there.
+            depth: features.depth.then_some(wgpu::CompareFunction::Always),
+        };
+        let balls = match features.depth {
+            true => Some(BallsPipeline::prepare(gpu, compiled, format, features)?),
+            false => None,
         };
         gpu.catch(|| {
             let module_layout = uniform_layout(gpu, label, module_size, stage);
@@ -48,6 +59,8 @@ impl ScenePipeline {
                 module: UniformBlock::new(gpu, label, &module_layout, module_size),
                 scene: UniformBlock::new(gpu, label, &scene_layout, scene_size),
                 srgb_target: format.is_srgb(),
+                balls,
+                view: None,
             })
         })?
     }
@@ -66,7 +79,18 @@ impl ScenePipeline {
         let uniforms = SceneUniforms::new(&frame, &camera, origin, size, corner, self.srgb_target);
         let module = self.module.write(queue, &compiled.uniform_bytes(live, origin));
         let scene = self.scene.write(queue, bytemuck::bytes_of(&uniforms));
+        self.view = Some(*view);
         module || scene
+    }
+
+    /// What draws the balls, where the scene has some.
+    pub fn balls_mut(&mut self) -> Option<&mut BallsPipeline> {
+        self.balls.as_mut()
+    }
+
+    /// Whether it draws with depth.
+    pub fn has_depth(&self) -> bool {
+        self.balls.is_some()
     }
 
     /// Draws over the whole of the pass's viewport and scissors.
@@ -75,6 +99,12 @@ impl ScenePipeline {
         pass.set_bind_group(0, self.module.group(), &[]);
         pass.set_bind_group(1, self.scene.group(), &[]);
         pass.draw(0..3, 0..1);
+        if let (Some(balls), Some(view)) = (&self.balls, self.view) {
+            // The whole picture, of which the target may be a tile.
+            let View { size: [width, height], corner: [left, top], .. } = view;
+            pass.set_viewport(left, top, width.max(1.0), height.max(1.0), 0.0, 1.0);
+            balls.draw(pass);
+        }
     }
 }
 

@@ -43,8 +43,13 @@ impl Features {
             view,
             shadows: shaded && thrown && !off,
             occlusion: shaded && !blocks.ambient_occlusion.is_some_and(nothing),
-            depth: false,
+            depth: Self::draws_balls(compiled, view),
         }
+    }
+
+    /// Whether balls are drawn over the field: not where the steps of rays are shown.
+    pub fn draws_balls(compiled: &Compiled, view: ViewMode) -> bool {
+        compiled.has_balls() && view != ViewMode::Steps
     }
 
     /// The functions of the module that the pass calls.
@@ -65,8 +70,8 @@ impl Features {
         exports
     }
 
-    /// The pass's text, to stand after the emitted module. Entry points: `vertex`, `fragment`; uniforms: group 1, binding 0.
-    pub fn wgsl(&self) -> String {
+    /// What every pass that shades has: the view, and light where it is shown.
+    pub(super) fn shading(&self) -> Vec<&'static str> {
         let mut sections = vec![include_str!("scene/base.wgsl")];
         if self.view == ViewMode::Shaded {
             sections.push(include_str!("scene/light.wgsl"));
@@ -79,6 +84,12 @@ impl Features {
                 false => include_str!("scene/no_occlusion.wgsl"),
             });
         }
+        sections
+    }
+
+    /// The pass's text, to stand after the emitted module. Entry points: `vertex`, `fragment`; uniforms: group 1, binding 0.
+    pub fn wgsl(&self) -> String {
+        let mut sections = self.shading();
         sections.push(match self.view {
             ViewMode::Shaded => include_str!("scene/view_shaded.wgsl"),
             ViewMode::Normals => include_str!("scene/view_normals.wgsl"),

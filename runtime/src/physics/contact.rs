@@ -116,7 +116,7 @@ fn wgsl(compiled: &Compiled, moving: bool) -> String {
         }
     }
     let changes = if moving { include_str!("moving.wgsl") } else { include_str!("still.wgsl") };
-    [code.as_str(), include_str!("state.wgsl"), changes, include_str!("travel.wgsl")].join("\n")
+    [code.as_str(), include_str!("ball.wgsl"), include_str!("state.wgsl"), changes, include_str!("travel.wgsl")].join("\n")
 }
 
 fn fields_layout(gpu: &Gpu, size: u64, moving: bool) -> wgpu::BindGroupLayout {

@@ -24,6 +24,10 @@ pub struct Physics {
     /// Another field is below the balls than in the last step.
     anew: bool,
     steps: u64,
+    /// Seconds that have passed, and no step yet.
+    owed: f64,
+    /// The field's values at the end of the last step.
+    last: Option<Live>,
 }
 
 /// The passes over balls that no scene changes.
@@ -75,6 +79,9 @@ struct Cell {
 
 /// Bytes of a ball in [`Physics::buffer`].
 pub const BALL_SIZE: u64 = size_of::<Cell>() as u64;
+
+/// Seconds of a step where time passes by itself.
+pub const STEP: f64 = 1.0 / 60.0;
 
 const ASLEEP: u32 = 1 << 16;
 const GONE: u32 = 1 << 17;
@@ -136,13 +143,14 @@ impl Physics {
         let layout = gpu.catch(|| Layout::new(gpu))?;
         let passes = gpu.catch(|| Passes::new(gpu, &layout))??;
         let balls = gpu.catch(|| Balls::new(gpu, &layout, &cells(balls)))?;
-        Ok(Self { gpu: gpu.clone(), layout, passes, contact, balls, anew: false, steps: 0 })
+        Ok(Self { gpu: gpu.clone(), layout, passes, contact, balls, anew: false, steps: 0, owed: 0.0, last: None })
     }
 
     /// Puts other contact code in; the balls stay as they are, bit by bit, and those that sleep wake.
     pub fn put(&mut self, contact: Contact) {
         self.contact = contact;
         self.anew = true;
+        self.last = None;
     }
 
     /// How many balls there are, those that left the scene among them.
@@ -208,7 +216,32 @@ impl Physics {
 
     /// The same with another law than the scene's.
     pub fn step_by(&mut self, compiled: &Compiled, law: &Law, before: &Live, now: &Live) -> Result<(), String> {
-        let seconds = now.time - before.time;
+        self.step_for(compiled, law, before, now, now.time - before.time)
+    }
+
+    /// Lets `seconds` pass for the balls, in steps of [`STEP`], of which at most so many are ordered now: a slow device falls behind, and
+    /// does not stop the window. Meanwhile the field goes from where it was at the last call to `now`. Answers how many steps were ordered.
+    pub fn advance(&mut self, compiled: &Compiled, now: &Live, seconds: f64, most: u32) -> Result<u32, String> {
+        self.owed += seconds.max(0.0);
+        let steps = ((self.owed / STEP + 1e-6).floor() as u32).min(most);
+        if self.owed > STEP * f64::from(most) {
+            self.owed = STEP * f64::from(most);
+        }
+        if steps == 0 {
+            return Ok(0);
+        }
+        let start = self.last.take().filter(|last| last.components.len() == now.components.len()).unwrap_or_else(|| now.clone());
+        let law = compiled.law(now);
+        for step in 0..steps {
+            let at = |step: u32| start.between(now, f64::from(step) / f64::from(steps));
+            self.step_for(compiled, &law, &at(step), &at(step + 1), STEP)?;
+            self.owed = (self.owed - STEP).max(0.0);
+        }
+        self.last = Some(now.clone());
+        Ok(steps)
+    }
+
+    fn step_for(&mut self, compiled: &Compiled, law: &Law, before: &Live, now: &Live, seconds: f64) -> Result<(), String> {
         if self.count() == 0 || seconds <= 0.0 {
             return Ok(());
         }
@@ -293,7 +326,7 @@ fn cells(balls: &[Ball]) -> Vec<Cell> {
 
 impl Passes {
     fn new(gpu: &Gpu, layout: &Layout) -> Result<Self, String> {
-        let wgsl = format!("{}\n{}", include_str!("state.wgsl"), include_str!("grid.wgsl"));
+        let wgsl = [include_str!("ball.wgsl"), include_str!("state.wgsl"), include_str!("grid.wgsl")].join("\n");
         let layouts = [None, Some(layout.balls())];
         let pass = |entry| gpu.compute_pipeline("surefoot balls", &wgsl, entry, &layouts);
         Ok(Self {

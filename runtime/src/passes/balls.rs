@@ -1,0 +1,112 @@
+//! Balls over the field: instances that share its uniforms, its light and its depth.
+
+use super::scene::{Features, SceneUniforms, ViewMode};
+use crate::gpu::{Gpu, PipelineKey, uniform_layout};
+use crate::physics::Physics;
+use bytemuck::{Pod, Zeroable};
+use surefoot_compiler::compiled::{Compiled, Live};
+
+/// Draws balls.
+#[derive(Debug)]
+pub struct BallsPipeline {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    looks: wgpu::Buffer,
+    written: Vec<Look>,
+    /// The balls that are drawn, where there are any.
+    shown: Option<(wgpu::BindGroup, u32)>,
+}
+
+/// A group's material, as `balls.wgsl` declares it.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+struct Look {
+    color: [f32; 3],
+    roughness: f32,
+    emission: [f32; 3],
+    metallic: f32,
+    reflectivity: f32,
+    padding: [f32; 3],
+}
+
+impl BallsPipeline {
+    /// Builds what draws the balls of a scene.
+    pub(super) fn prepare(gpu: &Gpu, compiled: &Compiled, format: wgpu::TextureFormat, features: Features) -> Result<Self, String> {
+        let label = "surefoot balls, picture";
+        let mut sections = vec![compiled.module.code()];
+        sections.extend(features.shading());
+        sections.push(include_str!("../physics/ball.wgsl"));
+        sections.push(include_str!("balls/balls.wgsl"));
+        sections.push(match features.view {
+            ViewMode::Normals => include_str!("balls/normals.wgsl"),
+            ViewMode::Depth => include_str!("balls/depth.wgsl"),
+            ViewMode::Shaded | ViewMode::Steps => include_str!("balls/shaded.wgsl"),
+        });
+        let key = PipelineKey {
+            wgsl: sections.join("\n"),
+            constants: Vec::new(),
+            format,
+            entries: ["ball_vertex", "ball_fragment"],
+            depth: Some(wgpu::CompareFunction::GreaterEqual),
+        };
+        gpu.catch(|| {
+            let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
+            let module = uniform_layout(gpu, "surefoot scene", u64::from(compiled.module.uniform_size), stage);
+            let scene = uniform_layout(gpu, "surefoot scene", size_of::<SceneUniforms>() as u64, stage);
+            let entry = |binding| wgpu::BindGroupLayoutEntry {
+                binding,
+                visibility: stage,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Storage { read_only: true },
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            };
+            let layout = gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some(label),
+                entries: &[entry(0), entry(1)],
+            });
+            let pipeline = gpu.screen_pipeline(label, key, &[Some(&module), Some(&scene), Some(&layout)])?;
+            let looks = gpu.device().create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: (size_of::<Look>() * compiled.blocks.balls.len().max(1)) as u64,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            Ok(Self { pipeline, layout, looks, written: Vec::new(), shown: None })
+        })?
+    }
+
+    /// Shows balls as they are now, or none.
+    pub fn show(&mut self, gpu: &Gpu, compiled: &Compiled, live: &Live, physics: Option<&Physics>) {
+        self.shown = physics.filter(|p| p.count() > 0).map(|physics| {
+            let group = gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("surefoot balls, picture"),
+                layout: &self.layout,
+                entries: &[
+                    wgpu::BindGroupEntry { binding: 0, resource: physics.buffer().as_entire_binding() },
+                    wgpu::BindGroupEntry { binding: 1, resource: self.looks.as_entire_binding() },
+                ],
+            });
+            (group, physics.count())
+        });
+        let look = |look: [f64; 9]| {
+            let [r, g, b, x, y, z, roughness, metallic, reflectivity] = look.map(|c| c as f32);
+            Look { color: [r, g, b], roughness, emission: [x, y, z], metallic, reflectivity, padding: [0.0; 3] }
+        };
+        let looks: Vec<Look> = compiled.groups(live).iter().map(|group| look(group.look)).collect();
+        if looks != self.written {
+            gpu.queue().write_buffer(&self.looks, 0, bytemuck::cast_slice(&looks));
+            self.written = looks;
+        }
+    }
+
+    /// Draws after the field, whose groups 0 and 1 are set.
+    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let Some((group, count)) = &self.shown else { return };
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(2, group, &[]);
+        pass.draw(0..6, 0..*count);
+    }
+}

@@ -1,0 +1,76 @@
+// Balls in the picture: a square for each, turned to the eye, on which its ray meets the sphere itself; so outline and depth are exact.
+// Stands after an emitted module, the sections of the scene that shade, and the ball's struct.
+
+struct BallLook {
+    color: vec3f,
+    roughness: f32,
+    emission: vec3f,
+    metallic: f32,
+    reflectivity: f32,
+    padding_a: f32,
+    padding_b: vec2f,
+}
+
+@group(2) @binding(0) var<storage, read> balls: array<Ball>;
+@group(2) @binding(1) var<storage, read> looks: array<BallLook>;
+
+struct BallVertex {
+    @builtin(position) position: vec4f,
+    @location(0) @interpolate(flat) index: u32,
+}
+
+struct BallFragment {
+    @location(0) color: vec4f,
+    @builtin(frag_depth) depth: f32,
+}
+
+@vertex
+fn ball_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) index: u32) -> BallVertex {
+    let ball = balls[index];
+    // From the eye to the centre.
+    let way = ball.p + scene.center - scene.eye;
+    let far = length(way);
+    var out = BallVertex(vec4f(0.0, 0.0, 0.0, 1.0), index);
+    // A ball that is gone, or that the eye is in, has no corner.
+    if (ball.word & GONE) != 0u || far <= 1.0001 * ball.r {
+        return out;
+    }
+    let toward = way / far;
+    // The cone of the rays that touch the sphere, cut at its centre.
+    let reach = ball.r * far / sqrt(far * far - ball.r * ball.r);
+    let aside = normalize(cross(toward, select(scene.up, scene.right, abs(dot(toward, scene.up)) > 0.9)));
+    let above = cross(aside, toward);
+    let corner = vec2f(f32((0x32u >> vertex) & 1u), f32((0x2cu >> vertex) & 1u)) * 2.0 - 1.0;
+    let p = way + 1.001 * reach * (corner.x * aside + corner.y * above);
+    let depth = dot(p, scene.forward);
+    // Divided by the rasteriser: depth 1 at the near plane, 0 at infinity.
+    out.position = vec4f(
+        dot(p, scene.right) / (scene.aspect * scene.tan_half_fov),
+        dot(p, scene.up) / scene.tan_half_fov,
+        min(scene.near, depth),
+        depth,
+    );
+    return out;
+}
+
+@fragment
+fn ball_fragment(in: BallVertex) -> BallFragment {
+    let ball = balls[in.index];
+    let direction = scene_direction(in.position.xy);
+    let way = ball.p + scene.center - scene.eye;
+    let along = dot(way, direction);
+    let aside = way - along * direction;
+    let rest = ball.r * ball.r - dot(aside, aside);
+    if rest < 0.0 {
+        discard;
+    }
+    let half = sqrt(rest);
+    let t = along - half;
+    let n = normalize(-aside - half * direction);
+    if t <= 0.0 || t > scene.max_distance {
+        discard;
+    }
+    let color = ball_color(scene.eye + t * direction, n, direction, t, looks[min(ball.word & 0xffffu, arrayLength(&looks) - 1u)]);
+    let depth = clamp(scene.near / max(t * dot(direction, scene.forward), scene.near), 0.0, 1.0);
+    return BallFragment(scene_target(color), depth);
+}
