@@ -191,7 +191,7 @@ mod gpu {
                 *time = start + f64::from(steps) * STEP;
             }
             let physics = self.balls.as_ref().map(|balls| &balls.physics);
-            self.picture.show_balls(&self.gpu, compiled, live, physics);
+            self.picture.show_balls(compiled, live, physics);
             Ok(())
         }
 

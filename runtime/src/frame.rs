@@ -54,6 +54,7 @@ pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
 /// A compiled scene, ready to be drawn.
 #[derive(Debug)]
 pub struct Picture {
+    gpu: Gpu,
     mode: ViewMode,
     passes: Vec<PlannedPass>,
     scene: ScenePipeline,
@@ -70,6 +71,7 @@ impl Picture {
         mode: ViewMode,
     ) -> Result<Self, String> {
         Ok(Self {
+            gpu: gpu.clone(),
             mode,
             passes: plan(compiled, mode),
             scene: ScenePipeline::prepare(gpu, compiled, format, mode)?,
@@ -80,6 +82,11 @@ impl Picture {
     /// What it shows.
     pub fn mode(&self) -> ViewMode {
         self.mode
+    }
+
+    /// The device that it is built on.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
     }
 
     /// The passes of each frame, in their order.
@@ -100,22 +107,22 @@ impl Picture {
     }
 
     /// Shows the scene's balls as they are now, or none. Nothing happens where the scene has none.
-    pub fn show_balls(&mut self, gpu: &Gpu, compiled: &Compiled, live: &Live, physics: Option<&Physics>) {
+    pub fn show_balls(&mut self, compiled: &Compiled, live: &Live, physics: Option<&Physics>) {
         if let Some(balls) = self.scene.balls_mut() {
-            balls.show(gpu, compiled, live, physics);
+            balls.show(&self.gpu, compiled, live, physics);
         }
     }
 
     /// The depth that a target of so many pixels needs beside its colour, where the frame has any. Its contents need not be kept from one
     /// pass to the next: the field is drawn first, and writes it.
-    pub fn depth(&self, gpu: &Gpu, size: wgpu::Extent3d) -> Option<wgpu::TextureView> {
+    pub fn depth(&self, size: wgpu::Extent3d) -> Option<wgpu::TextureView> {
         if !self.scene.has_depth() {
             return None;
         }
         let mut kept = self.depth.lock().unwrap_or_else(PoisonError::into_inner);
         let texture = match kept.take().filter(|t| t.size() == size) {
             Some(texture) => texture,
-            None => gpu.device().create_texture(&wgpu::TextureDescriptor {
+            None => self.gpu.device().create_texture(&wgpu::TextureDescriptor {
                 label: Some("surefoot depth"),
                 size,
                 mip_level_count: 1,

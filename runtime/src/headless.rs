@@ -179,7 +179,7 @@ fn texture(gpu: &Gpu, width: u32, height: u32, format: wgpu::TextureFormat) -> w
 fn encode(gpu: &Gpu, picture: &Picture, texture: &wgpu::Texture) -> wgpu::CommandEncoder {
     let mut encoder = gpu.device().create_command_encoder(&Default::default());
     let view = texture.create_view(&Default::default());
-    let depth = picture.depth(gpu, texture.size());
+    let depth = picture.depth(texture.size());
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("surefoot"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {

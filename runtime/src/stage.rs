@@ -1,12 +1,15 @@
 //! What stays while scenes come and go: the values of the parameters, time, and whether there is anything new to draw.
 
 use crate::frame::Picture;
+use crate::gpu::Gpu;
 use crate::live::Ready;
+use crate::physics::{Contact, Passes, Physics, STEP};
 use crate::tighten::Tightening;
 use crate::view::View;
 use std::sync::Arc;
 use surefoot_compiler::compiled::{Compiled, Live, Parameter};
 use surefoot_compiler::graph::{Leaf, Node, NodeId};
+use surefoot_compiler::physics::{Group, spawn};
 
 /// The scene that is on, with its live values.
 #[derive(Debug, Default)]
@@ -20,7 +23,15 @@ pub struct Stage {
     animated: bool,
     fresh: bool,
     tightening: Option<Tightening>,
+    balls: Option<Physics>,
+    /// Seconds that have passed for the balls since the last update.
+    passed: f64,
+    /// What went wrong with them.
+    trouble: Option<String>,
 }
+
+/// So many steps of the balls are ordered for a frame at most; a device that is slower lets them fall slowly.
+const MOST_STEPS: u32 = 3;
 
 impl Stage {
     /// An empty stage.
@@ -36,10 +47,71 @@ impl Stage {
         };
         live.time = self.time;
         self.animated = reads_time(&ready.compiled);
+        let parts = (ready.balls, ready.picture.as_ref().map(|p| p.gpu().clone()));
+        self.trouble = match parts {
+            (Some((passes, contact)), Some(gpu)) => self.put_balls(&gpu, &ready.compiled, &live, passes, contact).err(),
+            _ => {
+                self.balls = None;
+                None
+            }
+        };
         self.live = Some(live);
         self.tightening = Tightening::start(ready.compiled.clone());
         self.scene = Some(ready.compiled);
         self.picture = ready.picture;
+        self.fresh = true;
+    }
+
+    /// Puts another contact below the balls, which keep every bit; where the text lets other balls begin, those begin.
+    fn put_balls(&mut self, gpu: &Gpu, new: &Compiled, live: &Live, passes: Arc<Passes>, contact: Contact) -> Result<(), String> {
+        let groups = new.groups(live);
+        let same = |old: &Compiled, was: &Live| {
+            let begun = |groups: &[Group]| groups.iter().map(Group::beginning).collect::<Vec<_>>();
+            begun(&old.groups(was)) == begun(&groups)
+        };
+        let kept = self.scene.as_ref().zip(self.live.as_ref()).is_some_and(|(old, was)| same(old, was));
+        match &mut self.balls {
+            Some(balls) if kept => balls.put(contact),
+            balls => *balls = Some(Physics::start(gpu, passes, contact, &spawn::spawn(&groups))?),
+        }
+        Ok(())
+    }
+
+    /// The balls of the scene, where it has some.
+    pub fn balls(&self) -> Option<&Physics> {
+        self.balls.as_ref()
+    }
+
+    /// What went wrong with the balls, if anything.
+    pub fn trouble(&self) -> Option<&str> {
+        self.trouble.as_deref()
+    }
+
+    /// Lets the balls make a step though time stands.
+    pub fn step_balls(&mut self) {
+        self.passed += STEP;
+        self.fresh = true;
+    }
+
+    /// Puts the balls back to where they begin.
+    pub fn reset_balls(&mut self) {
+        if let (Some(scene), Some(live), Some(balls)) = (&self.scene, &self.live, &mut self.balls) {
+            self.trouble = balls.write(&spawn::spawn(&scene.groups(live))).err();
+            self.fresh = true;
+        }
+    }
+
+    /// Adds balls of the first group in a box about a place.
+    pub fn drop_balls(&mut self, place: [f64; 3], count: u32) {
+        let (Some(scene), Some(live), Some(balls)) = (&self.scene, &self.live, &mut self.balls) else { return };
+        let Some(group) = scene.groups(live).into_iter().next() else { return };
+        // As many cells a side as hold them.
+        let side = f64::from(count).cbrt().ceil() * 1.1 * group.radius[1];
+        let spawn = [place.map(|c| c - side), place.map(|c| c + side)];
+        // Other balls each time.
+        let seed = group.seed.wrapping_add(balls.count());
+        let more = spawn::spawn(&[Group { count, spawn, seed, velocity: [0.0; 3], ..group }]);
+        self.trouble = balls.add(&more).err();
         self.fresh = true;
     }
 
@@ -91,12 +163,13 @@ impl Stage {
     pub fn advance(&mut self, seconds: f64) {
         if self.playing {
             self.set_time(self.time + seconds);
+            self.passed += seconds;
         }
     }
 
-    /// Whether the next frame differs from this one though nobody touches anything: time runs, and the scene reads it.
+    /// Whether the next frame differs from this one though nobody touches anything: time runs, and the scene reads it or has balls.
     pub fn animates(&self) -> bool {
-        self.playing && self.animated
+        self.playing && (self.animated || self.balls.is_some())
     }
 
     /// Writes to the GPU what changed since the last call. Answers whether there is anything new to draw: where not, the last picture
@@ -110,6 +183,13 @@ impl Stage {
             live.tightened = factors;
         }
         scene.follow(live, Compiled::QUICK);
+        if let Some(balls) = &mut self.balls {
+            match balls.advance(scene, live, std::mem::take(&mut self.passed), MOST_STEPS) {
+                Ok(steps) => self.fresh |= steps > 0,
+                Err(error) => self.trouble = Some(error),
+            }
+            picture.show_balls(scene, live, Some(balls));
+        }
         let changed = picture.update(queue, scene, live, view);
         std::mem::take(&mut self.fresh) || changed
     }

@@ -432,7 +432,7 @@ fn pipelines_are_built_behind_and_only_where_something_changed() {
 #[test]
 fn values_stay_by_name_and_within_the_new_range() {
     let ready =
-        |compiled| surefoot_runtime::live::Ready { compiled: Arc::new(compiled), picture: None };
+        |compiled| surefoot_runtime::live::Ready { compiled: Arc::new(compiled), picture: None, balls: None };
     let wgsl = common::WGSL;
     let mut stage = Stage::new();
     stage.put(ready(sphere(1.0)));

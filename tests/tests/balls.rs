@@ -297,3 +297,52 @@ fn two_balls_keep_their_momentum() {
     assert!(after[0].velocity[0] < 1.0, "they met");
     assert!(lost < 1e-5);
 }
+
+#[test]
+fn a_ball_is_seen_where_it_is() {
+    use surefoot_compiler::reference::camera::Basis;
+    use surefoot_runtime::headless::{FORMAT, Shot, render_with};
+    use surefoot_runtime::{Picture, ViewMode};
+    let gpu = gpu();
+    // One half in front of the field's ball and one half behind it, and one that stands alone at the picture's rim; wider than a tile.
+    let compiled = scene("scene = sphere(1)\nballs b { count: 0 }\ncamera { eye: (0.3, 0.4, 6), target: (0, 0, 0), fov: 40deg }");
+    let balls = [([0.9, 0.2, 0.7], 0.4), ([-0.8, 0.3, -0.5], 0.7), ([2.0, -1.4, 0.3], 0.3)];
+    let physics = Physics::with(&gpu, &compiled, &balls.map(|(p, r)| Ball::at(p, r))).unwrap();
+    let live = compiled.live();
+    let mut picture = Picture::prepare(&gpu, &compiled, FORMAT, ViewMode::Normals).unwrap();
+    picture.show_balls(&compiled, &live, Some(&physics));
+    let (width, height) = (640, 400);
+    let pixels = render_with(&gpu, &mut picture, &compiled, &live, &Shot { mode: ViewMode::Normals, ..Shot::new(width, height) }).unwrap();
+    let camera = compiled.frame(&live).cameras[0].1;
+    let basis = Basis::of(&camera);
+    let spheres: Vec<_> = balls.into_iter().chain([([0.0; 3], 1.0)]).collect();
+    let (mut wrong, mut of_balls) = (0, 0);
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        let direction = basis.direction((f64::from(x) + 0.5, f64::from(y) + 0.5), (width, height));
+        let hit = |(center, radius): &([f64; 3], f64)| {
+            let way = sub(*center, camera.eye);
+            let along = way.iter().zip(&direction).map(|(a, b)| a * b).sum::<f64>();
+            let rest = radius * radius - length(sub(way, scale(direction, along))).powi(2);
+            (rest >= 0.0).then(|| along - rest.sqrt())
+        };
+        let nearest = spheres.iter().enumerate().filter_map(|(i, s)| Some((hit(s)?, i))).min_by(|a, b| a.0.total_cmp(&b.0));
+        let want = match nearest {
+            None => [0.12; 3],
+            Some((t, i)) => {
+                of_balls += u32::from(i < 3);
+                let (center, radius) = spheres[i];
+                scale(sub(add(camera.eye, scale(direction, t)), center), 1.0 / radius).map(|c| 0.5 + 0.5 * c)
+            }
+        };
+        let have = pixels.get(x, y);
+        let apart = (0..3).map(|i| (want[i] * 255.0 - f64::from(have[i])).abs()).fold(0.0, f64::max);
+        // At the outline of the field its rays end a hair before it, which is not judged here.
+        let passes_at = length(sub(camera.eye, scale(direction, direction.iter().zip(&camera.eye).map(|(a, b)| a * b).sum())));
+        let at_outline = (passes_at - 1.0).abs() < 0.02;
+        wrong += u32::from(apart > 3.0 && !at_outline);
+    }
+    println!("{of_balls} pixels of balls, {wrong} of {} otherwise than by the formula", width * height);
+    assert!(of_balls > 10_000);
+    // At the outlines 32 bits may decide otherwise.
+    assert!(wrong < 60, "{wrong}");
+}

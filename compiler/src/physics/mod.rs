@@ -137,6 +137,13 @@ pub struct Group {
     pub look: [f64; 9],
 }
 
+impl Group {
+    /// The group but for its looks: where two are alike in this, the same balls begin.
+    pub fn beginning(&self) -> Self {
+        Self { name: String::new(), look: [0.0; 9], ..self.clone() }
+    }
+}
+
 /// One ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {

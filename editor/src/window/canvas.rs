@@ -280,7 +280,7 @@ impl Canvas {
         let submission = self.gpu.catch(|| {
             let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
             let view = texture.create_view(&Default::default());
-            let depth = stage.picture().and_then(|picture| picture.depth(&self.gpu, texture.size()));
+            let depth = stage.picture().and_then(|picture| picture.depth(texture.size()));
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("surefoot"),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {

@@ -2,12 +2,17 @@
 
 use super::document::{Document, Resolution};
 use super::orbit::Orbit;
+use super::panels::balls::DROP;
 use super::session::{Place, Question, Session, factors, problems};
 use super::world::World;
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
 use surefoot_compiler::diagnostic::Severity;
+use surefoot_compiler::reference::Reference;
+use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::reference::march::Ray;
+use surefoot_compiler::reference::vector::{length, sub};
 use surefoot_compiler::syntax;
 use surefoot_runtime::ViewMode;
 use surefoot_runtime::live::Update;
@@ -44,6 +49,17 @@ pub enum Command {
     Play(bool),
     /// Go to a moment.
     Time(f64),
+    /// One step of the balls.
+    StepBalls,
+    /// The balls back to where they begin.
+    ResetBalls,
+    /// More balls over a place of the picture: its points from the upper left corner, and the picture's size in them.
+    DropBalls {
+        /// Where.
+        at: [f64; 2],
+        /// Width and height.
+        size: [u32; 2],
+    },
     /// Turn around the target: by parts of the picture's height, to the right and down.
     Turn(f64, f64),
     /// Move sideways, likewise.
@@ -125,7 +141,15 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
             }
         }
         Command::Play(playing) => session.stage.playing = playing,
-        Command::Time(seconds) => session.stage.set_time(seconds),
+        Command::Time(seconds) => {
+            session.stage.set_time(seconds);
+            if seconds == 0.0 {
+                session.stage.reset_balls();
+            }
+        }
+        Command::StepBalls => session.stage.step_balls(),
+        Command::ResetBalls => session.stage.reset_balls(),
+        Command::DropBalls { at, size } => drop_balls(session, at, size),
         Command::Turn(right, down) => move_camera(session, |orbit| orbit.turn(right, down)),
         Command::Pan(right, down) => move_camera(session, |orbit| orbit.pan(right, down)),
         Command::Dolly(factor) => move_camera(session, |orbit| orbit.dolly(factor)),
@@ -262,6 +286,22 @@ fn move_camera(session: &mut Session, change: impl FnOnce(&mut Orbit)) {
         let orbit = session.look.orbit.get_or_insert_with(|| Orbit::from_camera(&camera));
         change(orbit);
     }
+}
+
+/// Balls above what is seen at a place of the picture; where nothing is, as far as what the camera looks at.
+fn drop_balls(session: &mut Session, at: [f64; 2], size: [u32; 2]) {
+    let (Some(camera), Some((scene, live))) = (session.camera(), session.scene().zip(session.stage.live())) else { return };
+    let basis = Basis::of(&camera);
+    let direction = basis.direction(at.into(), size.into());
+    let ray = Ray { origin: camera.eye, direction, t_min: 0.0, t_max: scene.frame(live).max_distance };
+    let seen = Reference::new(scene, live).ok().and_then(|reference| {
+        let hits = reference.trace(&[ray], basis.footprint(size[1]), scene.blocks.extent);
+        hits.first().filter(|hit| hit.hit).map(|hit| hit.t)
+    });
+    let target = length(sub(camera.target, camera.eye));
+    let most = scene.groups(live).first().map_or(0.0, |group| group.radius[1]);
+    let [x, y, z] = ray.at(seen.unwrap_or(target));
+    session.stage.drop_balls([x, y + 14.0 * most, z], DROP);
 }
 
 fn open(session: &mut Session, world: &mut World, path: &str) {

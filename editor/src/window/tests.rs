@@ -372,3 +372,51 @@ fn an_unproven_scene_is_marked() {
     harness.run_steps(2);
     assert_eq!(harness.query_all_by_label("unproven").count(), 0);
 }
+
+const BALLS: &str = "\
+scene = plane(y)
+balls drops { count: 200, radius: 0.05, spawn: (-1, 0.5, -1)..(1, 2, 1) }
+camera { eye: (0, 3, 8), target: (0, 0, 0), fov: 40deg }
+";
+
+#[test]
+fn balls_fall_step_and_begin_again() {
+    let folder = Folder::new("balls", BALLS);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let steps = |app: &App| app.session.stage.balls().map_or(0, |balls| balls.steps());
+    let read = |app: &App| app.session.stage.balls().unwrap().read().unwrap();
+    until(&mut harness, |app| steps(app) > 20);
+    harness.get_by_label("200 balls");
+    harness.get_by_label("Pause").click();
+    harness.run_steps(2);
+    let stood = steps(harness.state());
+    harness.run_steps(3);
+    assert_eq!(steps(harness.state()), stood, "time stands");
+    harness.get_by_label("Step").click();
+    harness.run_steps(2);
+    assert_eq!(steps(harness.state()), stood + 1);
+
+    // Another text below them moves none.
+    let before = read(harness.state());
+    write(&mut harness, &BALLS.replace("plane(y)", "plane(y) | box(0.4, 1, 0.4)"));
+    until(&mut harness, |app| app.session.said.swaps == 2);
+    assert_eq!(read(harness.state()), before, "every bit is as it was");
+
+    harness.hover_at(MIDDLE);
+    harness.step();
+    harness.state_mut().session.stage.playing = false;
+    harness.ctx.memory_mut(|m| m.stop_text_input());
+    harness.key_press(Key::B);
+    harness.run_steps(2);
+    harness.get_by_label("264 balls");
+    let dropped = read(harness.state());
+    assert_eq!(dropped[..200], before, "those that were there stay");
+    assert!(dropped[200..].iter().all(|b| b.position[1] > 0.2 && b.position[1] < 3.0), "above the place");
+    harness.get_by_label("Pour again").click();
+    harness.run_steps(2);
+    harness.get_by_label("200 balls");
+    let heights = |balls: &[surefoot_compiler::physics::Ball]| balls.iter().map(|b| b.position[1]).sum::<f64>() / 200.0;
+    assert!(heights(&read(harness.state())) > heights(&before));
+    pixel(&mut harness, MIDDLE);
+}

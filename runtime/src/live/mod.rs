@@ -15,6 +15,7 @@ mod worker;
 use crate::frame::Picture;
 use crate::gpu::Gpu;
 use crate::passes::scene::ViewMode;
+use crate::physics::{Contact, Passes};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -54,6 +55,8 @@ pub struct Ready {
     pub compiled: Arc<Compiled>,
     /// What draws it, where there is a device.
     pub picture: Option<Picture>,
+    /// What moves its balls, where there are some and a device.
+    pub balls: Option<(Arc<Passes>, Contact)>,
 }
 
 /// How long things took.

@@ -7,6 +7,7 @@ use super::{Ready, Setup, Shared, State, Times, Update, Words};
 use crate::frame::Picture;
 use crate::headless;
 use crate::passes::scene::ViewMode;
+use crate::physics::{Contact, Passes};
 use std::any::Any;
 use std::mem::take;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -41,7 +42,7 @@ pub(super) fn spawn(setup: Setup, shared: Arc<Shared>) -> std::io::Result<JoinHa
             });
             let rehearsal = Rehearsal::new(setup.target.as_ref().map(|(gpu, _)| gpu));
             let (record, newest) = (None, Newest::default());
-            Worker { setup, shared, watch, rehearsal, record, newest }.run();
+            Worker { setup, shared, watch, rehearsal, record, newest, passes: None }.run();
         },
     )
 }
@@ -54,7 +55,12 @@ struct Worker {
     /// What the newest compilation read.
     record: Option<Recorder>,
     newest: Newest,
+    /// What moves balls, once a scene had some.
+    passes: Option<Arc<Passes>>,
 }
+
+/// What draws a scene, and what moves its balls.
+type Parts = (Option<Picture>, Option<(Arc<Passes>, Contact)>);
 
 /// What is known of the newest text, and the newest scene that was good.
 #[derive(Default)]
@@ -202,7 +208,7 @@ impl Worker {
             let prepared = catch_unwind(AssertUnwindSafe(prepare))
                 .unwrap_or_else(|panic| Err(broken("the translation", panic.as_ref())));
             match prepared {
-                Ok(picture) => Some(Ready { compiled, picture }),
+                Ok((picture, balls)) => Some(Ready { compiled, picture, balls }),
                 Err(error) => {
                     self.newest.failure = Some(error);
                     None
@@ -224,14 +230,22 @@ impl Worker {
         }
     }
 
-    fn prepare(&mut self, compiled: &Compiled, mode: ViewMode) -> Result<Option<Picture>, String> {
-        let Some((gpu, format)) = &self.setup.target else { return Ok(None) };
+    fn prepare(&mut self, compiled: &Compiled, mode: ViewMode) -> Result<Parts, String> {
+        let Some((gpu, format)) = &self.setup.target else { return Ok((None, None)) };
         let picture = self.rehearsal.prepare(gpu, |gpu| {
             let mut picture = Picture::prepare(gpu, compiled, *format, mode)?;
             headless::warm_up(gpu, &mut picture, compiled, *format)?;
             Ok(picture)
         })?;
-        Ok(Some(picture))
+        if !compiled.has_balls() {
+            return Ok((Some(picture), None));
+        }
+        let passes = match self.passes.take() {
+            Some(passes) => passes,
+            None => Arc::new(Passes::new(gpu)?),
+        };
+        self.passes = Some(passes.clone());
+        Ok((Some(picture), Some((passes, Contact::prepare(gpu, compiled)?))))
     }
 
     fn deliver(&self, mut update: Update) {

@@ -10,6 +10,9 @@ use crate::gpu::Gpu;
 use crate::headless;
 use buffers::{Balls, Layout};
 use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::{Compiled, Live};
 use surefoot_compiler::physics::{Ball, Law, MEETINGS, State, meet, spawn};
 
@@ -17,8 +20,7 @@ use surefoot_compiler::physics::{Ball, Law, MEETINGS, State, meet, spawn};
 #[derive(Debug)]
 pub struct Physics {
     gpu: Gpu,
-    layout: Layout,
-    passes: Passes,
+    passes: Arc<Passes>,
     contact: Contact,
     balls: Balls,
     /// Another field is below the balls than in the last step.
@@ -28,11 +30,14 @@ pub struct Physics {
     owed: f64,
     /// The field's values at the end of the last step.
     last: Option<Live>,
+    /// What a step took, in nanoseconds.
+    cost: Arc<AtomicU64>,
 }
 
-/// The passes over balls that no scene changes.
+/// The passes over balls that no scene changes. Built once for a device.
 #[derive(Debug)]
-struct Passes {
+pub struct Passes {
+    layout: Layout,
     count: wgpu::ComputePipeline,
     scan_blocks: wgpu::ComputePipeline,
     scan_sums: wgpu::ComputePipeline,
@@ -139,11 +144,15 @@ impl Physics {
 
     /// Given balls over a scene's field, whether the scene has balls or not.
     pub fn with(gpu: &Gpu, compiled: &Compiled, balls: &[Ball]) -> Result<Self, String> {
+        let passes = Arc::new(Passes::new(gpu)?);
         let contact = Contact::prepare(gpu, compiled)?;
-        let layout = gpu.catch(|| Layout::new(gpu))?;
-        let passes = gpu.catch(|| Passes::new(gpu, &layout))??;
-        let balls = gpu.catch(|| Balls::new(gpu, &layout, &cells(balls)))?;
-        Ok(Self { gpu: gpu.clone(), layout, passes, contact, balls, anew: false, steps: 0, owed: 0.0, last: None })
+        Self::start(gpu, passes, contact, balls)
+    }
+
+    /// Given balls, with code that was built before: on another thread, or for other balls.
+    pub fn start(gpu: &Gpu, passes: Arc<Passes>, contact: Contact, balls: &[Ball]) -> Result<Self, String> {
+        let balls = gpu.catch(|| Balls::new(gpu, &passes.layout, &cells(balls)))?;
+        Ok(Self { gpu: gpu.clone(), passes, contact, balls, anew: false, steps: 0, owed: 0.0, last: None, cost: Arc::default() })
     }
 
     /// Puts other contact code in; the balls stay as they are, bit by bit, and those that sleep wake.
@@ -161,6 +170,11 @@ impl Physics {
     /// Steps so far.
     pub fn steps(&self) -> u64 {
         self.steps
+    }
+
+    /// What a step of the newest [`Physics::advance`] took, from the order to its end.
+    pub fn cost(&self) -> Duration {
+        Duration::from_nanos(self.cost.load(Ordering::Relaxed))
     }
 
     /// The buffer with the balls as they are now, [`BALL_SIZE`] bytes each: position and radius, velocity and a word whose lower half is the
@@ -197,7 +211,7 @@ impl Physics {
 
     /// Replaces all balls.
     pub fn write(&mut self, balls: &[Ball]) -> Result<(), String> {
-        self.balls = self.gpu.catch(|| Balls::new(&self.gpu, &self.layout, &cells(balls)))?;
+        self.balls = self.gpu.catch(|| Balls::new(&self.gpu, &self.passes.layout, &cells(balls)))?;
         Ok(())
     }
 
@@ -232,12 +246,18 @@ impl Physics {
         }
         let start = self.last.take().filter(|last| last.components.len() == now.components.len()).unwrap_or_else(|| now.clone());
         let law = compiled.law(now);
+        let ordered = Instant::now();
         for step in 0..steps {
             let at = |step: u32| start.between(now, f64::from(step) / f64::from(steps));
             self.step_for(compiled, &law, &at(step), &at(step + 1), STEP)?;
             self.owed = (self.owed - STEP).max(0.0);
         }
         self.last = Some(now.clone());
+        let cost = self.cost.clone();
+        self.gpu.queue().on_submitted_work_done(move || {
+            let each = ordered.elapsed() / steps;
+            cost.store(each.as_nanos() as u64, Ordering::Relaxed);
+        });
         Ok(steps)
     }
 
@@ -325,19 +345,23 @@ fn cells(balls: &[Ball]) -> Vec<Cell> {
 }
 
 impl Passes {
-    fn new(gpu: &Gpu, layout: &Layout) -> Result<Self, String> {
+    /// Builds them for a device.
+    pub fn new(gpu: &Gpu) -> Result<Self, String> {
         let wgsl = [include_str!("ball.wgsl"), include_str!("state.wgsl"), include_str!("grid.wgsl")].join("\n");
-        let layouts = [None, Some(layout.balls())];
-        let pass = |entry| gpu.compute_pipeline("surefoot balls", &wgsl, entry, &layouts);
-        Ok(Self {
-            count: pass("count")?,
-            scan_blocks: pass("scan_blocks")?,
-            scan_sums: pass("scan_sums")?,
-            scatter: pass("scatter")?,
-            put_in_order: pass("put_in_order")?,
-            neighbours: pass("neighbours")?,
-            meet_first: pass("meet_first")?,
-            meet_again: pass("meet_again")?,
-        })
+        gpu.catch(|| {
+            let layout = Layout::new(gpu);
+            let pass = |entry| gpu.compute_pipeline("surefoot balls", &wgsl, entry, &[None, Some(layout.balls())]);
+            Ok(Self {
+                count: pass("count")?,
+                scan_blocks: pass("scan_blocks")?,
+                scan_sums: pass("scan_sums")?,
+                scatter: pass("scatter")?,
+                put_in_order: pass("put_in_order")?,
+                neighbours: pass("neighbours")?,
+                meet_first: pass("meet_first")?,
+                meet_again: pass("meet_again")?,
+                layout,
+            })
+        })?
     }
 }

@@ -10,6 +10,8 @@ pub enum Icon {
     Play,
     /// Let time stand.
     Pause,
+    /// One step.
+    Step,
     /// Back to the start.
     Rewind,
     /// Back to the scene's camera.
@@ -76,6 +78,10 @@ fn paint(painter: &Painter, square: Rect, icon: Icon, color: Color32) {
         Icon::Pause => {
             bar(0.1, 0.38);
             bar(0.62, 0.9);
+        }
+        Icon::Step => {
+            bar(0.0, 0.2);
+            fill(&[(0.35, 0.0), (1.07, 0.5), (0.35, 1.0)]);
         }
         Icon::Rewind => {
             bar(0.0, 0.2);

@@ -1,5 +1,6 @@
 //! The panels. Each reads the session and pushes commands.
 
+pub mod balls;
 pub mod icons;
 pub mod parameters;
 pub mod picture;

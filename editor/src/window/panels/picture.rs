@@ -33,6 +33,7 @@ pub fn sense(ui: &mut Ui, commands: &mut Vec<Command>) -> Response {
             commands.push(Command::Dolly(1.0 / f64::from(pinch)));
         }
     }
+    super::balls::sense(ui, &response, commands);
     if response.double_clicked() {
         commands.push(Command::Home);
     }
@@ -81,7 +82,7 @@ pub fn band(ui: &mut Ui, rect: Rect, session: &Session, commands: &mut Vec<Comma
     let said = &session.said;
     let error = session.error();
     let words = error.map(|problem| problem.message.as_str());
-    let words = words.or(said.failure.as_deref()).or(said.drawing.as_deref());
+    let words = words.or(said.failure.as_deref()).or(said.drawing.as_deref()).or(session.stage.trouble());
     let Some(words) = words else { return };
     let builder = UiBuilder::new().max_rect(rect.shrink(10.0)).sense(Sense::hover());
     ui.scope_builder(builder, |ui| {

@@ -28,6 +28,7 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.separator();
         cameras(ui, session, commands);
         time(ui, session, commands);
+        super::balls::show(ui, session, commands);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if ui
                 .selectable_label(session.open.parameters, "Parameters")
@@ -79,7 +80,7 @@ fn cameras(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 fn time(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let stage = &session.stage;
-    if !session.said.reads_time {
+    if !session.said.reads_time && stage.balls().is_none() {
         return;
     }
     ui.separator();
