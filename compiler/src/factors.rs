@@ -1,7 +1,10 @@
 //! What a person may know of each factor: what it comes from, where it holds, what it costs, and what would lower it.
 
+use crate::analysis::search::Target;
+use crate::certify::Truth;
 use crate::compiled::{Compiled, Live};
 use crate::functions::Functions;
+use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Factor, Function, Graph, Node, NodeId, Proof, ShapeId};
 use crate::source::{Sources, Span};
@@ -42,6 +45,71 @@ pub struct Explained {
     pub reason: String,
     /// What would lower it.
     pub advice: String,
+}
+
+/// A rule for factors, and a scene in which nothing else acts: a line of `tests/corpus/rules.txt`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rule {
+    /// Its name.
+    pub name: String,
+    /// Why its factor is not attained; none where it is.
+    pub loose: Option<String>,
+    /// Half the side of the cube about the origin in which the steepest place is looked for.
+    pub half: f64,
+    /// The scene's text.
+    pub text: String,
+}
+
+/// The rules in a text, one a line, of five parts; lines that begin with `#` are words. A line that is none of these is an error.
+pub fn rules(text: &str) -> Result<Vec<Rule>, String> {
+    let lines = text.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let rule = |line: &str| {
+        let mut parts = line.splitn(5, ';').map(str::trim);
+        let (name, near, half, kind, body) = (parts.next()?, parts.next()?, parts.next()?, parts.next()?, parts.next()?);
+        let text = match kind {
+            "shape" => format!("scene = {body}\n"),
+            "number" => format!("field rule = {body}\nscene = rule\n"),
+            _ => return None,
+        };
+        let loose = (near != "attained").then(|| near.to_owned());
+        Some(Rule { name: name.to_owned(), loose, half: half.parse().ok()?, text })
+    };
+    lines.map(|line| rule(line).ok_or_else(|| format!("this is no rule: {line}"))).collect()
+}
+
+/// A factor beside what is true.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judged {
+    /// The scene's factor, after a long search.
+    pub factor: f64,
+    /// How steep it is at the steepest place found: no factor may be smaller.
+    pub attained: f64,
+    /// What it is certified not to exceed, where that was asked.
+    pub at_most: Option<f64>,
+}
+
+/// Judges the one factor of a rule's scene, by samples of what it was found from, and by the certified supremum of the field, which may cost
+/// so many boxes; that of a map is sampled only, and so is one that holds only in a part of a box.
+pub fn judge(compiled: &Compiled, half: f64, boxes: usize) -> Judged {
+    let largest = compiled.summary.factor;
+    let index = compiled.graph.factors.iter().position(|f| f.lipschitz == largest);
+    let factor = index.map_or(largest, |i| compiled.tighten(i, 131_072));
+    let sampled = index.map_or(0.0, |i| compiled.sampled_factor(i, 2048));
+    let search = index.and_then(|i| compiled.functions.searches.get(i)).and_then(Option::as_ref);
+    let cube = [Interval::new(-half, half); 3];
+    let range = match search {
+        None => Some(cube),
+        Some(s) if matches!(s.target, Target::Map(_)) || s.domain.tube.is_some() || !s.domain.within.is_empty() => None,
+        Some(s) if s.domain.point.is_finite() => Some(s.domain.point.0),
+        Some(_) => Some(cube),
+    };
+    let truth = Truth::new(compiled, &compiled.live(), 1_000_000).ok();
+    let certified = truth.zip(range).map(|(truth, range)| truth.prover().steepest(range, 1.02, boxes));
+    Judged {
+        factor,
+        attained: certified.map_or(sampled, |c| c.at_least.max(sampled)),
+        at_most: certified.map(|c| c.at_most),
+    }
 }
 
 /// Every factor of a scene, those that stand around others before them. `sources` are the texts that the scene was compiled from.

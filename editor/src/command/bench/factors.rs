@@ -2,8 +2,10 @@
 
 use super::milliseconds;
 use crate::command::{Exit, Failure, compile_file, print, show_diagnostics};
+use crate::files::FileLoader;
 use std::time::Instant;
-use surefoot_compiler::Options;
+use surefoot_compiler::factors::{judge, rules as read};
+use surefoot_compiler::{Loader, MemoryLoader, Options, compile};
 
 /// Boxes that an edit may cost, and a search in the background.
 const BUDGETS: [usize; 2] = [16_384, 131_072];
@@ -41,6 +43,33 @@ pub fn run(paths: &[String]) -> Result<Exit, Failure> {
             }
             print(format!("{row}\n").as_bytes())?;
         }
+    }
+    Ok(if wrong { Exit::Errors } else { Exit::Fine })
+}
+
+/// Boxes that a certified supremum may cost.
+const CERTIFIED: usize = 20_000;
+
+/// Prints a row for each rule: its factor, the steepest place found, what is certified, and how tight that is.
+pub fn rules(path: &str) -> Result<Exit, Failure> {
+    let bytes = FileLoader.read(path).map_err(Failure::usage)?;
+    let rules = read(&String::from_utf8_lossy(&bytes)).map_err(Failure::usage)?;
+    print(format!("{:<38}{:>9}{:>10}{:>10}{:>10}\n", "rule", "factor", "attained", "at most", "tightness").as_bytes())?;
+    let mut wrong = false;
+    for rule in rules {
+        let outcome = compile(&MemoryLoader::new().with("rule.sdf", rule.text), "rule.sdf", &Options::default());
+        let Some(scene) = &outcome.compiled else {
+            show_diagnostics(&outcome);
+            wrong = true;
+            continue;
+        };
+        let found = judge(scene, rule.half, CERTIFIED);
+        let at_most = found.at_most.map_or("-".to_owned(), |most| format!("{most:.4}"));
+        let tightness = found.factor / found.attained;
+        wrong |= tightness < 1.0 - 1e-9;
+        let loose = rule.loose.map_or(String::new(), |why| format!("  {why}"));
+        let row = format!("{:<38}{:>9.4}{:>10.4}{at_most:>10}{tightness:>10.3}{loose}\n", rule.name, found.factor, found.attained);
+        print(row.as_bytes())?;
     }
     Ok(if wrong { Exit::Errors } else { Exit::Fine })
 }

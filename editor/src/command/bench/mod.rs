@@ -13,7 +13,7 @@ use surefoot_compiler::{Loader, MemoryLoader, Options, Outcome, Stage, compile_o
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Compile this scene again and again.
-    #[arg(long, value_name = "SCENE", required_unless_present_any = ["edits", "factors"])]
+    #[arg(long, value_name = "SCENE", required_unless_present_any = ["edits", "factors", "rules"])]
     compile: Option<String>,
     /// Edit one number of this scene after another and compile again, with what was found before.
     #[arg(long, value_name = "SCENE", conflicts_with = "compile")]
@@ -21,6 +21,9 @@ pub struct Args {
     /// The factors of these scenes: how near they are to the steepest sample, at once, within an edit, and after a long search.
     #[arg(long, value_name = "SCENES", num_args = 1.., conflicts_with_all = ["compile", "edits"])]
     factors: Vec<String>,
+    /// The rules of this file: the factor of each beside the certified supremum.
+    #[arg(long, value_name = "RULES", conflicts_with_all = ["compile", "edits", "factors"])]
+    rules: Option<String>,
     /// How often.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
     runs: u32,
@@ -36,6 +39,9 @@ type Rows = Vec<(&'static str, Vec<Duration>)>;
 pub fn run(args: &Args) -> Result<Exit, Failure> {
     if let Some(path) = &args.edits {
         return edits::run(path, args.runs);
+    }
+    if let Some(path) = &args.rules {
+        return factors::rules(path);
     }
     let Some(path) = &args.compile else { return factors::run(&args.factors) };
     let first = compile_file(path, &Options::default())?;
