@@ -1,7 +1,7 @@
 //! What a person may know of each factor: what it comes from, where it holds, what it costs, and what would lower it.
 
 use crate::analysis::search::Target;
-use crate::certify::Truth;
+use crate::certify::{Steepest, Truth};
 use crate::compiled::{Compiled, Live};
 use crate::functions::Functions;
 use crate::graph::interval::Interval;
@@ -88,28 +88,41 @@ pub struct Judged {
     pub at_most: Option<f64>,
 }
 
-/// Judges the one factor of a rule's scene, by samples of what it was found from, and by the certified supremum of the field, which may cost
-/// so many boxes; that of a map is sampled only, and so is one that holds only in a part of a box.
+/// Judges the one factor of a rule's scene, by samples of what it was found from, and by the certified supremum, which may cost so many
+/// boxes.
 pub fn judge(compiled: &Compiled, half: f64, boxes: usize) -> Judged {
     let largest = compiled.summary.factor;
     let index = compiled.graph.factors.iter().position(|f| f.lipschitz == largest);
     let factor = index.map_or(largest, |i| compiled.tighten(i, 131_072));
     let sampled = index.map_or(0.0, |i| compiled.sampled_factor(i, 2048));
-    let search = index.and_then(|i| compiled.functions.searches.get(i)).and_then(Option::as_ref);
-    let cube = [Interval::new(-half, half); 3];
-    let range = match search {
-        None => Some(cube),
-        Some(s) if matches!(s.target, Target::Map(_)) || s.domain.tube.is_some() || !s.domain.within.is_empty() => None,
-        Some(s) if s.domain.point.is_finite() => Some(s.domain.point.0),
-        Some(_) => Some(cube),
-    };
-    let truth = Truth::new(compiled, &compiled.live(), 1_000_000).ok();
-    let certified = truth.zip(range).map(|(truth, range)| truth.prover().steepest(range, 1.02, boxes));
+    let certified = certified(compiled, index, half, boxes);
     Judged {
         factor,
         attained: certified.map_or(sampled, |c| c.at_least.max(sampled)),
         at_most: certified.map(|c| c.at_most),
     }
+}
+
+/// The certified supremum of the slopes of what a factor was found from, where it was; of the scene's field without one. Where that is all
+/// of space: in a cube about the origin, half its side being `half`. None for a map, for what holds only in a part of a box, and for what
+/// reads more than the point.
+pub fn certified(compiled: &Compiled, index: Option<usize>, half: f64, boxes: usize) -> Option<Steepest> {
+    let cube = [Interval::new(-half, half); 3];
+    let (graph, live) = (&compiled.graph, compiled.live());
+    let field = graph.shape(compiled.root).map(|s| s.value)?;
+    let (node, range) = match index {
+        None => (field, cube),
+        Some(index) => {
+            let search = compiled.functions.searches.get(index)?.as_ref()?;
+            let Target::Value(node) = search.target else { return None };
+            let whole = search.domain.tube.is_none() && search.domain.within.is_empty() && search.parameters.is_empty();
+            let alone = graph.reads(node).variables == 0;
+            let point = search.domain.point;
+            (whole && alone).then_some((node, if point.is_finite() { point.0 } else { cube }))?
+        }
+    };
+    let truth = Truth::of(graph, &compiled.functions, node, &live, 1_000_000).ok()?;
+    Some(truth.prover().steepest(range, 1.02, boxes))
 }
 
 /// Every factor of a scene, those that stand around others before them. `sources` are the texts that the scene was compiled from.

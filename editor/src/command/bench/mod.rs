@@ -18,7 +18,7 @@ pub struct Args {
     /// Edit one number of this scene after another and compile again, with what was found before.
     #[arg(long, value_name = "SCENE", conflicts_with = "compile")]
     edits: Option<String>,
-    /// The factors of these scenes: how near they are to the steepest sample, at once, within an edit, and after a long search.
+    /// The factors of these scenes: how near they are to the steepest place found, at once, within an edit, and after a long search.
     #[arg(long, value_name = "SCENES", num_args = 1.., conflicts_with_all = ["compile", "edits"])]
     factors: Vec<String>,
     /// The rules of this file: the factor of each beside the certified supremum.
