@@ -53,8 +53,8 @@ pub(crate) struct PipelineKey {
     pub wgsl: String,
     /// Values of the text's `override` constants.
     pub constants: Vec<(&'static str, f64)>,
-    /// What it draws on.
-    pub format: wgpu::TextureFormat,
+    /// What it draws on; nothing where it draws depth alone.
+    pub format: Option<wgpu::TextureFormat>,
     /// Names of the entry points.
     pub entries: [&'static str; 2],
     /// How its depth is compared with what is there, where there is depth at all.
@@ -179,6 +179,7 @@ impl Gpu {
             self.counters.reused.fetch_add(1, Ordering::Relaxed);
             return Ok(pipeline);
         }
+        let targets: Vec<_> = key.format.iter().map(|format| Some((*format).into())).collect();
         let pipeline = self.build(|| {
             let module = self.module(label, &key.wgsl);
             let compilation_options = wgpu::PipelineCompilationOptions {
@@ -207,7 +208,7 @@ impl Gpu {
                     module: &module,
                     entry_point: Some(key.entries[1]),
                     compilation_options,
-                    targets: &[Some(key.format.into())],
+                    targets: &targets,
                 }),
                 multiview_mask: None,
                 cache: None,
@@ -373,6 +374,11 @@ impl UniformBlock {
         queue.write_buffer(buffer, 0, bytes);
         self.written = bytes.to_vec();
         true
+    }
+
+    /// The buffer, where there is one.
+    pub fn buffer(&self) -> Option<&wgpu::Buffer> {
+        self.buffer.as_ref()
     }
 
     /// Its bind group.

@@ -346,3 +346,35 @@ fn a_ball_is_seen_where_it_is() {
     // At the outlines 32 bits may decide otherwise.
     assert!(wrong < 60, "{wrong}");
 }
+
+#[test]
+fn a_ball_throws_a_shadow() {
+    use surefoot_runtime::headless::{FORMAT, Shot, render_with};
+    use surefoot_runtime::{Picture, ViewMode};
+    let gpu = gpu();
+    // Seen from above, the light from above and aside: the shadow lies where no ball hides it.
+    let compiled = scene(
+        "scene = plane(y)\nballs b { count: 0 }\ncamera { eye: (0, 8, 0.01), target: (0, 0, 0), fov: 40deg }\nlight sun { direction: (-1, -1, 0), intensity: 3, shadow: hard }\nrender { ambient_occlusion: off }",
+    );
+    let live = compiled.live();
+    let mut picture = Picture::prepare(&gpu, &compiled, FORMAT, ViewMode::Shaded).unwrap();
+    let mut row = |balls: &[Ball]| {
+        let physics = Physics::with(&gpu, &compiled, balls).unwrap();
+        picture.show_balls(&compiled, &live, Some(&physics));
+        let pixels = render_with(&gpu, &mut picture, &compiled, &live, &Shot::new(400, 400)).unwrap();
+        (0..400).map(|x| pixels.get(x, 200)[0]).collect::<Vec<u8>>()
+    };
+    let empty = row(&[]);
+    let with = row(&[Ball::at([0.0, 1.5, 0.0], 0.3)]);
+    // The middle of the shadow is 1.5 to the left, and half of the picture's width is 8 tan 20° at the plane.
+    let column = |x: f64| (200.0 + 200.0 * x / (8.0 * 20f64.to_radians().tan())) as usize;
+    assert!(u32::from(with[column(-1.5)]) * 2 < u32::from(empty[column(-1.5)]), "{} {}", with[column(-1.5)], empty[column(-1.5)]);
+    let dark = (0..column(-0.6)).filter(|&x| u32::from(with[x]) * 2 < u32::from(empty[x])).count();
+    // As wide as the ball, seen along the light: 0.6 times the root of two.
+    let want = column(0.6 * 2f64.sqrt()) - column(0.0);
+    println!("the shadow is {dark} pixels wide, {want} by the formula");
+    assert!(dark.abs_diff(want) <= 3);
+    for x in [column(1.5), column(-2.6)] {
+        assert_eq!(with[x], empty[x], "light elsewhere");
+    }
+}

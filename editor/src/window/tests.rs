@@ -383,7 +383,7 @@ camera { eye: (0, 3, 8), target: (0, 0, 0), fov: 40deg }
 fn balls_fall_step_and_begin_again() {
     let folder = Folder::new("balls", BALLS);
     let mut harness = window(&folder.scene());
-    ready(&mut harness);
+    until(&mut harness, |app| app.session.said.swaps > 0 && frames(app) > 0);
     let steps = |app: &App| app.session.stage.balls().map_or(0, |balls| balls.steps());
     let read = |app: &App| app.session.stage.balls().unwrap().read().unwrap();
     until(&mut harness, |app| steps(app) > 20);

@@ -1,9 +1,12 @@
 //! Balls over the field: instances that share its uniforms, its light and its depth.
 
+mod shadow;
+
 use super::scene::{Features, SceneUniforms, ViewMode};
 use crate::gpu::{Gpu, PipelineKey, uniform_layout};
 use crate::physics::Physics;
 use bytemuck::{Pod, Zeroable};
+use shadow::Shadow;
 use surefoot_compiler::compiled::{Compiled, Live};
 
 /// Draws balls.
@@ -15,6 +18,8 @@ pub struct BallsPipeline {
     written: Vec<Look>,
     /// The balls that are drawn, where there are any.
     shown: Option<(wgpu::BindGroup, u32)>,
+    /// Their shadows, where a light throws any, and what looks them up.
+    shadow: Option<(Shadow, wgpu::BindGroupLayout)>,
 }
 
 /// A group's material, as `balls.wgsl` declares it.
@@ -45,11 +50,15 @@ impl BallsPipeline {
         let key = PipelineKey {
             wgsl: sections.join("\n"),
             constants: Vec::new(),
-            format,
+            format: Some(format),
             entries: ["ball_vertex", "ball_fragment"],
             depth: Some(wgpu::CompareFunction::GreaterEqual),
         };
         gpu.catch(|| {
+            let shadow = match features.shadows {
+                true => Some((Shadow::new(gpu)?, shadow::read_layout(gpu))),
+                false => None,
+            };
             let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
             let module = uniform_layout(gpu, "surefoot scene", u64::from(compiled.module.uniform_size), stage);
             let scene = uniform_layout(gpu, "surefoot scene", size_of::<SceneUniforms>() as u64, stage);
@@ -67,15 +76,27 @@ impl BallsPipeline {
                 label: Some(label),
                 entries: &[entry(0), entry(1)],
             });
-            let pipeline = gpu.screen_pipeline(label, key, &[Some(&module), Some(&scene), Some(&layout)])?;
+            let layouts = [Some(&module), Some(&scene), Some(&layout), shadow.as_ref().map(|(_, layout)| layout)];
+            let layouts = if shadow.is_some() { &layouts } else { &layouts[..3] };
+            let pipeline = gpu.screen_pipeline(label, key, layouts)?;
             let looks = gpu.device().create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
                 size: (size_of::<Look>() * compiled.blocks.balls.len().max(1)) as u64,
                 usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             });
-            Ok(Self { pipeline, layout, looks, written: Vec::new(), shown: None })
+            Ok(Self { pipeline, layout, looks, written: Vec::new(), shown: None, shadow })
         })?
+    }
+
+    /// What a pass that looks up the balls' shadows is bound to, where there are any.
+    pub(super) fn shadow_layout(&self) -> Option<&wgpu::BindGroupLayout> {
+        self.shadow.as_ref().map(|(_, layout)| layout)
+    }
+
+    /// Group 3 of such a pass.
+    pub(super) fn shadows(&self) -> Option<&wgpu::BindGroup> {
+        self.shadow.as_ref().map(|(shadow, _)| shadow.group())
     }
 
     /// Shows balls as they are now, or none.
@@ -91,6 +112,9 @@ impl BallsPipeline {
             });
             (group, physics.count())
         });
+        if let Some((shadow, _)) = &mut self.shadow {
+            shadow.update(gpu, &compiled.frame(live), physics);
+        }
         let look = |look: [f64; 9]| {
             let [r, g, b, x, y, z, roughness, metallic, reflectivity] = look.map(|c| c as f32);
             Look { color: [r, g, b], roughness, emission: [x, y, z], metallic, reflectivity, padding: [0.0; 3] }

@@ -39,7 +39,7 @@ impl ScenePipeline {
         let key = PipelineKey {
             wgsl: format!("{}\n{}", compiled.module.code(), features.wgsl()),
             constants: Vec::new(),
-            format,
+            format: Some(format),
             entries: ["vertex", "fragment"],
             // The field is drawn first, whatever was there.
             depth: features.depth.then_some(wgpu::CompareFunction::Always),
@@ -52,8 +52,10 @@ impl ScenePipeline {
             let module_layout = uniform_layout(gpu, label, module_size, stage);
             let scene_layout = uniform_layout(gpu, label, scene_size, stage);
             // The same layout, bound or built again, is the same to wgpu: a pipeline that was kept fits.
-            let layouts = [Some(&module_layout), Some(&scene_layout)];
-            let pipeline = gpu.screen_pipeline(label, key, &layouts)?;
+            let shadows = balls.as_ref().and_then(BallsPipeline::shadow_layout);
+            let layouts = [Some(&module_layout), Some(&scene_layout), None, shadows];
+            let layouts = if shadows.is_some() { &layouts } else { &layouts[..2] };
+            let pipeline = gpu.screen_pipeline(label, key, layouts)?;
             Ok(Self {
                 pipeline,
                 module: UniformBlock::new(gpu, label, &module_layout, module_size),
@@ -98,6 +100,9 @@ impl ScenePipeline {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, self.module.group(), &[]);
         pass.set_bind_group(1, self.scene.group(), &[]);
+        if let Some(shadows) = self.balls.as_ref().and_then(BallsPipeline::shadows) {
+            pass.set_bind_group(3, shadows, &[]);
+        }
         pass.draw(0..3, 0..1);
         if let (Some(balls), Some(view)) = (&self.balls, self.view) {
             // The whole picture, of which the target may be a tile.

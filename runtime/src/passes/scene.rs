@@ -75,9 +75,10 @@ impl Features {
         let mut sections = vec![include_str!("scene/base.wgsl")];
         if self.view == ViewMode::Shaded {
             sections.push(include_str!("scene/light.wgsl"));
-            sections.push(match self.shadows {
-                true => include_str!("scene/shadow.wgsl"),
-                false => include_str!("scene/no_shadow.wgsl"),
+            sections.extend(match (self.shadows, self.depth) {
+                (true, true) => vec![include_str!("balls/cast.wgsl"), include_str!("balls/lit.wgsl")],
+                (true, false) => vec![include_str!("scene/shadow.wgsl")],
+                (false, _) => vec![include_str!("scene/no_shadow.wgsl")],
             });
             sections.push(match self.occlusion {
                 true => include_str!("scene/occlusion.wgsl"),

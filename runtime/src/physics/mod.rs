@@ -26,6 +26,7 @@ pub struct Physics {
     /// Another field is below the balls than in the last step.
     anew: bool,
     steps: u64,
+    version: u64,
     /// Seconds that have passed, and no step yet.
     owed: f64,
     /// The field's values at the end of the last step.
@@ -152,7 +153,7 @@ impl Physics {
     /// Given balls, with code that was built before: on another thread, or for other balls.
     pub fn start(gpu: &Gpu, passes: Arc<Passes>, contact: Contact, balls: &[Ball]) -> Result<Self, String> {
         let balls = gpu.catch(|| Balls::new(gpu, &passes.layout, &cells(balls)))?;
-        Ok(Self { gpu: gpu.clone(), passes, contact, balls, anew: false, steps: 0, owed: 0.0, last: None, cost: Arc::default() })
+        Ok(Self { gpu: gpu.clone(), passes, contact, balls, anew: false, steps: 0, version: 0, owed: 0.0, last: None, cost: Arc::default() })
     }
 
     /// Puts other contact code in; the balls stay as they are, bit by bit, and those that sleep wake.
@@ -170,6 +171,11 @@ impl Physics {
     /// Steps so far.
     pub fn steps(&self) -> u64 {
         self.steps
+    }
+
+    /// A number that is another one whenever the balls may be.
+    pub fn version(&self) -> u64 {
+        self.version
     }
 
     /// What a step of the newest [`Physics::advance`] took, from the order to its end.
@@ -212,6 +218,7 @@ impl Physics {
     /// Replaces all balls.
     pub fn write(&mut self, balls: &[Ball]) -> Result<(), String> {
         self.balls = self.gpu.catch(|| Balls::new(&self.gpu, &self.passes.layout, &cells(balls)))?;
+        self.version += 1;
         Ok(())
     }
 
@@ -284,6 +291,7 @@ impl Physics {
         })?;
         self.anew = false;
         self.steps += 1;
+        self.version += 1;
         Ok(())
     }
 
