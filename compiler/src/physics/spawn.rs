@@ -49,7 +49,10 @@ fn of_group(index: u32, group: &Group) -> Vec<Ball> {
         let radius = narrow(least + (most - least) * chance(0)).max(f64::from(f32::MIN_POSITIVE));
         // Spread over the whole box; what has no room begins anywhere.
         let crowded = f64::from(group.count) > room;
-        let mut cell = (f64::from(i) * room / f64::from(group.count)).floor();
+        // One of the cells that are this ball's alone.
+        let share = |i: f64| (i * room / f64::from(group.count)).ceil();
+        let (first, end) = (share(f64::from(i)), share(f64::from(i) + 1.0));
+        let mut cell = first + (chance(4) * (end - first)).floor();
         let mut position = [0.0; 3];
         let order: [usize; 3] = [0, 2, 1];
         for axis in order {
