@@ -80,7 +80,8 @@ impl Painter {
         mode: Mode,
     ) -> Result<(Self, Option<String>), NoPainter> {
         if device == Device::Cpu {
-            return Ok((Self::Cpu(mode), None));
+            let note = compiled.has_balls().then(|| "on the processor a picture leaves out balls".to_owned());
+            return Ok((Self::Cpu(mode), note));
         }
         #[cfg(feature = "gpu")]
         let missing = match surefoot_runtime::Gpu::headless() {

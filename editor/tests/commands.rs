@@ -340,3 +340,28 @@ fn bench_measures_each_stage() {
     let names: Vec<_> = report["stages"].as_array().unwrap().iter().map(|s| &s["name"]).collect();
     assert!(names.len() >= 5 && names.contains(&&Value::from("naga's check")), "{names:?}");
 }
+
+#[test]
+fn balls_fall_the_same_way_each_time() {
+    let folder = folder("simulate");
+    let text = "scene = plane(y) | sphere(0.5)\nballs b { count: 300, radius: 0.03..0.06, spawn: (-0.5, 1, -0.5)..(0.5, 2, 0.5), seed: 4 }\n";
+    std::fs::write(folder.join("balls.sdf"), text).unwrap();
+    let devices: &[&str] = if cfg!(feature = "gpu") { &["gpu", "cpu"] } else { &["cpu"] };
+    for device in devices {
+        for out in ["one.csv", "two.csv"] {
+            let (code, said, err) = run(&folder, &["simulate", "balls.sdf", "--seconds", "1", "--device", device, "-o", out]);
+            assert_eq!(code, 0, "{err}");
+            assert!(said.starts_with("300 balls for 1 s"), "{said}");
+        }
+        let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+        assert_eq!(read("one.csv"), read("two.csv"), "{device}");
+        assert_eq!(read("one.csv").lines().count(), 301);
+    }
+    let (code, ..) = run(&folder, &["simulate", "balls.sdf", "--seconds", "0.1", "--device", "cpu", "-o", "end.ply", "--frames", "."]);
+    assert_eq!(code, 0);
+    assert!(std::fs::read_to_string(folder.join("end.ply")).unwrap().contains("element vertex 300"));
+    assert!(folder.join("balls_0006.csv").exists() && !folder.join("balls_0007.csv").exists());
+    let (code, _, err) = run(&folder, &["simulate", "good.sdf"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("has no balls"), "{err}");
+}

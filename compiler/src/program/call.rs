@@ -1357,7 +1357,17 @@ impl Elaborator<'_> {
                 "solid" => self.coerce(value, &Type::Bool, at, &env).and_then(|v| {
                     if let Value::Bool(node) = v {
                         match self.graph.as_constant(node) {
-                            Some(c) => material.solid = c != 0.0,
+                            Some(c) => {
+                                material.solid = c != 0.0;
+                                if !material.solid {
+                                    self.warn(
+                                        Code::NotDrawn,
+                                        entry.key.span,
+                                        "`solid: off` is understood, but balls do not pass yet",
+                                        "balls meet the whole field",
+                                    );
+                                }
+                            }
                             None => {
                                 return Err(self.error(
                                     Code::NotConstant,

@@ -1,5 +1,25 @@
 //! Balls that fall on the field, on the GPU. Their state stands in two buffers that trade places. The code of the contact is made of an
 //! emitted module; it is built on any thread and put in between two steps, and no ball notices.
+//!
+//! A program with a device of its own:
+//!
+//! ```no_run
+//! # fn with(device: wgpu::Device, queue: wgpu::Queue, compiled: surefoot_compiler::Compiled) -> Result<(), String> {
+//! use surefoot_runtime::{Gpu, Physics};
+//! let gpu = Gpu::from_parts(device, queue);
+//! let mut live = compiled.live();
+//! if let Some(mut physics) = Physics::prepare(&gpu, &compiled, &live)? {
+//!     for _ in 0..60 {
+//!         let before = live.clone();
+//!         live.time += 1.0 / 60.0;
+//!         physics.step(&compiled, &before, &live)?;
+//!     }
+//!     let balls = physics.read()?; // or draw from physics.buffer()
+//!     println!("{:?}", balls.first());
+//! }
+//! # Ok(())
+//! # }
+//! ```
 
 mod buffers;
 mod contact;
