@@ -8,7 +8,6 @@ use surefoot_compiler::{Compiled, Loader, Memory, MemoryLoader, Options, compile
 /// Formulas that no search within an edit's budget brings to within a fifth of what is true, and why.
 const LOOSE: &[(&str, &str)] = &[
     ("noise_warp", "steepest over all of space, in cells that samples do not find"),
-    ("super_ellipsoid", "a root of a root; a longer search comes within a ninth"),
     ("superformula", "a power of powers of an angle"),
     ("schwarz_d", "sums of products of sines; a longer search comes within a twentieth"),
 ];

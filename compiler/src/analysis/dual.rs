@@ -314,6 +314,13 @@ pub fn run(
                 let plain = algebra.op(*op, of.get(..n).unwrap_or(&of));
                 Dual::new(plain.value, plain.limited(norm).gradient, norm.min(plain.norm), plain.jumps)
             }
+            // A norm of a higher power is no steeper than the length.
+            Step::Op(Op::Sqrt, args) if tape.raised(i).is_some() => {
+                let norm = map_norm(tape, &values, &tape.raised(i).unwrap_or_default());
+                let (of, n) = few(args);
+                let plain = algebra.op(Op::Sqrt, of.get(..n).unwrap_or(&of));
+                Dual::new(plain.value, plain.limited(norm).gradient, norm.min(plain.norm), plain.jumps)
+            }
             Step::Op(Op::Abs, args) if args.first().is_some_and(|&a| is_mirrored(tape, &values, a)) => {
                 let ([a, ..], _) = few(args);
                 Dual { value: a.value.abs(), ..a }

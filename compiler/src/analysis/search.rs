@@ -70,7 +70,7 @@ impl Search {
     fn climb(&self, graph: &Graph, mut steep: f64, mut at: Vec<f64>) -> f64 {
         let sides = self.domain.point.0.iter().chain(self.domain.variables.iter().map(|(_, r)| r)).copied();
         let sides: Vec<Interval> = sides.chain(graph.parameters.iter().map(|p| Interval::new(p.min, p.max))).chain([Interval::ALL]).collect();
-        let mut stride = 0.05;
+        let mut stride = 0.2;
         for round in 0..ROUNDS {
             let before = steep;
             for i in 0..sides.len() + SLANTED {
@@ -120,7 +120,7 @@ pub fn spread(graph: &Graph, domain: &Domain, pinned: &[f64], i: usize) -> (Doma
 /// The real root of x⁴ = x + 1, whose powers are the steps of the recurrence in three dimensions.
 const PLASTIC: f64 = 1.220_744_084_605_759_6;
 /// From how many samples a climb begins, and how often it tries every direction.
-const CLIMBS: usize = 8;
+const CLIMBS: usize = 12;
 const ROUNDS: usize = 32;
 /// How many directions it tries beside the coordinates.
 const SLANTED: usize = 6;

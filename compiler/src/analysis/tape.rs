@@ -121,6 +121,21 @@ impl Tape {
         self.kinks.get(step).copied().unwrap_or(false)
     }
 
+    /// Of a root of a length of squares, which is the root of a sum of fourth powers, or eighth powers and so on: what is raised.
+    pub fn raised(&self, step: usize) -> Option<Vec<usize>> {
+        match self.steps.get(step)? {
+            Step::Op(Op::Length2 | Op::Length3 | Op::Length4, args) => Some(args.clone()),
+            Step::Op(Op::Sqrt, args) => {
+                let squared = |a: usize| match self.steps.get(a) {
+                    Some(Step::Op(Op::Square, of)) => of.first().copied(),
+                    _ => None,
+                };
+                self.raised(*args.first()?)?.into_iter().map(squared).collect()
+            }
+            _ => None,
+        }
+    }
+
     /// Whether a coordinate is read by one `abs` alone.
     pub fn is_mirrored(&self, coordinate: u8) -> bool {
         self.mirrored.get(usize::from(coordinate)).copied().unwrap_or(false)

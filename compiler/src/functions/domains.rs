@@ -1,14 +1,18 @@
 //! Where a shape is asked for its value: the domain of every shape, and the region that holds the solid of a formula.
 
-use super::{BUDGET, Builder, Cut, GENTLE, Narrowed, STEEPEST, UNIT};
+use super::{BUDGET, Builder, Cut, GENTLE, LONG, Narrowed, STEEPEST, UNIT};
 use crate::analysis::{Box3, Constant, Domain};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Function, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
 use rustc_hash::FxHashSet;
 
+/// A constant up to here needs no other region than a box.
+const MILD: f64 = 2.0;
+/// A constant beyond this is that of something wild.
+pub(super) const STEEP: f64 = 16.0;
 /// How many times as many boxes a constant may cost where conditions leave something out.
-const LONGER: usize = 16;
+pub(super) const LONGER: usize = 16;
 
 impl Builder<'_> {
     /// Where each shape's formula is asked for, from the extent of the scene inward.
@@ -162,18 +166,38 @@ impl Builder<'_> {
             if self.facts.constant(self.graph, wild, &everywhere, 1).lipschitz <= STEEPEST {
                 continue;
             }
-            let whole = self.facts.constant(self.graph, wild, domain, BUDGET);
-            if whole.lipschitz <= GENTLE {
+            // What moves a shape is judged by itself: the shape has a bound of its own.
+            let moves = match self.graph.node(wild).clone() {
+                Node::Call(_, Function::Field, args) => {
+                    let here = |(i, a): (usize, &NodeId)| *self.graph.node(*a) == Node::Leaf(Leaf::P(i as u8));
+                    let point = args.get(..3).unwrap_or(&args).to_vec();
+                    (!point.iter().enumerate().all(here)).then_some(point)
+                }
+                _ => None,
+            };
+            if let Some(point) = moves
+                && self.facts.map_constant(self.graph, &point, domain, BUDGET).lipschitz <= STEEP
+            {
                 continue;
             }
+            let whole = self.facts.constant(self.graph, wild, domain, BUDGET);
+            if whole.lipschitz <= MILD {
+                continue;
+            }
+            // What is not that steep is worth a shorter look and one level, and none where it is long.
+            let wild_indeed = whole.lipschitz > STEEP;
+            if !wild_indeed && self.facts.weight(self.graph, wild) > LONG {
+                continue;
+            }
+            let (longer, levels) = if wild_indeed { (LONGER, 3) } else { (LONGER / 4, 1) };
             let (_, reach) = self.region_of(node, domain)?;
             // Nearer to the tame operand it may be gentler still.
             let mut found: Option<Cut> = None;
             let mut least = 0.85 * whole.lipschitz.min(STEEPEST);
-            for level in [2.0 * reach, 0.5 * reach, 0.125 * reach] {
+            for level in [2.0 * reach, 0.5 * reach, 0.125 * reach].into_iter().take(levels) {
                 let mut near = domain.clone();
                 near.within.push((tame, level));
-                let here = self.constant_within(wild, &near);
+                let here = self.constant_within(wild, &near, longer);
                 if here.lipschitz < least {
                     least = 0.5 * here.lipschitz;
                     found = Some(Cut { wild, tame, level, domain: near });
@@ -189,15 +213,15 @@ impl Builder<'_> {
         None
     }
 
-    /// A constant over a domain; where conditions leave something out, it takes more boxes to see it.
-    pub(super) fn constant_within(&mut self, node: NodeId, domain: &Domain) -> Constant {
+    /// A constant over a domain; where what is steep is left out by conditions, it takes more boxes to see it.
+    pub(super) fn constant_within(&mut self, node: NodeId, domain: &Domain, longer: usize) -> Constant {
         let first = self.facts.constant(self.graph, node, domain, BUDGET);
         if domain.within.is_empty() || first.lipschitz <= GENTLE {
             return first;
         }
         let steps = self.facts.steps;
-        self.facts.steps *= LONGER;
-        let second = self.facts.constant(self.graph, node, domain, BUDGET * LONGER);
+        self.facts.steps *= longer;
+        let second = self.facts.constant(self.graph, node, domain, BUDGET * longer);
         self.facts.steps = steps;
         second
     }
