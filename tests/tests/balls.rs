@@ -224,6 +224,7 @@ fn balls_stay_in_their_bowl() {
     assert_eq!(outside, 0);
     assert!(deepest < 0.02);
     assert_eq!(drift, 0.0);
+    assert!(asleep * 10 > last.len() * 9, "a heap comes to rest: {asleep} of {count} sleep");
 }
 
 #[test]

@@ -6,6 +6,9 @@ use super::{Ball, Law, NEAR_BALLS, NEIGHBOURS, State};
 use crate::reference::vector::{Vec3, add, along, cross, dot, length, scale, sub};
 use rustc_hash::FxHashMap;
 
+/// A ball with so many neighbours lies in a heap.
+const HEAP: usize = 3;
+
 /// Side of the grid's cells for balls up to some radius.
 pub fn cell_side(most: f64) -> f64 {
     2.0 * NEAR_BALLS * most
@@ -107,6 +110,14 @@ fn gather(ball: &Ball, list: &[usize], balls: &[Ball], law: &Law, h: f64, first:
     // The centre stays on its side of the surface: what is pushed here is less than what the field puts back.
     let far = length(push);
     let most = 0.05 * ball.radius;
-    met.position = along(met.position, push, if far > most { most / far } else { 1.0 });
+    let way = far.min(most);
+    if way > 0.0 {
+        let out = scale(push, 1.0 / far);
+        met.position = along(met.position, out, way);
+        // In a heap what is pushed back stops: the blows of so many do not reach through it within a step.
+        if list.len() >= HEAP {
+            met.velocity = along(met.velocity, out, (-dot(met.velocity, out)).clamp(0.0, way / h));
+        }
+    }
     met
 }

@@ -8,6 +8,8 @@
 @group(1) @binding(6) var<storage, read_write> lists: array<u32>;
 
 const NEIGHBOURS: u32 = 24u;
+// A ball with so many neighbours lies in a heap.
+const HEAP: u32 = 3u;
 
 fn cell_of(p: vec3f) -> vec3i {
     return vec3i(clamp(floor(p / law.side), vec3f(-1e9), vec3f(1e9)));
@@ -234,7 +236,14 @@ fn meet(index: u32, first: bool) {
     }
     let size = length(push);
     let most = 0.05 * ball.r;
-    met.p += push * select(1.0, most / size, size > most);
+    push *= select(1.0, most / size, size > most);
+    met.p += push;
+    // In a heap what is pushed back stops: the blows of so many do not reach through it within a step.
+    let way = min(size, most);
+    if count >= HEAP && way > 0.0 {
+        let out = push / way;
+        met.v += out * clamp(-dot(met.v, out), 0.0, way / law.h);
+    }
     if (met.word & ASLEEP) == 0u {
         met.touching = count;
     }
