@@ -3,8 +3,10 @@
 //! `sf_` stands for the prefix of the module. A helper is emitted where something calls it. The tracing functions stand in
 //! `compiler/src/reference` once more, in 64 bits; the two are kept step for step alike.
 
+use super::tracer::Tracer;
 use crate::compiled::Export;
 use crate::graph::kernel::Op;
+use std::borrow::Cow;
 
 /// Text that a module may hold.
 pub struct Piece {
@@ -193,47 +195,19 @@ struct sf_Surface {
     }
 }
 
-/// Names of structs, which nothing else may take.
-pub const STRUCTURES: [&str; 3] = ["Hit", "Contact", "Surface"];
+/// Names of structs, and of what an export brings along, which nothing else may take.
+pub const STRUCTURES: [&str; 4] = ["Hit", "Contact", "Surface", "polish"];
 
 /// The text of an exported function that is the same for every scene.
-pub fn function(export: Export) -> Option<&'static str> {
+pub fn function(export: Export) -> Option<Cow<'static, str>> {
     match export {
-        Export::Trace => Some(TRACE),
-        Export::Shadow => Some(SHADOW),
-        Export::Collision => Some(COLLISION),
-        Export::Occlusion => Some(OCCLUSION),
+        Export::Trace => Some(format!("{}\n{}", Tracer::DEFAULT.wgsl(), Tracer::polish_wgsl()).into()),
+        Export::Shadow => Some(SHADOW.into()),
+        Export::Collision => Some(COLLISION.into()),
+        Export::Occlusion => Some(OCCLUSION.into()),
         _ => None,
     }
 }
-
-// Sphere tracing (Hart 1996). A step is at least half the tolerance, so that it ends; a hit is where the distance, not the
-// bound, is within the tolerance: half a pixel, or what 32 bits resolve at this place.
-const TRACE: &str = "\
-fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: f32) -> sf_Hit {
-  let span = sf_clip(origin, direction, t_min, t_max);
-  if span.x > span.y {
-    return sf_Hit(t_max, false, 0u);
-  }
-  var t = span.x;
-  for (var step = 1u; step <= 1024u; step++) {
-    let p = origin + direction * t;
-    let tolerance = max(0.5 * footprint * t, 4e-7 * (length(p + sf_uniforms.origin) + 1.0));
-    let free = sf_bound(p);
-    if free <= tolerance {
-      if sf_distance(p) <= tolerance {
-        return sf_Hit(t, true, step);
-      }
-    }
-    // The end itself is looked at before it counts as a miss.
-    if t >= span.y {
-      return sf_Hit(t, false, step);
-    }
-    t = min(t + max(free, 0.5 * tolerance), span.y);
-  }
-  return sf_Hit(t, false, 1024u);
-}
-";
 
 // The penumbra of a ray is its closest passage, as an angle (Quilez, \"Soft shadows in raymarched SDFs\").
 const SHADOW: &str = "\

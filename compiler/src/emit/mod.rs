@@ -9,6 +9,7 @@ mod header;
 mod library;
 mod names;
 mod plan;
+pub mod tracer;
 mod translate;
 mod uniforms;
 mod vector;
@@ -227,7 +228,7 @@ fn export_functions(
     for &export in exports {
         let _ = writeln!(text, "\n// {}", library::purpose(export));
         if let Some(function) = library::function(export) {
-            text.push_str(&prefixed(function, prefix));
+            text.push_str(&prefixed(&function, prefix));
             continue;
         }
         let _ = writeln!(text, "fn {} {{", prefixed(library::signature(export), prefix));

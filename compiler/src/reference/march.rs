@@ -70,7 +70,8 @@ pub enum Scene<'t> {
 }
 
 /// Leads rays, each from its `t_min`, until `turn` ends them. `turn` is told what a ray finds, with the distance where `wants` asked
-/// for it, and answers how far along the ray to look next, or nothing.
+/// for it, and answers how far along the ray to look next, or nothing. A ray may go back, but not behind the place before the last
+/// that lay ahead.
 pub fn march(
     scene: Scene<'_>,
     rays: &[Option<Ray>],
@@ -80,7 +81,7 @@ pub fn march(
     let mut under_way: Vec<Walker> = rays
         .iter()
         .enumerate()
-        .filter_map(|(index, ray)| ray.map(|ray| Walker { index, ray, t: ray.t_min }))
+        .filter_map(|(index, ray)| ray.map(|ray| Walker { index, ray, t: ray.t_min, from: ray.t_min }))
         .collect();
     let (tape, distance) = match scene {
         Scene::Both(tape) => (tape, None),
@@ -109,6 +110,8 @@ struct Walker {
     index: usize,
     ray: Ray,
     t: f64,
+    /// It does not go back behind this place.
+    from: f64,
 }
 
 /// How thick the next slab is: about as thick as the rays are apart there, and growing with the way.
@@ -120,7 +123,7 @@ fn slab(walkers: &[Walker], start: f64) -> f64 {
 
 /// The box of the rays from where they are to the slab's end.
 fn region(walkers: &[Walker], end: f64) -> [Interval; 3] {
-    bounds(walkers.iter().flat_map(|w| [w.ray.at(w.t), w.ray.at(end.min(w.ray.t_max))]))
+    bounds(walkers.iter().flat_map(|w| [w.ray.at(w.from), w.ray.at(end.min(w.ray.t_max))]))
 }
 
 /// The box of some points, with room for rounding.
@@ -233,7 +236,8 @@ impl<W: FnMut(&Look) -> bool, T: FnMut(&Look, Option<f64>) -> Option<f64>> Turns
         still: &mut Vec<Walker>,
     ) {
         if let Some(t) = (self.turn)(look, distance) {
-            let walker = Walker { t, ..*walker };
+            let from = if t > look.t { look.t } else { walker.from };
+            let walker = Walker { t, from, ..*walker };
             if t < end { still.push(walker) } else { self.beyond.push(walker) }
         }
     }

@@ -9,11 +9,13 @@ pub mod shade;
 pub mod vector;
 
 use crate::compiled::{Camera, Compiled, Frame, Live};
+use crate::emit::tracer::Tracer;
 use crate::evaluate::{Tape, TooLarge};
 use crate::graph::{Function, NodeId};
 use camera::Basis;
-use march::{Ray, Scene, at_points, march};
+use march::{Look, Ray, Scene, at_points, march};
 use shade::{Seen, Shading, SurfaceValues};
+use std::cell::Cell;
 use vector::{Vec3, add, along, length, scale, unit};
 
 /// What a picture shows.
@@ -58,9 +60,97 @@ pub struct Hit {
 const LIMIT: usize = 2_000_000;
 /// Rays are led together in squares of so many pixels a side.
 const BLOCK: u32 = 32;
-/// Looks of a ray, and of a shadow's.
-const MOST_STEPS: u32 = 1024;
+/// Looks of a shadow's ray.
 const MOST_SHADOW_STEPS: u32 = 256;
+
+/// How rays are followed.
+const TRACER: Tracer = Tracer::DEFAULT;
+
+/// Where a ray is in its search: the variables of `sf_trace`.
+#[derive(Clone, Copy, Debug)]
+struct Follow {
+    /// Of the last sphere that is known to be empty.
+    radius: f64,
+    /// From its centre to here.
+    stride: f64,
+    /// How the bound changes along the ray.
+    slope: f64,
+    /// Once it is near enough.
+    polish: Option<Polish>,
+}
+
+impl Follow {
+    const START: Self = Self { radius: 0.0, stride: 0.0, slope: -1.0, polish: None };
+
+    /// Where to look again, if there is a gap between the sphere here and the last.
+    fn back(&mut self, look: &Look) -> Option<f64> {
+        let gap = self.stride > self.radius && self.stride > self.radius + look.free;
+        gap.then(|| {
+            let t = look.t + self.radius - self.stride;
+            *self = Self { stride: self.radius, slope: -1.0, ..*self };
+            t
+        })
+    }
+
+    /// How fast the distance falls along the ray, by the last step of the bound.
+    fn fall(&self, look: &Look, near: f64, tolerance: f64) -> f64 {
+        (self.radius - look.free) / self.stride.max(tolerance) * near / look.free.max(1e-20)
+    }
+
+    /// Where to look next.
+    fn ahead(&mut self, look: &Look, tolerance: f64, end: f64) -> f64 {
+        if self.stride > 0.0 {
+            let seen = (look.free - self.radius) / self.stride;
+            let slope = self.slope + TRACER.relaxation * (seen - self.slope);
+            self.slope = slope.clamp(-1.0, Tracer::STEEPEST);
+        }
+        self.radius = look.free.max(0.5 * tolerance);
+        self.stride = (self.radius * 2.0 / (1.0 - self.slope)).min(end - look.t);
+        look.t + self.stride
+    }
+}
+
+/// The secant rule from a place that is near the surface: the variables of `sf_polish`.
+#[derive(Clone, Copy, Debug)]
+struct Polish {
+    t: f64,
+    whole: f64,
+    value: f64,
+    stride: f64,
+    looks: u32,
+    tolerance: f64,
+}
+
+impl Polish {
+    fn new(t: f64, near: f64, fall: f64, tolerance: f64) -> Self {
+        let value = near - Tracer::REST * tolerance;
+        let whole = value.max(0.0);
+        Self { t, whole, value, stride: whole / fall.clamp(0.25, 1.0), looks: 0, tolerance }
+    }
+
+    /// Where to look next.
+    fn next(&self) -> Option<f64> {
+        let far = self.value.abs() > Tracer::EXACT * self.tolerance && self.stride != 0.0;
+        (far && self.looks < Tracer::LOOKS).then_some(self.t + self.stride)
+    }
+
+    /// Hears the distance there, and answers where to look next.
+    fn step(&mut self, distance: f64) -> Option<f64> {
+        let there = distance - Tracer::REST * self.tolerance;
+        self.looks += 1;
+        if there.abs() >= self.value.abs() {
+            if self.stride <= self.whole {
+                return None;
+            }
+            self.stride = self.whole;
+            return self.next();
+        }
+        let next = there * self.stride / (self.value - there);
+        let limit = 4.0 * self.tolerance;
+        *self = Self { t: self.t + self.stride, value: there, stride: next.clamp(-limit, limit), ..*self };
+        self.next()
+    }
+}
 
 /// A scene's functions at one moment, ready for any number of points.
 #[derive(Clone, Debug)]
@@ -154,6 +244,8 @@ impl Reference {
         let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
         let mut hits: Vec<Hit> =
             rays.iter().map(|r| Hit { t: r.t_max, ..Hit::default() }).collect();
+        let states = vec![Cell::new(Follow::START); rays.len()];
+        let state = |look: &Look| states.get(look.ray).map_or(Follow::START, Cell::get);
         let tolerance = |p: Vec3, t: f64| (0.5 * footprint * t).max(4e-7 * (length(p) + 1.0));
         // Only a hit asks for the distance; where it costs next to nothing it comes along.
         let scene = match self.both.operations() * 5 <= self.bound.operations() * 6 {
@@ -163,19 +255,44 @@ impl Reference {
         march(
             scene,
             &clipped,
-            |look| look.free <= tolerance(look.point, look.t),
+            |look| state(look).polish.is_some() || look.free <= tolerance(look.point, look.t),
             |look, distance| {
                 let hit = hits.get_mut(look.ray)?;
                 let end = clipped.get(look.ray).copied().flatten()?.t_max;
+                let mut follow = state(look);
+                if let (Some(polish), Some(there)) = (&mut follow.polish, distance) {
+                    let next = polish.step(there);
+                    hit.t = polish.t;
+                    if let Some(state) = states.get(look.ray) {
+                        state.set(follow);
+                    }
+                    return next;
+                }
                 let tolerance = tolerance(look.point, look.t);
                 hit.steps += 1;
                 hit.t = look.t;
-                hit.hit = distance.is_some_and(|d| d <= tolerance);
-                // The end itself is looked at before it counts as a miss.
-                if hit.hit || look.t >= end || hit.steps >= MOST_STEPS {
-                    return None;
+                let next = match follow.back(look) {
+                    Some(t) if hit.steps < TRACER.budget => Some(t),
+                    Some(_) => None,
+                    None => {
+                        let near = distance.filter(|d| look.free <= tolerance && *d <= tolerance);
+                        hit.hit = near.is_some();
+                        // The end itself is looked at before it counts as a miss.
+                        match near {
+                            Some(near) => {
+                                let polish = Polish::new(look.t, near, follow.fall(look, near, tolerance), tolerance);
+                                follow.polish = Some(polish);
+                                polish.next()
+                            }
+                            None if look.t >= end || hit.steps >= TRACER.budget => None,
+                            None => Some(follow.ahead(look, tolerance, end)),
+                        }
+                    }
+                };
+                if let Some(state) = states.get(look.ray) {
+                    state.set(follow);
                 }
-                Some((look.t + look.free.max(0.5 * tolerance)).min(end))
+                next
             },
         );
         hits

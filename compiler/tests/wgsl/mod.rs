@@ -415,6 +415,7 @@ fn math(fun: M, args: &[Value]) -> Value {
             M::Min => x(0).min(x(1)),
             M::Max => x(0).max(x(1)),
             M::Clamp => x(0).max(x(1)).min(x(2)),
+            M::Mix => x(0) * (1.0 - x(2)) + x(1) * x(2),
             M::Cos => x(0).cos(),
             M::Sin => x(0).sin(),
             M::Tanh => x(0).tanh(),

@@ -37,6 +37,11 @@ impl LateBar {
         self.bar.set_position((part * Self::STEPS as f64) as u64);
     }
 
+    /// Does something while the bar is not seen.
+    pub fn hide<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.bar.suspend(work)
+    }
+
     /// Takes the bar away.
     pub fn finish(&self) {
         self.bar.finish_and_clear();

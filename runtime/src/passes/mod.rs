@@ -3,6 +3,7 @@
 mod balls;
 pub mod evaluate;
 mod pipeline;
+pub mod rays;
 pub mod scene;
 
 pub use balls::BallsPipeline;

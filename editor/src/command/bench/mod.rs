@@ -1,6 +1,8 @@
-//! `surefoot bench`: how long the compiler takes, and how tight its factors are.
+//! `surefoot bench`: run time against error, how long the compiler takes, and how tight its factors are.
 
 mod edits;
+#[cfg(feature = "gpu")]
+mod error;
 mod factors;
 
 use super::{Exit, Failure, compile_file, print, show_diagnostics};
@@ -12,24 +14,30 @@ use surefoot_compiler::{Loader, MemoryLoader, Options, Outcome, Stage, compile_o
 /// What to measure.
 #[derive(Debug, clap::Args)]
 pub struct Args {
+    /// Scenes whose rays are followed by several methods, each judged by certified truth.
+    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules"])]
+    scenes: Vec<String>,
+    #[cfg(feature = "gpu")]
+    #[command(flatten)]
+    error: error::Args,
     /// Compile this scene again and again.
-    #[arg(long, value_name = "SCENE", required_unless_present_any = ["edits", "factors", "rules"])]
+    #[arg(long, value_name = "SCENE", conflicts_with = "scenes")]
     compile: Option<String>,
     /// Edit one number of this scene after another and compile again, with what was found before.
-    #[arg(long, value_name = "SCENE", conflicts_with = "compile")]
+    #[arg(long, value_name = "SCENE", conflicts_with_all = ["scenes", "compile"])]
     edits: Option<String>,
     /// The factors of these scenes: how near they are to the steepest place found, at once, within an edit, and after a long search.
-    #[arg(long, value_name = "SCENES", num_args = 1.., conflicts_with_all = ["compile", "edits"])]
+    #[arg(long, value_name = "SCENES", num_args = 1.., conflicts_with_all = ["scenes", "compile", "edits"])]
     factors: Vec<String>,
     /// The rules of this file: the factor of each beside the certified supremum.
-    #[arg(long, value_name = "RULES", conflicts_with_all = ["compile", "edits", "factors"])]
+    #[arg(long, value_name = "RULES", conflicts_with_all = ["scenes", "compile", "edits", "factors"])]
     rules: Option<String>,
     /// How often.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
     runs: u32,
-    /// Write one JSON object instead of a table.
-    #[arg(long)]
-    json: bool,
+    /// One JSON object: instead of the table of --compile; of scenes into this file, beside the tables.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
+    json: Option<std::path::PathBuf>,
 }
 
 /// The stages in their order, and what each run took in them.
@@ -43,7 +51,10 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if let Some(path) = &args.rules {
         return factors::rules(path);
     }
-    let Some(path) = &args.compile else { return factors::run(&args.factors) };
+    if !args.factors.is_empty() {
+        return factors::run(&args.factors);
+    }
+    let Some(path) = &args.compile else { return errors(args) };
     let first = compile_file(path, &Options::default())?;
     show_diagnostics(&first);
     if first.compiled.is_none() {
@@ -61,9 +72,20 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     for (_, times) in &mut rows {
         times.sort_unstable();
     }
-    let text = if args.json { in_json(path, args.runs, &rows) } else { table(path, args.runs, &rows) };
+    let text = if args.json.is_some() { in_json(path, args.runs, &rows) } else { table(path, args.runs, &rows) };
     print(text.as_bytes())?;
     Ok(Exit::Fine)
+}
+
+#[cfg(feature = "gpu")]
+fn errors(args: &Args) -> Result<Exit, Failure> {
+    error::run(&args.scenes, &args.error, args.json.as_deref())
+}
+
+#[cfg(not(feature = "gpu"))]
+fn errors(_: &Args) -> Result<Exit, Failure> {
+    let words = "this program was built without graphics".to_owned();
+    Err(Failure { exit: Exit::NoGraphics, words })
 }
 
 fn in_memory(outcome: &Outcome) -> MemoryLoader {

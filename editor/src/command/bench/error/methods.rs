@@ -1,0 +1,156 @@
+//! The ways to follow a ray that are compared: WGSL texts over the same emitted functions.
+
+use surefoot_compiler::Compiled;
+use surefoot_compiler::analysis::{Box3, Domain, Facts};
+use surefoot_compiler::emit::tracer::Tracer;
+
+/// A way to follow a ray.
+#[derive(Clone, Debug)]
+pub struct Method {
+    /// Its name on the command line and in tables.
+    pub name: String,
+    /// What it is, in a few words.
+    pub about: &'static str,
+    /// The function `traced`, with arguments and result of `sf_trace`.
+    pub wgsl: String,
+}
+
+/// Names and descriptions, in the order of the tables.
+pub const METHODS: [(&str, &str); 9] = [
+    ("ours", "what the module holds"),
+    ("whole-steps", "ours without relaxation"),
+    ("auto", "auto-relaxation 0.3 alone (Bálint and Valasek 2023): ours without the secant at the hit"),
+    ("relaxed-1.2", "over-relaxation 1.2, same factors (Keinert 2014)"),
+    ("relaxed-1.6", "over-relaxation 1.6, same factors (Keinert 2014)"),
+    ("root", "one proven factor for the whole field"),
+    ("hand", "the field times 0.7, as demos do"),
+    ("plain", "the field as it is, taken for a distance"),
+    ("fixed", "256 equal steps"),
+];
+
+/// Shared head: `span` is the part of the ray that is looked at.
+const HEAD: &str = "\
+fn traced(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: f32) -> sf_Hit {
+  let span = sf_clip(origin, direction, t_min, t_max);
+  if span.x > span.y {
+    return sf_Hit(t_max, false, 0u);
+  }
+  var t = span.x;
+";
+
+/// The field times a number is the step, and says when the ray is there.
+const SCALED: &str = "\
+  for (var step = 1u; step <= 1024u; step++) {
+    let p = origin + direction * t;
+    let tolerance = max(0.5 * footprint * t, 4e-7 * (length(p) + 1.0));
+    let free = SCALE * sf_field(p);
+    if free <= SCALE * tolerance {
+      return sf_Hit(t, true, step);
+    }
+    if t >= span.y {
+      return sf_Hit(t, false, step);
+    }
+    t = min(t + max(free, 0.5 * SCALE * tolerance), span.y);
+  }
+  return sf_Hit(t, false, 1024u);
+}
+";
+
+/// A step is the bound times OMEGA as long as the spheres overlap, else the bound.
+const RELAXED: &str = "\
+  var omega = OMEGA;
+  var radius = 0.0;
+  var stride = 0.0;
+  for (var step = 1u; step <= 1024u; step++) {
+    let p = origin + direction * t;
+    let tolerance = max(0.5 * footprint * t, 4e-7 * (length(p) + 1.0));
+    let free = sf_bound(p);
+    if stride > radius && stride > radius + free {
+      t += radius - stride;
+      stride = radius;
+      omega = 1.0;
+      continue;
+    }
+    if free <= tolerance {
+      if sf_distance(p) <= tolerance {
+        return sf_Hit(t, true, step);
+      }
+    }
+    if t >= span.y {
+      return sf_Hit(t, false, step);
+    }
+    radius = max(free, 0.5 * tolerance);
+    stride = min(omega * radius, span.y - t);
+    t += stride;
+  }
+  return sf_Hit(t, false, 1024u);
+}
+";
+
+/// As long as the field stays above zero, all steps are the same.
+const FIXED: &str = "\
+  let stride = (span.y - span.x) / 256.0;
+  for (var step = 1u; step <= 257u; step++) {
+    if sf_field(origin + direction * t) <= 0.0 {
+      return sf_Hit(t, true, step);
+    }
+    t += stride;
+  }
+  return sf_Hit(t, false, 257u);
+}
+";
+
+/// Our tracer with other numbers.
+fn ours(tracer: Tracer) -> String {
+    let text = format!("{}\n{}", Tracer::polish_wgsl(), tracer.wgsl());
+    text.replace("sf_polish(", "traced_polish(").replace("fn sf_trace(", "fn traced(")
+}
+
+/// A method by its name; none where there is no such method, and a reason where the scene has none.
+pub fn method(name: &str, scene: &Compiled) -> Option<Result<Method, &'static str>> {
+    let (_, about) = METHODS.iter().find(|(known, _)| *known == name)?;
+    let whole = Tracer::DEFAULT;
+    let scaled = |scale: f64| format!("{HEAD}{}", SCALED.replace("SCALE", &format!("{scale:?}")));
+    let wgsl = match name {
+        "ours" => ours(whole),
+        "whole-steps" => ours(Tracer { relaxation: 0.0, ..whole }),
+        "auto" => ours(Tracer { polish: false, ..whole }),
+        "relaxed-1.2" | "relaxed-1.6" => format!("{HEAD}{}", RELAXED.replace("OMEGA", &name[8..])),
+        "root" => match root_constant(scene) {
+            Some(constant) => scaled(1.0 / constant),
+            None => return Some(Err("the whole field has no finite constant")),
+        },
+        "hand" => scaled(0.7),
+        "plain" => scaled(1.0),
+        _ => format!("{HEAD}{FIXED}"),
+    };
+    Some(Ok(Method { name: name.to_owned(), about, wgsl }))
+}
+
+/// Ours with one number changed at a time, for the curves.
+pub fn sweep() -> Vec<Method> {
+    let whole = Tracer::DEFAULT;
+    let mut all = Vec::new();
+    let mut add = |name: String, about, tracer| all.push(Method { name, about, wgsl: ours(tracer) });
+    for tolerance in [4.0, 2.0, 0.5, 0.25, 0.0625, 0.015625] {
+        add(format!("tolerance x{tolerance}"), "ours with another tolerance", Tracer { tolerance, ..whole });
+    }
+    for budget in [32, 64, 128, 256, 512] {
+        add(format!("budget {budget}"), "ours with fewer looks", Tracer { budget, ..whole });
+    }
+    for relaxation in [0.1, 0.2, 0.5, 0.7, 1.0] {
+        add(format!("relaxation {relaxation}"), "ours that learns the slope faster or slower", Tracer { relaxation, ..whole });
+    }
+    for factor in [0.25, 0.5, 2.0] {
+        add(format!("bound x{factor}"), "ours with another bound: above 1 nothing is proven", Tracer { factor, ..whole });
+    }
+    all
+}
+
+/// A Lipschitz constant of the whole field within the scene's extent.
+fn root_constant(scene: &Compiled) -> Option<f64> {
+    let value = scene.graph.shape(scene.root)?.value;
+    let domain = Domain::of(Box3::cube(scene.blocks.extent));
+    let found = Facts::default().constant(&scene.graph, value, &domain, 4096).lipschitz;
+    (found.is_finite() && found > 0.0).then_some(found.max(1e-6))
+}

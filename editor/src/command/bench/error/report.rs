@@ -1,0 +1,141 @@
+//! The numbers as a table for people and as JSON for programs.
+
+use super::truth::Errors;
+use super::{Args, Row, Scene};
+use crate::command::{Failure, print};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// A scene's table.
+pub fn table(scene: &Scene) -> String {
+    let pixels = scene.rows.first().map_or(String::new(), |row| {
+        let e = &row.errors;
+        format!("{} pixels judged, {} silhouettes, {} unknown", e.judged, e.silhouettes, e.unknown)
+    });
+    let mut text = format!("\n{} (factor {:.3}; {pixels})\n", scene.path, scene.factor);
+    text += &format!(
+        "  {:<20}{:>9}{:>7}{:>8}{:>9}{:>8}{:>7}{:>8}{:>9}{:>9}{:>9}{:>9}\n",
+        "method", "ms", "ratio", "steps", "ops/ray", "missed", "false", "inside", "p50 px", "p99 px", "max px", "normal°"
+    );
+    for row in &scene.rows {
+        let e = &row.errors;
+        let depth = |percent| Errors::percentile(&e.depth, percent);
+        text += &format!(
+            "  {:<20}{:>9.2}{:>7.2}{:>8.1}{:>9.0}{:>8}{:>7}{:>8}{:>9.4}{:>9.4}{:>9.3}{:>9.3}\n",
+            row.method,
+            row.time.as_secs_f64() * 1e3,
+            row.ratio,
+            steps(row),
+            row.operations,
+            e.missed,
+            e.false_hits,
+            e.inside,
+            depth(50.0),
+            depth(99.0),
+            depth(100.0),
+            Errors::percentile(&e.normal, 99.0),
+        );
+    }
+    for (method, why) in &scene.left_out {
+        text += &format!("  {method:<20}not to be had: {why}\n");
+    }
+    text
+}
+
+/// Medians of the ratios over all scenes, and sums of what is wrong.
+pub fn summary(scenes: &[Scene], methods: &[&str]) -> String {
+    if scenes.len() < 2 {
+        return String::new();
+    }
+    let mut text = format!(
+        "\nall {} scenes: medians of the ratios to the first method, sums of wrong pixels\n  {:<20}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}{:>10}\n",
+        scenes.len(),
+        "method",
+        "scenes",
+        "time",
+        "ops",
+        "missed",
+        "false",
+        "inside",
+        "p99 px"
+    );
+    for method in methods {
+        let rows: Vec<(&Row, &Row)> = scenes
+            .iter()
+            .filter_map(|s| Some((s.rows.iter().find(|r| r.method == **method)?, s.rows.first()?)))
+            .collect();
+        if rows.is_empty() {
+            continue;
+        }
+        let middle = |f: &dyn Fn(&(&Row, &Row)) -> f64| Errors::percentile(&rows.iter().map(f).collect::<Vec<_>>(), 50.0);
+        let sum = |f: &dyn Fn(&Errors) -> usize| rows.iter().map(|(r, _)| f(&r.errors)).sum::<usize>();
+        text += &format!(
+            "  {method:<20}{:>8}{:>8.2}{:>8.2}{:>8}{:>8}{:>8}{:>10.4}\n",
+            rows.len(),
+            middle(&|(r, _)| r.ratio),
+            middle(&|(r, first)| r.operations / first.operations.max(1.0)),
+            sum(&|e| e.missed),
+            sum(&|e| e.false_hits),
+            sum(&|e| e.inside),
+            rows.iter().map(|(r, _)| Errors::percentile(&r.errors.depth, 99.0)).fold(0.0, f64::max),
+        );
+    }
+    text
+}
+
+/// Steps of a ray in the mean.
+pub fn steps(row: &Row) -> f64 {
+    row.errors.steps as f64 / row.errors.rays.max(1) as f64
+}
+
+/// Writes all numbers.
+pub fn write_json(file: &Path, adapter: &str, args: &Args, scenes: &[Scene]) -> Result<(), Failure> {
+    let value = json!({
+        "adapter": adapter,
+        "size": [args.size.0, args.size.1],
+        "views": args.views,
+        "rounds": args.rounds,
+        "scenes": scenes.iter().map(scene_json).collect::<Vec<_>>(),
+    });
+    let text = format!("{value:#}\n");
+    if file == Path::new("-") {
+        return print(text.as_bytes());
+    }
+    std::fs::write(file, text).map_err(|e| Failure::usage(format!("can't write {}: {e}", file.display())))
+}
+
+fn scene_json(scene: &Scene) -> Value {
+    json!({
+        "scene": scene.path,
+        "factor": scene.factor,
+        "methods": scene.rows.iter().map(row_json).collect::<Vec<_>>(),
+        "left_out": scene.left_out.iter().map(|(method, why)| json!({ "method": method, "why": why })).collect::<Vec<_>>(),
+    })
+}
+
+fn row_json(row: &Row) -> Value {
+    let e = &row.errors;
+    let spread = |values: &[f64]| {
+        let at = |percent| Errors::percentile(values, percent);
+        json!({ "p50": at(50.0), "p99": at(99.0), "max": at(100.0) })
+    };
+    json!({
+        "method": row.method,
+        "about": row.about,
+        "milliseconds": row.time.as_secs_f64() * 1e3,
+        "ratio": row.ratio,
+        "steps_per_ray": steps(row),
+        "operations_per_ray": row.operations,
+        "looks": { "field": e.looks[0], "bound": e.looks[1], "distance": e.looks[2] },
+        "rays": e.rays,
+        "judged": e.judged,
+        "silhouettes": e.silhouettes,
+        "unknown": e.unknown,
+        "missed": e.missed,
+        "false": e.false_hits,
+        "inside": e.inside,
+        "silhouettes_apart": e.silhouettes_apart,
+        "depth_pixels": spread(&e.depth),
+        "normal_degrees": spread(&e.normal),
+    })
+}

@@ -1,0 +1,233 @@
+//! What is certain of each pixel, and how far a tracer's answer is from it.
+
+use rayon::prelude::*;
+use surefoot_compiler::certify::{Hit, Truth};
+use surefoot_compiler::compiled::{Camera, Compiled, Frame, Live};
+use surefoot_compiler::reference::Reference;
+use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::reference::march::Ray;
+use surefoot_compiler::reference::vector::{Vec3, dot, length};
+use surefoot_runtime::passes::rays::{GpuRay, RayPicture, Traced};
+
+/// Boxes that one ray may cost.
+const BOXES: usize = 20_000;
+/// Operations of the field at most.
+const LIMIT: usize = 2_000_000;
+
+/// What is certain of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pixel {
+    /// The ray meets the surface first here.
+    Hit {
+        /// How far along the ray.
+        t: f64,
+        /// The cosine of the angle between the ray and the normal.
+        facing: f64,
+        /// The gradient of the field, of length one.
+        normal: Vec3,
+    },
+    /// It meets nothing.
+    Miss,
+    /// Nobody knows: too near to touching, or too costly.
+    Unknown,
+}
+
+/// The rays of one view and what is certain of them.
+pub struct View {
+    /// For the GPU.
+    pub picture: RayPicture,
+    rays: Vec<Ray>,
+    pixels: Vec<Pixel>,
+    /// Whether the surface ends, or nearly does, within a pixel.
+    silhouette: Vec<bool>,
+}
+
+/// Errors of one method at one view, or of several added up.
+#[derive(Clone, Debug, Default)]
+pub struct Errors {
+    /// Pixels of which the truth is known, and which are no silhouette.
+    pub judged: usize,
+    /// Pixels of which it is not known.
+    pub unknown: usize,
+    /// Silhouettes.
+    pub silhouettes: usize,
+    /// Truth hits, the ray does not.
+    pub missed: usize,
+    /// Truth misses, the ray hits.
+    pub false_hits: usize,
+    /// Hits that lie deeper in the solid than half a pixel is wide there.
+    pub inside: usize,
+    /// Silhouettes at which hit and miss are the other way round.
+    pub silhouettes_apart: usize,
+    /// |t - t*| over the width of a pixel there, of all hits.
+    pub depth: Vec<f64>,
+    /// Angle between the normals, degrees.
+    pub normal: Vec<f64>,
+    /// Steps, and looks at field, bound and distance, of all rays.
+    pub steps: u64,
+    /// How often field, bound and distance were evaluated.
+    pub looks: [u64; 3],
+    /// Number of rays.
+    pub rays: usize,
+}
+
+/// Cameras around what the scene's own camera looks at: the first is that camera.
+pub fn cameras(frame: &Frame, count: u32) -> Vec<Camera> {
+    let Some((_, own)) = frame.cameras.first() else { return Vec::new() };
+    (0..count)
+        .map(|i| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(count)).sin_cos();
+            let from: Vec3 = std::array::from_fn(|a| own.eye[a] - own.target[a]);
+            let turned = [cos * from[0] + sin * from[2], from[1], cos * from[2] - sin * from[0]];
+            Camera { eye: std::array::from_fn(|a| own.target[a] + turned[a]), ..*own }
+        })
+        .collect()
+}
+
+impl View {
+    /// The rays of a camera's picture, and the truth of each.
+    pub fn new(
+        scene: &Compiled,
+        live: &Live,
+        camera: &Camera,
+        size: (u32, u32),
+        progress: &(dyn Fn() + Sync),
+    ) -> Result<Self, String> {
+        let frame = scene.frame(live);
+        let basis = Basis::of(camera);
+        let places = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
+        // The truth is that of the rays that the GPU gets.
+        let narrow = |v: Vec3| v.map(|c| c as f32);
+        let gpu: Vec<GpuRay> = places
+            .map(|at| GpuRay {
+                origin: narrow(camera.eye),
+                t_min: 0.0,
+                direction: narrow(basis.direction(at, size)),
+                t_max: frame.max_distance as f32,
+            })
+            .collect();
+        let rays: Vec<Ray> = gpu
+            .iter()
+            .map(|r| Ray {
+                origin: r.origin.map(f64::from),
+                direction: r.direction.map(f64::from),
+                t_min: f64::from(r.t_min),
+                t_max: f64::from(r.t_max),
+            })
+            .collect();
+        let truth = Truth::new(scene, live, LIMIT).map_err(|e| e.to_string())?;
+        let found: Vec<Hit> = rays
+            .par_iter()
+            .map_init(
+                || truth.prover(),
+                |prover, ray| {
+                    progress();
+                    let Some(ray) = ray.clip(frame.extent) else { return Hit::Miss };
+                    prover.first_hit(ray.origin, ray.direction, ray.t_min, ray.t_max, BOXES)
+                },
+            )
+            .collect();
+        let reference = Reference::new(scene, live).map_err(|e| e.to_string())?;
+        let points: Vec<Vec3> =
+            rays.iter().zip(&found).map(|(ray, hit)| ray.at(if let Hit::Hit(t) = hit { *t } else { 0.0 })).collect();
+        let normals = unit_all(reference.gradients(&points));
+        let pixels: Vec<Pixel> = found
+            .iter()
+            .zip(&rays)
+            .zip(normals)
+            .map(|((hit, ray), normal)| match *hit {
+                Hit::Hit(t) => Pixel::Hit { t, facing: dot(ray.direction, normal).abs(), normal },
+                Hit::Miss => Pixel::Miss,
+                Hit::Ambiguous(_) | Hit::Exhausted(_) => Pixel::Unknown,
+            })
+            .collect();
+        let footprint = basis.footprint(size.1);
+        let silhouette = silhouettes(&pixels, size, footprint);
+        let picture = RayPicture { size, rays: gpu, footprint: footprint as f32 };
+        Ok(Self { picture, rays, pixels, silhouette })
+    }
+
+    /// Judges what a tracer answered.
+    pub fn judge(&self, reference: &Reference, answers: &[Traced], errors: &mut Errors) {
+        let footprint = f64::from(self.picture.footprint);
+        let points: Vec<Vec3> = self.rays.iter().zip(answers).map(|(ray, a)| ray.at(f64::from(a.t))).collect();
+        let normals = unit_all(reference.gradients(&points));
+        errors.rays += answers.len();
+        for (i, answer) in answers.iter().enumerate() {
+            errors.steps += u64::from(answer.steps);
+            for (sum, looks) in errors.looks.iter_mut().zip(answer.looks) {
+                *sum += u64::from(looks);
+            }
+            let hit = answer.hit == 1;
+            match self.pixels[i] {
+                Pixel::Unknown => errors.unknown += 1,
+                pixel if self.silhouette[i] => {
+                    errors.silhouettes += 1;
+                    errors.silhouettes_apart += usize::from(hit != matches!(pixel, Pixel::Hit { .. }));
+                }
+                Pixel::Miss => {
+                    errors.judged += 1;
+                    errors.false_hits += usize::from(hit);
+                }
+                Pixel::Hit { t, facing, normal } => {
+                    errors.judged += 1;
+                    if !hit {
+                        errors.missed += 1;
+                        continue;
+                    }
+                    let width = footprint * t;
+                    let ahead = f64::from(answer.t) - t;
+                    errors.inside += usize::from(ahead * facing > 0.5 * width);
+                    errors.depth.push(ahead.abs() / width);
+                    errors.normal.push(dot(normals[i], normal).clamp(-1.0, 1.0).acos().to_degrees());
+                }
+            }
+        }
+    }
+}
+
+impl Errors {
+    /// The value that so many of a hundred do not exceed; 0 where there is none.
+    pub fn percentile(values: &[f64], percent: f64) -> f64 {
+        let mut sorted = values.to_vec();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let rank = (percent / 100.0 * sorted.len() as f64).ceil().max(1.0) as usize;
+        sorted.get(rank - 1).copied().unwrap_or(0.0)
+    }
+}
+
+fn unit_all(vectors: Vec<Vec3>) -> Vec<Vec3> {
+    vectors
+        .into_iter()
+        .map(|v| {
+            let size = length(v).max(1e-30);
+            v.map(|c| c / size)
+        })
+        .collect()
+}
+
+/// Pixels beside one of another kind, or beside a depth that the surface here does not lead to.
+fn silhouettes(pixels: &[Pixel], size: (u32, u32), footprint: f64) -> Vec<bool> {
+    let (width, height) = (size.0 as i64, size.1 as i64);
+    let apart = |a: Pixel, b: Pixel| match (a, b) {
+        (Pixel::Hit { t, facing, .. }, Pixel::Hit { t: u, facing: other, .. }) => {
+            let lean = |facing: f64| (1.0 - facing * facing).max(0.0).sqrt() / facing.max(1e-3);
+            // What two planes with these normals differ by over the diagonal of a pixel, and as much again.
+            (t - u).abs() > footprint * t.max(u) * (3.0 * (lean(facing) + lean(other)) + 1.0)
+        }
+        (Pixel::Miss, Pixel::Miss) => false,
+        _ => true,
+    };
+    (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .map(|(x, y)| {
+            let at = |x: i64, y: i64| {
+                let inside = x >= 0 && y >= 0 && x < width && y < height;
+                inside.then(|| pixels[(y * width + x) as usize])
+            };
+            let Some(own) = at(x, y) else { return false };
+            let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
+            around.into_iter().any(|(dx, dy)| at(x + dx, y + dy).is_some_and(|other| apart(own, other)))
+        })
+        .collect()
+}
