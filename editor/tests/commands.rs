@@ -365,3 +365,40 @@ fn balls_fall_the_same_way_each_time() {
     assert_eq!(code, 2);
     assert!(err.contains("has no balls"), "{err}");
 }
+
+#[cfg(feature = "gpu")]
+#[test]
+fn bench_finds_what_steps_too_far_and_nothing_in_ours() {
+    let folder = folder("bench");
+    let blade = "camera { eye: (3.5, 3.5, 4.5), target: (0, 0, 0), fov: 45deg }\nscene = box((4, 1, 0.16)).twist(z, 3)\n";
+    std::fs::write(folder.join("blade.sdf"), blade).unwrap();
+    let args = ["bench", "blade.sdf", "--size", "48x48", "--rounds", "1", "--sweep", "--json", "out.json", "--page", "page.md"];
+    let (code, out, err) = run(&folder, &args);
+    if code == 3 {
+        // There is nothing that could follow a ray.
+        assert!(err.contains("adapter"), "{err}");
+        return;
+    }
+    assert_eq!(code, 0, "{out}{err}");
+    let report: Value = serde_json::from_slice(&std::fs::read(folder.join("out.json")).unwrap()).unwrap();
+    let of = |method: &str, what: &str| {
+        let rows = report["scenes"][0]["methods"].as_array().unwrap();
+        let row = rows.iter().find(|r| r["method"] == method).unwrap();
+        row[what].as_f64().unwrap_or_else(|| row[what]["p99"].as_f64().unwrap())
+    };
+    assert!(of("ours", "judged") > 1000.0);
+    assert_eq!((of("ours", "missed"), of("ours", "inside")), (0.0, 0.0));
+    // A hit is polished to a small part of a pixel, and costs next to nothing.
+    assert!(of("ours", "depth_pixels") < 0.5 * of("auto", "depth_pixels"));
+    assert!(of("ours", "operations_per_ray") < 1.15 * of("auto", "operations_per_ray"));
+    assert!(of("ours", "operations_per_ray") < 0.9 * of("whole-steps", "operations_per_ray"));
+    // The instrument sees a factor that is left out, and one that is too small.
+    for method in ["plain", "hand", "bound x2.0"] {
+        assert!(of(method, "missed") > 0.0, "{method}");
+    }
+    for file in ["page.md", "page.svg"] {
+        assert!(std::fs::metadata(folder.join(file)).is_ok_and(|m| m.len() > 1000), "{file}");
+    }
+    let (code, _, err) = run(&folder, &["bench", "blade.sdf", "--methods", "best"]);
+    assert!(code == 2 && err.contains("ours, whole-steps"), "{err}");
+}

@@ -39,7 +39,7 @@ impl Tracer {
     /// Looks of the secant rule at most.
     pub const LOOKS: u32 = 4;
 
-    /// The function `sf_polish`, which calls `sf_distance`: the secant rule.
+    /// The function `sf_polish`, which calls `sf_distance`: the secant rule. Its steps are short, so that none leads through a thin part.
     pub fn polish_wgsl() -> String {
         format!(
             "\
@@ -49,7 +49,7 @@ fn sf_polish(origin: vec3f, direction: vec3f, start: f32, near: f32, fall: f32, 
   let whole = max(near - rest, 0.0);
   var t = start;
   var value = near - rest;
-  var stride = whole / clamp(fall, 0.25, 1.0);
+  var stride = whole / clamp(fall, 0.5, 1.0);
   for (var i = 0; i < {} && abs(value) > {:?} * tolerance && stride != 0.0; i++) {{
     let there = sf_distance(origin + direction * (t + stride)) - rest;
     if abs(there) >= abs(value) {{
@@ -60,7 +60,7 @@ fn sf_polish(origin: vec3f, direction: vec3f, start: f32, near: f32, fall: f32, 
       stride = whole;
       continue;
     }}
-    let next = clamp(there * stride / (value - there), -4.0 * tolerance, 4.0 * tolerance);
+    let next = clamp(there * stride / (value - there), -tolerance, tolerance);
     t += stride;
     value = there;
     stride = next;

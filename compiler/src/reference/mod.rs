@@ -125,7 +125,7 @@ impl Polish {
     fn new(t: f64, near: f64, fall: f64, tolerance: f64) -> Self {
         let value = near - Tracer::REST * tolerance;
         let whole = value.max(0.0);
-        Self { t, whole, value, stride: whole / fall.clamp(0.25, 1.0), looks: 0, tolerance }
+        Self { t, whole, value, stride: whole / fall.clamp(0.5, 1.0), looks: 0, tolerance }
     }
 
     /// Where to look next.
@@ -146,8 +146,7 @@ impl Polish {
             return self.next();
         }
         let next = there * self.stride / (self.value - there);
-        let limit = 4.0 * self.tolerance;
-        *self = Self { t: self.t + self.stride, value: there, stride: next.clamp(-limit, limit), ..*self };
+        *self = Self { t: self.t + self.stride, value: there, stride: next.clamp(-self.tolerance, self.tolerance), ..*self };
         self.next()
     }
 }

@@ -88,7 +88,7 @@ impl<'g> Rays<'g> {
     ) -> Result<Self, String> {
         let (size, rays) = (picture.size, &picture.rays[..]);
         let Follower { wgsl: text, name, count } = *tracer;
-        if size.0 % 8 != 0 || rays.len() != size.0 as usize * size.1 as usize || rays.is_empty() {
+        if !size.0.is_multiple_of(8) || rays.len() != size.0 as usize * size.1 as usize || rays.is_empty() {
             return Err("the rays are not those of a picture whose width is a multiple of 8".to_owned());
         }
         let label = "surefoot rays";

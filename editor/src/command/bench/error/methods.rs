@@ -133,7 +133,7 @@ pub fn sweep() -> Vec<Method> {
     let mut all = Vec::new();
     let mut add = |name: String, about, tracer| all.push(Method { name, about, wgsl: ours(tracer) });
     for tolerance in [4.0, 2.0, 0.5, 0.25, 0.0625, 0.015625] {
-        add(format!("tolerance x{tolerance}"), "ours with another tolerance", Tracer { tolerance, ..whole });
+        add(format!("tolerance x{tolerance:?}"), "ours with another tolerance", Tracer { tolerance, ..whole });
     }
     for budget in [32, 64, 128, 256, 512] {
         add(format!("budget {budget}"), "ours with fewer looks", Tracer { budget, ..whole });
@@ -142,7 +142,7 @@ pub fn sweep() -> Vec<Method> {
         add(format!("relaxation {relaxation}"), "ours that learns the slope faster or slower", Tracer { relaxation, ..whole });
     }
     for factor in [0.25, 0.5, 2.0] {
-        add(format!("bound x{factor}"), "ours with another bound: above 1 nothing is proven", Tracer { factor, ..whole });
+        add(format!("bound x{factor:?}"), "ours with another bound: above 1 nothing is proven", Tracer { factor, ..whole });
     }
     all
 }

@@ -42,6 +42,9 @@ pub struct Args {
     /// Write curves of time against error to this file as SVG.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    /// Write the tables to this file as a page, with the curves beside it.
+    #[arg(long, value_name = "FILE")]
+    page: Option<PathBuf>,
 }
 
 fn known_method(name: &str) -> Result<String, String> {
@@ -82,7 +85,7 @@ pub struct Scene {
 
 /// Measures scenes, prints tables, writes numbers and curves.
 pub fn run(paths: &[String], args: &Args, json: Option<&Path>) -> Result<Exit, Failure> {
-    if args.size.0 % 8 != 0 {
+    if !args.size.0.is_multiple_of(8) {
         return Err(Failure::usage("the width of --size must be a multiple of 8".to_owned()));
     }
     let gpu = Gpu::headless().map_err(|why| Failure { exit: Exit::NoGraphics, words: why.to_string() })?;
@@ -109,6 +112,11 @@ pub fn run(paths: &[String], args: &Args, json: Option<&Path>) -> Result<Exit, F
     if let Some(file) = &args.plot {
         plot::write(file, gpu.name(), &scenes)?;
     }
+    if let Some(file) = &args.page {
+        let curves = file.with_extension("svg");
+        plot::write(&curves, gpu.name(), &scenes)?;
+        report::write_page(file, &curves, gpu.name(), args, &scenes)?;
+    }
     let methods: Vec<&str> = METHODS.iter().map(|(name, _)| *name).collect();
     print(report::summary(&scenes, &methods).as_bytes())?;
     Ok(if wrong { Exit::Errors } else { Exit::Fine })
@@ -122,7 +130,7 @@ fn measure(gpu: &Gpu, path: &str, scene: &Compiled, args: &Args, show: &(dyn Fn(
     let (done, all) = (AtomicUsize::new(0), cameras.len() * args.size.0 as usize * args.size.1 as usize);
     let progress = || {
         let done = done.fetch_add(1, Ordering::Relaxed);
-        if done % 256 == 0 {
+        if done.is_multiple_of(256) {
             // The truth is most of the work.
             show(0.8 * done as f64 / all as f64);
         }
