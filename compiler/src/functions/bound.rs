@@ -1,5 +1,6 @@
 //! How far a ray may step: operands one by one, groups as a whole, each over its Lipschitz factor and behind its region where it needs one.
 
+use super::domains::{LONGER, STEEP};
 use super::{Builder, Kind, Known, Treatment, BUDGET, GENTLE, LONG, SAMPLES, STEEPEST, UNIT};
 use crate::analysis::search::{Search, Target, ROUNDING};
 use crate::analysis::{Box3, Constant, Domain};
@@ -303,7 +304,9 @@ impl Builder<'_> {
         };
         let bounded = region != domain.point;
         let near = domain.at(region.grow(reach));
-        let constant = self.constant_within(node, &near);
+        // With what a condition leaves out, less is found at once than there is; where it is mild already, a search in the background will do.
+        let constant = self.facts.constant(self.graph, node, &near, BUDGET);
+        let constant = if constant.lipschitz > STEEP { self.constant_within(node, &near, LONGER) } else { constant };
         if plain && all.lipschitz <= STEEPEST && (!bounded || constant.lipschitz > 0.85 * all.lipschitz) {
             return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true });
         }

@@ -1,16 +1,18 @@
 //! Where a shape is asked for its value: the domain of every shape, and the region that holds the solid of a formula.
 
-use super::{BUDGET, Builder, Cut, Narrowed, STEEPEST, UNIT};
+use super::{BUDGET, Builder, Cut, GENTLE, LONG, Narrowed, STEEPEST, UNIT};
 use crate::analysis::{Box3, Constant, Domain};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Function, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
 use rustc_hash::FxHashSet;
 
-/// A constant up to here needs no other region than a box, and a search in the background can make it less.
-const STEEP: f64 = 16.0;
+/// A constant up to here needs no other region than a box.
+const MILD: f64 = 2.0;
+/// A constant beyond this is that of something wild.
+pub(super) const STEEP: f64 = 16.0;
 /// How many times as many boxes a constant may cost where conditions leave something out.
-const LONGER: usize = 16;
+pub(super) const LONGER: usize = 16;
 
 impl Builder<'_> {
     /// Where each shape's formula is asked for, from the extent of the scene inward.
@@ -179,17 +181,23 @@ impl Builder<'_> {
                 continue;
             }
             let whole = self.facts.constant(self.graph, wild, domain, BUDGET);
-            if whole.lipschitz <= STEEP {
+            if whole.lipschitz <= MILD {
                 continue;
             }
+            // What is not that steep is worth a shorter look and one level, and none where it is long.
+            let wild_indeed = whole.lipschitz > STEEP;
+            if !wild_indeed && self.facts.weight(self.graph, wild) > LONG {
+                continue;
+            }
+            let (longer, levels) = if wild_indeed { (LONGER, 3) } else { (LONGER / 4, 1) };
             let (_, reach) = self.region_of(node, domain)?;
             // Nearer to the tame operand it may be gentler still.
             let mut found: Option<Cut> = None;
             let mut least = 0.85 * whole.lipschitz.min(STEEPEST);
-            for level in [2.0 * reach, 0.5 * reach, 0.125 * reach] {
+            for level in [2.0 * reach, 0.5 * reach, 0.125 * reach].into_iter().take(levels) {
                 let mut near = domain.clone();
                 near.within.push((tame, level));
-                let here = self.constant_within(wild, &near);
+                let here = self.constant_within(wild, &near, longer);
                 if here.lipschitz < least {
                     least = 0.5 * here.lipschitz;
                     found = Some(Cut { wild, tame, level, domain: near });
@@ -206,14 +214,14 @@ impl Builder<'_> {
     }
 
     /// A constant over a domain; where what is steep is left out by conditions, it takes more boxes to see it.
-    pub(super) fn constant_within(&mut self, node: NodeId, domain: &Domain) -> Constant {
+    pub(super) fn constant_within(&mut self, node: NodeId, domain: &Domain, longer: usize) -> Constant {
         let first = self.facts.constant(self.graph, node, domain, BUDGET);
-        if domain.within.is_empty() || first.lipschitz <= STEEP {
+        if domain.within.is_empty() || first.lipschitz <= GENTLE {
             return first;
         }
         let steps = self.facts.steps;
-        self.facts.steps *= LONGER;
-        let second = self.facts.constant(self.graph, node, domain, BUDGET * LONGER);
+        self.facts.steps *= longer;
+        let second = self.facts.constant(self.graph, node, domain, BUDGET * longer);
         self.facts.steps = steps;
         second
     }
