@@ -195,13 +195,13 @@ struct sf_Surface {
     }
 }
 
-/// Names of structs, and of what an export brings along, which nothing else may take.
-pub const STRUCTURES: [&str; 4] = ["Hit", "Contact", "Surface", "polish"];
+/// Names of structs, which nothing else may take.
+pub const STRUCTURES: [&str; 3] = ["Hit", "Contact", "Surface"];
 
 /// The text of an exported function that is the same for every scene.
 pub fn function(export: Export) -> Option<Cow<'static, str>> {
     match export {
-        Export::Trace => Some(format!("{}\n{}", Tracer::DEFAULT.wgsl(), Tracer::polish_wgsl()).into()),
+        Export::Trace => Some(Tracer::DEFAULT.wgsl().into()),
         Export::Shadow => Some(SHADOW.into()),
         Export::Collision => Some(COLLISION.into()),
         Export::Occlusion => Some(OCCLUSION.into()),

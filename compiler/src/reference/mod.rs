@@ -75,12 +75,10 @@ struct Follow {
     stride: f64,
     /// How the bound changes along the ray.
     slope: f64,
-    /// Once it is near enough.
-    polish: Option<Polish>,
 }
 
 impl Follow {
-    const START: Self = Self { radius: 0.0, stride: 0.0, slope: -1.0, polish: None };
+    const START: Self = Self { radius: 0.0, stride: 0.0, slope: -1.0 };
 
     /// Where to look again, if there is a gap between the sphere here and the last.
     fn back(&mut self, look: &Look) -> Option<f64> {
@@ -90,11 +88,6 @@ impl Follow {
             *self = Self { stride: self.radius, slope: -1.0, ..*self };
             t
         })
-    }
-
-    /// How fast the distance falls along the ray, by the last step of the bound.
-    fn fall(&self, look: &Look, near: f64, tolerance: f64) -> f64 {
-        (self.radius - look.free) / self.stride.max(tolerance) * near / look.free.max(1e-20)
     }
 
     /// Where to look next.
@@ -107,47 +100,6 @@ impl Follow {
         self.radius = look.free.max(0.5 * tolerance);
         self.stride = (self.radius * 2.0 / (1.0 - self.slope)).min(end - look.t);
         look.t + self.stride
-    }
-}
-
-/// The secant rule from a place that is near the surface: the variables of `sf_polish`.
-#[derive(Clone, Copy, Debug)]
-struct Polish {
-    t: f64,
-    whole: f64,
-    value: f64,
-    stride: f64,
-    looks: u32,
-    tolerance: f64,
-}
-
-impl Polish {
-    fn new(t: f64, near: f64, fall: f64, tolerance: f64) -> Self {
-        let value = near - Tracer::REST * tolerance;
-        let whole = value.max(0.0);
-        Self { t, whole, value, stride: whole / fall.clamp(0.5, 1.0), looks: 0, tolerance }
-    }
-
-    /// Where to look next.
-    fn next(&self) -> Option<f64> {
-        let far = self.value.abs() > Tracer::EXACT * self.tolerance && self.stride != 0.0;
-        (far && self.looks < Tracer::LOOKS).then_some(self.t + self.stride)
-    }
-
-    /// Hears the distance there, and answers where to look next.
-    fn step(&mut self, distance: f64) -> Option<f64> {
-        let there = distance - Tracer::REST * self.tolerance;
-        self.looks += 1;
-        if there.abs() >= self.value.abs() {
-            if self.stride <= self.whole {
-                return None;
-            }
-            self.stride = self.whole;
-            return self.next();
-        }
-        let next = there * self.stride / (self.value - there);
-        *self = Self { t: self.t + self.stride, value: there, stride: next.clamp(-self.tolerance, self.tolerance), ..*self };
-        self.next()
     }
 }
 
@@ -245,7 +197,7 @@ impl Reference {
             rays.iter().map(|r| Hit { t: r.t_max, ..Hit::default() }).collect();
         let states = vec![Cell::new(Follow::START); rays.len()];
         let state = |look: &Look| states.get(look.ray).map_or(Follow::START, Cell::get);
-        let tolerance = |p: Vec3, t: f64| (0.5 * footprint * t).max(4e-7 * (length(p) + 1.0));
+        let tolerance = |p: Vec3, t: f64| (TRACER.tolerance * footprint * t).max(4e-7 * (length(p) + 1.0));
         // Only a hit asks for the distance; where it costs next to nothing it comes along.
         let scene = match self.both.operations() * 5 <= self.bound.operations() * 6 {
             true => Scene::Both(&self.both),
@@ -254,19 +206,11 @@ impl Reference {
         march(
             scene,
             &clipped,
-            |look| state(look).polish.is_some() || look.free <= tolerance(look.point, look.t),
+            |look| look.free <= tolerance(look.point, look.t),
             |look, distance| {
                 let hit = hits.get_mut(look.ray)?;
                 let end = clipped.get(look.ray).copied().flatten()?.t_max;
                 let mut follow = state(look);
-                if let (Some(polish), Some(there)) = (&mut follow.polish, distance) {
-                    let next = polish.step(there);
-                    hit.t = polish.t;
-                    if let Some(state) = states.get(look.ray) {
-                        state.set(follow);
-                    }
-                    return next;
-                }
                 let tolerance = tolerance(look.point, look.t);
                 hit.steps += 1;
                 hit.t = look.t;
@@ -274,18 +218,10 @@ impl Reference {
                     Some(t) if hit.steps < TRACER.budget => Some(t),
                     Some(_) => None,
                     None => {
-                        let near = distance.filter(|d| look.free <= tolerance && *d <= tolerance);
-                        hit.hit = near.is_some();
+                        hit.hit = distance.is_some_and(|d| look.free <= tolerance && d <= tolerance);
                         // The end itself is looked at before it counts as a miss.
-                        match near {
-                            Some(near) => {
-                                let polish = Polish::new(look.t, near, follow.fall(look, near, tolerance), tolerance);
-                                follow.polish = Some(polish);
-                                polish.next()
-                            }
-                            None if look.t >= end || hit.steps >= TRACER.budget => None,
-                            None => Some(follow.ahead(look, tolerance, end)),
-                        }
+                        let ends = hit.hit || look.t >= end || hit.steps >= TRACER.budget;
+                        (!ends).then(|| follow.ahead(look, tolerance, end))
                     }
                 };
                 if let Some(state) = states.get(look.ray) {

@@ -19,7 +19,7 @@ pub struct Method {
 pub const METHODS: [(&str, &str); 9] = [
     ("ours", "what the module holds"),
     ("whole-steps", "ours without relaxation"),
-    ("auto", "auto-relaxation 0.3 alone (Bálint and Valasek 2023): ours without the secant at the hit"),
+    ("half-pixel", "ours that stops half a pixel before the surface, as auto-relaxation is published (Bálint and Valasek 2023)"),
     ("relaxed-1.2", "over-relaxation 1.2, same factors (Keinert 2014)"),
     ("relaxed-1.6", "over-relaxation 1.6, same factors (Keinert 2014)"),
     ("root", "one proven factor for the whole field"),
@@ -102,8 +102,7 @@ const FIXED: &str = "\
 
 /// Our tracer with other numbers.
 fn ours(tracer: Tracer) -> String {
-    let text = format!("{}\n{}", Tracer::polish_wgsl(), tracer.wgsl());
-    text.replace("sf_polish(", "traced_polish(").replace("fn sf_trace(", "fn traced(")
+    tracer.wgsl().replace("fn sf_trace(", "fn traced(")
 }
 
 /// A method by its name; none where there is no such method, and a reason where the scene has none.
@@ -114,7 +113,7 @@ pub fn method(name: &str, scene: &Compiled) -> Option<Result<Method, &'static st
     let wgsl = match name {
         "ours" => ours(whole),
         "whole-steps" => ours(Tracer { relaxation: 0.0, ..whole }),
-        "auto" => ours(Tracer { polish: false, ..whole }),
+        "half-pixel" => ours(Tracer { tolerance: 0.5, ..whole }),
         "relaxed-1.2" | "relaxed-1.6" => format!("{HEAD}{}", RELAXED.replace("OMEGA", &name[8..])),
         "root" => match root_constant(scene) {
             Some(constant) => scaled(1.0 / constant),
@@ -132,8 +131,9 @@ pub fn sweep() -> Vec<Method> {
     let whole = Tracer::DEFAULT;
     let mut all = Vec::new();
     let mut add = |name: String, about, tracer| all.push(Method { name, about, wgsl: ours(tracer) });
-    for tolerance in [4.0, 2.0, 0.5, 0.25, 0.0625, 0.015625] {
-        add(format!("tolerance x{tolerance:?}"), "ours with another tolerance", Tracer { tolerance, ..whole });
+    for times in [4.0, 2.0, 0.5, 0.25, 0.0625, 0.015625] {
+        let tolerance = times * whole.tolerance;
+        add(format!("tolerance x{times:?}"), "ours with another tolerance", Tracer { tolerance, ..whole });
     }
     for budget in [32, 64, 128, 256, 512] {
         add(format!("budget {budget}"), "ours with fewer looks", Tracer { budget, ..whole });
