@@ -11,7 +11,8 @@ pub struct Tracer {
     /// How fast the slope along the ray is learnt, by which a step is made longer (Bálint and Valasek, "Automatic Step Size Relaxation in
     /// Sphere Tracing", 2023), 0 to 1; 0 takes whole bounds only.
     pub relaxation: f64,
-    /// How near is near enough, in widths of a pixel there. Nearer costs little: the steps shrink geometrically.
+    /// How near is near enough, in widths of a pixel there. Nearer costs little: the steps shrink geometrically. As the budget is spent it
+    /// grows by [`Tracer::TIRED`], so that a ray that hardly gets on ends at the surface and not in a hole.
     pub tolerance: f64,
     /// Looks at most.
     pub budget: u32,
@@ -26,6 +27,8 @@ impl Default for Tracer {
 impl Tracer {
     /// What modules hold.
     pub const DEFAULT: Self = Self { factor: 1.0, relaxation: 0.3, tolerance: 1.0 / 32.0, budget: 1024 };
+    /// By how much the tolerance has grown when the budget is spent, in widths of a pixel.
+    pub const TIRED: f64 = 0.5;
     /// The slope at which a step is longest.
     pub const STEEPEST: f64 = 0.75;
 
@@ -34,6 +37,7 @@ impl Tracer {
         let Self { factor, relaxation, tolerance, budget } = *self;
         let times = if factor == 1.0 { String::new() } else { format!("{factor:?} * ") };
         let relaxed = relaxation > 0.0;
+        let tired = Self::TIRED / f64::from(budget);
         let mut text = "\
 fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: f32) -> sf_Hit {
   let span = sf_clip(origin, direction, t_min, t_max);
@@ -56,7 +60,7 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
             text,
             "  for (var step = 1u; step <= {budget}u; step++) {{
     let p = origin + direction * t;
-    let tolerance = max({tolerance:?} * footprint * t, 4e-7 * (length(p + sf_uniforms.origin) + 1.0));
+    let tolerance = max(({tolerance:?} + {tired:?} * f32(step)) * footprint * t, 4e-7 * (length(p + sf_uniforms.origin) + 1.0));
     let free = {times}sf_bound(p);"
         );
         if relaxed {

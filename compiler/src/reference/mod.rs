@@ -75,10 +75,12 @@ struct Follow {
     stride: f64,
     /// How the bound changes along the ray.
     slope: f64,
+    /// How often it has looked.
+    steps: u32,
 }
 
 impl Follow {
-    const START: Self = Self { radius: 0.0, stride: 0.0, slope: -1.0 };
+    const START: Self = Self { radius: 0.0, stride: 0.0, slope: -1.0, steps: 0 };
 
     /// Where to look again, if there is a gap between the sphere here and the last.
     fn back(&mut self, look: &Look) -> Option<f64> {
@@ -197,7 +199,10 @@ impl Reference {
             rays.iter().map(|r| Hit { t: r.t_max, ..Hit::default() }).collect();
         let states = vec![Cell::new(Follow::START); rays.len()];
         let state = |look: &Look| states.get(look.ray).map_or(Follow::START, Cell::get);
-        let tolerance = |p: Vec3, t: f64| (TRACER.tolerance * footprint * t).max(4e-7 * (length(p) + 1.0));
+        let tolerance = |look: &Look, step: u32| {
+            let pixels = TRACER.tolerance + Tracer::TIRED * f64::from(step) / f64::from(TRACER.budget);
+            (pixels * footprint * look.t).max(4e-7 * (length(look.point) + 1.0))
+        };
         // Only a hit asks for the distance; where it costs next to nothing it comes along.
         let scene = match self.both.operations() * 5 <= self.bound.operations() * 6 {
             true => Scene::Both(&self.both),
@@ -206,13 +211,14 @@ impl Reference {
         march(
             scene,
             &clipped,
-            |look| look.free <= tolerance(look.point, look.t),
+            |look| look.free <= tolerance(look, state(look).steps + 1),
             |look, distance| {
                 let hit = hits.get_mut(look.ray)?;
                 let end = clipped.get(look.ray).copied().flatten()?.t_max;
                 let mut follow = state(look);
-                let tolerance = tolerance(look.point, look.t);
-                hit.steps += 1;
+                follow.steps += 1;
+                hit.steps = follow.steps;
+                let tolerance = tolerance(look, hit.steps);
                 hit.t = look.t;
                 let next = match follow.back(look) {
                     Some(t) if hit.steps < TRACER.budget => Some(t),
