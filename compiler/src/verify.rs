@@ -434,10 +434,12 @@ fn points(evaluator: &mut Evaluator<'_>, count: usize, room: Room, random: &mut 
 }
 
 /// Numbers in 0..1, the same on every run (SplitMix64, Steele 2014).
-struct Random(u64);
+pub struct Random(pub u64);
 
 impl Random {
-    fn next(&mut self) -> f64 {
+    /// The next number.
+    #[allow(clippy::should_implement_trait)]
+    pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -445,7 +447,8 @@ impl Random {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    fn within(&mut self, half: f64) -> [f64; 3] {
+    /// A point of the cube from `-half` to `half`.
+    pub fn within(&mut self, half: f64) -> [f64; 3] {
         [0; 3].map(|_| (2.0 * self.next() - 1.0) * half)
     }
 

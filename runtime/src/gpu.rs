@@ -386,3 +386,21 @@ impl UniformBlock {
         &self.group
     }
 }
+
+/// The layout of a group for a compute pass that reads the storage buffer at binding 0 and writes the one at 1.
+pub(crate) fn in_and_out_layout(gpu: &Gpu, label: &str) -> wgpu::BindGroupLayout {
+    let entry = |binding, read_only| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some(label),
+        entries: &[entry(0, true), entry(1, false)],
+    })
+}

@@ -1,6 +1,6 @@
 //! A module's functions at many points, computed by the GPU as a ray would compute them.
 
-use crate::gpu::{Gpu, UniformBlock, uniform_layout};
+use crate::gpu::{Gpu, UniformBlock, in_and_out_layout, uniform_layout};
 use crate::headless;
 use surefoot_compiler::compiled::{Compiled, Export, Live};
 
@@ -37,7 +37,7 @@ pub fn evaluate(
     let wgsl = format!("{}\n{text}", compiled.module.code());
     let program = gpu.catch(|| {
         let module_layout = uniform_layout(gpu, label, size, stage);
-        let points_layout = points_layout(gpu, label);
+        let points_layout = in_and_out_layout(gpu, label);
         let layouts = [Some(&module_layout), Some(&points_layout)];
         let pipeline = gpu.compute_pipeline(label, &wgsl, "main", &layouts)?;
         let mut module = UniformBlock::new(gpu, label, &module_layout, size);
@@ -98,21 +98,4 @@ impl Program {
         let bytes = headless::read(gpu, &answers, submitted)?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
-}
-
-fn points_layout(gpu: &Gpu, label: &str) -> wgpu::BindGroupLayout {
-    let entry = |binding, read_only| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
-        count: None,
-    };
-    gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some(label),
-        entries: &[entry(0, true), entry(1, false)],
-    })
 }

@@ -1,6 +1,6 @@
 //! Many rays through a scene, followed on the GPU by a function that can be chosen: what tracers are measured with.
 
-use crate::gpu::{Gpu, UniformBlock, uniform_layout};
+use crate::gpu::{Gpu, UniformBlock, in_and_out_layout, uniform_layout};
 use crate::headless;
 use bytemuck::{Pod, Zeroable};
 use std::time::{Duration, Instant};
@@ -106,7 +106,7 @@ impl<'g> Rays<'g> {
         let device = gpu.device();
         gpu.catch(|| {
             let module_layout = uniform_layout(gpu, label, bytes, stage);
-            let rays_layout = layout(gpu, label);
+            let rays_layout = in_and_out_layout(gpu, label);
             let settings_layout = uniform_layout(gpu, label, 16, stage);
             let layouts = [Some(&module_layout), Some(&rays_layout), Some(&settings_layout)];
             let pipeline = gpu.compute_pipeline(label, &wgsl, "main", &layouts)?;
@@ -167,21 +167,4 @@ impl<'g> Rays<'g> {
         pass.set_bind_group(2, self.settings.group(), &[]);
         pass.dispatch_workgroups(self.size.0 / 8, self.size.1.div_ceil(8), 1);
     }
-}
-
-fn layout(gpu: &Gpu, label: &str) -> wgpu::BindGroupLayout {
-    let entry = |binding, read_only| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
-        count: None,
-    };
-    gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some(label),
-        entries: &[entry(0, true), entry(1, false)],
-    })
 }

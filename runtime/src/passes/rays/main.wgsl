@@ -1,4 +1,4 @@
-// Rays followed by `sf_trace` of the module before, or by whatever TRACE names; with COUNT, what each ray cost.
+// Rays followed by the function that stands for TRACE; `looks` stays zero unless it counts.
 
 struct Ray {
     origin: vec3f,

@@ -29,76 +29,16 @@ pub const METHODS: [(&str, &str); 9] = [
 ];
 
 /// Shared head: `span` is the part of the ray that is looked at.
-const HEAD: &str = "\
-fn traced(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: f32) -> sf_Hit {
-  let span = sf_clip(origin, direction, t_min, t_max);
-  if span.x > span.y {
-    return sf_Hit(t_max, false, 0u);
-  }
-  var t = span.x;
-";
+const HEAD: &str = include_str!("head.wgsl");
 
 /// The field times a number is the step, and says when the ray is there.
-const SCALED: &str = "\
-  for (var step = 1u; step <= 1024u; step++) {
-    let p = origin + direction * t;
-    let tolerance = max(0.5 * footprint * t, 4e-7 * (length(p) + 1.0));
-    let free = SCALE * sf_field(p);
-    if free <= SCALE * tolerance {
-      return sf_Hit(t, true, step);
-    }
-    if t >= span.y {
-      return sf_Hit(t, false, step);
-    }
-    t = min(t + max(free, 0.5 * SCALE * tolerance), span.y);
-  }
-  return sf_Hit(t, false, 1024u);
-}
-";
+const SCALED: &str = include_str!("scaled.wgsl");
 
 /// A step is the bound times OMEGA as long as the spheres overlap, else the bound.
-const RELAXED: &str = "\
-  var omega = OMEGA;
-  var radius = 0.0;
-  var stride = 0.0;
-  for (var step = 1u; step <= 1024u; step++) {
-    let p = origin + direction * t;
-    let tolerance = max(0.5 * footprint * t, 4e-7 * (length(p) + 1.0));
-    let free = sf_bound(p);
-    if stride > radius && stride > radius + free {
-      t += radius - stride;
-      stride = radius;
-      omega = 1.0;
-      continue;
-    }
-    if free <= tolerance {
-      if sf_distance(p) <= tolerance {
-        return sf_Hit(t, true, step);
-      }
-    }
-    if t >= span.y {
-      return sf_Hit(t, false, step);
-    }
-    radius = max(free, 0.5 * tolerance);
-    stride = min(omega * radius, span.y - t);
-    t += stride;
-  }
-  return sf_Hit(t, false, 1024u);
-}
-";
+const RELAXED: &str = include_str!("relaxed.wgsl");
 
 /// As long as the field stays above zero, all steps are the same.
-const FIXED: &str = "\
-  let stride = (span.y - span.x) / 256.0;
-  for (var step = 1u; step <= 257u; step++) {
-    if sf_field(origin + direction * t) <= 0.0 {
-      return sf_Hit(t, true, step);
-    }
-    t += stride;
-  }
-  return sf_Hit(t, false, 257u);
-}
-";
+const FIXED: &str = include_str!("fixed.wgsl");
 
 /// Our tracer with other numbers.
 fn ours(tracer: Tracer) -> String {
