@@ -38,6 +38,7 @@ impl LateBar {
     }
 
     /// Does something while the bar is not seen.
+    #[cfg(feature = "gpu")]
     pub fn hide<T>(&self, work: impl FnOnce() -> T) -> T {
         self.bar.suspend(work)
     }
