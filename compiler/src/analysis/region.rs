@@ -6,6 +6,7 @@ use super::{call_domain, Box3, Constant, Domain, Facts};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId};
+use std::collections::VecDeque;
 
 /// How many boxes the cutting of one region may cost, those of the shapes inside counted in.
 const SLABS: u64 = 160;
@@ -134,26 +135,32 @@ impl Facts {
         let smallest = region.size() / 128.0;
         let mut left = SIFTED;
         let first = self.ran;
-        let mut open = vec![region];
+        // Large parts first: where the budget ends, what is left is around the solid already.
+        let mut open = VecDeque::from([region]);
         let mut kept = Box3::EMPTY;
-        while let Some(part) = open.pop() {
+        while let Some(part) = open.pop_front() {
+            // What is known to be kept already needs no closer look.
+            if kept.hull(&part) == kept {
+                continue;
+            }
             let middle = part.0.map(|i| i.middle());
             let half = part.0.map(|i| i.width() / 2.0);
             let corner = half.iter().map(|h| h * h).sum::<f64>().sqrt();
-            let at = domain.at(Box3(middle.map(Interval::point)));
-            let lowest = self.ranges_of(graph, &tape, &at).last().map_or(f64::NEG_INFINITY, |v| v.lo);
-            if lowest > level + constant.lipschitz * corner * (1.0 + 1e-9) {
+            let middle = Box3(middle.map(Interval::point));
+            let value = self.ranges_of(graph, &tape, &domain.at(middle)).last().copied().unwrap_or(Interval::ALL);
+            if value.lo > level + constant.lipschitz * corner * (1.0 + 1e-9) {
                 continue;
             }
             left -= 1;
-            if left == 0 || self.ran - first > SIFTED_STEPS {
-                return region;
-            }
-            // What is known to be kept already needs no closer look.
-            let inside = kept.hull(&part) == kept;
-            if inside || part.size() <= smallest {
+            if part.size() <= smallest {
                 kept = kept.hull(&part);
                 continue;
+            }
+            if left == 0 || self.ran - first > SIFTED_STEPS {
+                return open.iter().fold(kept.hull(&part), |kept, part| kept.hull(part));
+            }
+            if value.hi <= level {
+                kept = kept.hull(&middle);
             }
             let mut parts = vec![part];
             for axis in 0..3 {
@@ -306,12 +313,16 @@ impl Walk<'_> {
     /// The part of `region` in which a step can be within `target`.
     fn step(&mut self, step: usize, target: Interval, region: Box3) -> Box3 {
         let range = self.range(step);
-        let target = target.intersect(range);
+        let mut target = target.intersect(range);
         if target.is_empty() || region.is_empty() {
             return Box3::EMPTY;
         }
         if target == range || *self.visits == 0 {
             return region;
+        }
+        if target.lo <= range.lo {
+            // Only the upper end says anything: a shape is looked at as closely as where that is all that was asked.
+            target.lo = f64::NEG_INFINITY;
         }
         *self.visits -= 1;
         if target.hi <= 0.0
@@ -371,15 +382,43 @@ impl Walk<'_> {
         Some((j, *first.first()?, *first.get(1)?, *first.get(2)?))
     }
 
+    /// What a step is the lesser of, where that is another step and a number between its ends.
+    fn capped(&self, step: usize) -> Option<(usize, f64)> {
+        let Some(Step::Op(Op::Min, args)) = self.tape.steps.get(step) else { return None };
+        let &[a, b] = args.as_slice() else { return None };
+        let cap = |step: usize| match self.tape.steps.get(step) {
+            Some(Step::Constant(c)) => Some(*c),
+            _ => None,
+        };
+        let (part, cap) = cap(b).map(|c| (a, c)).or_else(|| cap(a).map(|c| (b, c)))?;
+        let range = self.range(part);
+        (range.lo < cap && cap < range.hi).then_some((part, cap))
+    }
+
+    /// The part of `region` in which `other + min(part, cap)` can be within `target`.
+    fn capped_sum(&mut self, other: usize, part: usize, cap: f64, target: Interval, region: Box3) -> Box3 {
+        let low = self.range(part).intersect(Interval::new(f64::NEG_INFINITY, cap));
+        let below = self.step(part, low.intersect(target.sub(self.range(other))), region);
+        let below = self.step(other, target.sub(low), below);
+        let above = self.step(part, Interval::new(cap, f64::INFINITY), region);
+        let above = self.step(other, target.sub(Interval::point(cap)), above);
+        below.hull(&above)
+    }
+
     fn operation(&mut self, op: Op, args: &[usize], target: Interval, region: Box3) -> Box3 {
         let arg = |i: usize| args.get(i).copied().unwrap_or(0);
         let (a, b) = (arg(0), arg(1));
         let (ra, rb) = (self.range(a), self.range(b));
         match op {
-            Op::Add => {
-                let region = self.step(a, target.sub(rb), region);
-                self.step(b, target.sub(ra), region)
-            }
+            Op::Add => match (self.capped(a), self.capped(b)) {
+                // On each side of the kink it is a sum of its own, which says more than the hull of both.
+                (Some((part, cap)), None) => self.capped_sum(b, part, cap, target, region),
+                (None, Some((part, cap))) => self.capped_sum(a, part, cap, target, region),
+                _ => {
+                    let region = self.step(a, target.sub(rb), region);
+                    self.step(b, target.sub(ra), region)
+                }
+            },
             Op::Sub => {
                 let region = self.step(a, target.add(rb), region);
                 self.step(b, ra.sub(target), region)
