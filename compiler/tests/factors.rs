@@ -80,6 +80,26 @@ fn distances_written_out_need_no_factor() {
     }
 }
 
+/// A drawing made solid has its region under a warp too, so that the warp's constant is that of where the solid is.
+#[test]
+fn a_warped_drawing_is_as_steep_as_its_own_size_makes_it() {
+    for (text, most) in [
+        ("prism(6, 1, 2).twist(y, 1)", 2.05),
+        ("regular_polygon(5, 1).extrude(0.5).twist(z, 1)", 2.05),
+        ("star(7, 1, 0.6).extrude(1).twist(z, 2)", 3.4),
+        ("star(5, 1, 0.4).revolve().twist(y, 1)", 2.05),
+        ("star(5, 1, 0.5).extrude(0.4).bend(x, y, 0.5)", 1.6),
+        ("star(5, 1, 0.45).extrude(2).rotate(x, 90deg).translate(0, 1, 0).taper(y, 0, 2, 0.25)", 11.0),
+        ("smooth_union(box(2, 0.5, 0.5), cylinder(0.25, 2.2), 0.3).twist(y, 1.5)", 2.35),
+    ] {
+        let scene = scene(&format!("scene = {text}\n"));
+        assert!(scene.summary.factor <= most, "{text}: {}", scene.summary.factor);
+        for index in 0..scene.graph.factors.len() {
+            assert!(scene.sampled_factor(index, 2048) <= scene.graph.factors[index].lipschitz, "{text}");
+        }
+    }
+}
+
 #[test]
 fn the_same_text_gives_the_same_factors() {
     let path = format!("{}/../tests/corpus/formulas/schwarz_d.sdf", env!("CARGO_MANIFEST_DIR"));
