@@ -4,7 +4,9 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::functions::{Functions, Summary};
 use crate::graph::algebra::Reals;
 use crate::graph::{multiple_of, Graph, Leaf, NodeId, Proof, ShapeId};
+use crate::images::EnvironmentFile;
 use crate::physics::{BallsNodes, PhysicsNodes};
+use crate::reference::shade;
 use crate::source::{Sources, Span};
 use crate::syntax::ast::Type;
 use std::rc::Rc;
@@ -335,6 +337,8 @@ pub struct Frame {
     pub lights: Vec<Light>,
     /// What surrounds the scene.
     pub sky: Sky,
+    /// Whether images stand for it.
+    pub has_environment: bool,
     /// How far occlusion reaches and how strong it is, 0 to 1.
     pub ambient_occlusion: (f64, f64),
     /// Whether there are shadows at all.
@@ -345,7 +349,12 @@ pub struct Frame {
     pub extent: f64,
     /// Exposure in stops.
     pub exposure: f64,
+    /// How often a mirrored ray is followed through the field, 0 to [`MAX_BOUNCES`].
+    pub reflections: u32,
 }
+
+/// A ray is mirrored at most so often.
+pub const MAX_BOUNCES: u32 = 8;
 
 /// Entries of the scene's blocks, as nodes over parameters and time.
 #[derive(Clone, Debug, Default)]
@@ -356,6 +365,10 @@ pub struct SceneBlocks {
     pub lights: Vec<LightNodes>,
     /// Zenith and horizon.
     pub sky: Option<([NodeId; 3], [NodeId; 3])>,
+    /// Images that stand for the sky; where they can't be had the sky is that of a scene that names none.
+    pub environment: Option<EnvironmentFile>,
+    /// How often a mirrored ray is followed; none or a constant 0: never.
+    pub reflections: Option<NodeId>,
     /// Reach and strength.
     pub ambient_occlusion: Option<(NodeId, NodeId)>,
     /// A condition.
@@ -566,17 +579,19 @@ impl Compiled {
             .collect();
         let sky = match &blocks.sky {
             Some((zenith, horizon)) => Sky { zenith: three(zenith), horizon: three(horizon) },
-            None => Sky { zenith: [0.24, 0.39, 0.63], horizon: [0.8, 0.86, 0.91] },
+            None => shade::PLAIN_SKY,
         };
         Frame {
             cameras,
             lights,
             sky,
+            has_environment: blocks.environment.is_some(),
             ambient_occlusion: blocks.occlusion(&self.graph, live),
             shadows: blocks.shadows.is_none_or(|s| one(s) != 0.0),
             max_distance: blocks.max_distance.map_or(100.0, |d| one(d).max(1e-3)),
             extent: blocks.extent,
             exposure: blocks.exposure.map_or(0.0, one),
+            reflections: blocks.reflections.map_or(0.0, one).round().clamp(0.0, f64::from(MAX_BOUNCES)) as u32,
         }
     }
 }

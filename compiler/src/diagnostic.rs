@@ -198,6 +198,9 @@ codes! {
     NotDrawn, "not-drawn", Warning,
         "Understood and checked, but not drawn yet.",
         "mesh m \"a.obj\" { }\nscene = sphere(1)";
+    BadImage, "bad-image", Error,
+        "An image that can't be read, is broken, or is too large. Whoever draws the scene says so; the rest of it is drawn. A cubemap is a folder with px, nx, py, ny, pz and nz, squares of one size; all images are PNG, JPEG or HDR.",
+        "";
     ExtentUsed, "extent-used", Warning,
         "A formula without a bound over all space: it is proven and drawn within the scene's extent, which `render { extent: … }` sets.",
         "";

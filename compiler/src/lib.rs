@@ -9,6 +9,7 @@ pub mod evaluate;
 pub mod factors;
 pub mod functions;
 pub mod graph;
+pub mod images;
 pub mod physics;
 pub mod pipeline;
 pub mod program;

@@ -23,7 +23,10 @@ use surefoot_compiler::{Loader, MemoryLoader, Options, Outcome};
 
 /// Codes that no program of the corpus triggers, and why.
 const WITHOUT_A_PROGRAM: &[(Code, &str)] =
-    &[(Code::NotDrawn, "what it speaks of changes with what is drawn")];
+    &[
+        (Code::NotDrawn, "what it speaks of changes with what is drawn"),
+        (Code::BadImage, "who draws reads the images"),
+    ];
 
 /// Files below a folder.
 struct Folder(PathBuf);

@@ -4,6 +4,14 @@
 
 const STUB: &str = include_str!("scene_pass/stub.wgsl");
 const BASE: &str = include_str!("../../runtime/src/passes/scene/base.wgsl");
+const SKY: [&str; 2] = [
+    include_str!("../../runtime/src/passes/scene/sky_gradient.wgsl"),
+    include_str!("../../runtime/src/passes/scene/sky_images.wgsl"),
+];
+const REFLECTIONS: [&str; 2] = [
+    include_str!("../../runtime/src/passes/scene/reflections.wgsl"),
+    include_str!("../../runtime/src/passes/scene/no_reflections.wgsl"),
+];
 const LIGHT: &str = include_str!("../../runtime/src/passes/scene/light.wgsl");
 const SHADOW: [&str; 2] = [
     include_str!("../../runtime/src/passes/scene/shadow.wgsl"),
@@ -44,7 +52,9 @@ fn every_combination_of_sections_is_valid() {
         }
         for shadow in SHADOW {
             for occlusion in OCCLUSION {
-                validate(&[STUB, BASE, LIGHT, shadow, occlusion, SHADED, output]);
+                for (sky, reflections) in SKY.iter().flat_map(|sky| REFLECTIONS.map(|r| (sky, r))) {
+                    validate(&[STUB, BASE, sky, LIGHT, reflections, shadow, occlusion, SHADED, output]);
+                }
             }
         }
     }

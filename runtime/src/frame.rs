@@ -7,6 +7,7 @@ use crate::physics::Physics;
 use crate::view::View;
 use std::sync::{Mutex, PoisonError};
 use surefoot_compiler::compiled::{Compiled, Live};
+use surefoot_compiler::images::Images;
 
 /// A pass by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -34,6 +35,8 @@ pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
     let parts = [
         (features.shadows, "a light throws shadows"),
         (features.occlusion, "corners are kept from the sky's light"),
+        (features.environment, "images stand for the sky"),
+        (features.reflections, "mirrored rays are followed"),
         (features.depth, "balls are drawn after it"),
     ];
     let reasons: Vec<&str> = parts.into_iter().filter(|(on, _)| *on).map(|(_, why)| why).collect();
@@ -104,6 +107,11 @@ impl Picture {
         view: &View,
     ) -> bool {
         self.scene.update(queue, compiled, live, view)
+    }
+
+    /// Shows the images that the scene names, as far as they could be read; until then it is drawn with the sky of a scene that names none.
+    pub fn show_images(&mut self, images: &Images) {
+        self.scene.show_images(&self.gpu, images);
     }
 
     /// Shows the scene's balls as they are now, or none. Nothing happens where the scene has none.

@@ -3,6 +3,7 @@
 pub mod frame;
 pub mod gpu;
 pub mod headless;
+pub mod images;
 pub mod live;
 pub mod passes;
 pub mod physics;

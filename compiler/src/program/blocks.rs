@@ -34,7 +34,7 @@ impl SceneBlocks {
         if let Some((reach, strength)) = self.ambient_occlusion {
             nodes.extend([reach, strength]);
         }
-        nodes.extend(self.shadows.iter().chain(&self.max_distance).chain(&self.exposure));
+        nodes.extend(self.shadows.iter().chain(&self.max_distance).chain(&self.exposure).chain(&self.reflections));
         nodes.extend(self.physics.iter().flat_map(PhysicsNodes::nodes));
         nodes.extend(self.balls.iter().flat_map(BallsNodes::nodes));
         nodes
@@ -456,7 +456,7 @@ impl Elaborator<'_> {
             }
             BlockKind::Environment => {
                 if let Some(sky) = entry("sky") {
-                    blocks.sky = self.sky(sky, &env)?;
+                    self.sky(sky, &env, blocks)?;
                 }
                 for key in ["capture", "size"] {
                     if let Some(expr) = entry(key) {
@@ -481,7 +481,7 @@ impl Elaborator<'_> {
         Ok(())
     }
 
-    fn not_drawn(&mut self, span: Span, what: &str) {
+    pub(super) fn not_drawn(&mut self, span: Span, what: &str) {
         self.warn(
             Code::NotDrawn,
             span,
@@ -523,13 +523,8 @@ impl Elaborator<'_> {
             }
         }
         if let Some(expr) = entry("reflections") {
-            let count = self
-                .expression(expr, env)
-                .and_then(|v| self.coerce(v, &Type::Int, expr.span, env))
-                .and_then(|v| self.to_number(&v, expr.span, env));
-            match count {
-                Ok(node) if self.graph.as_constant(node) == Some(0.0) => {}
-                Ok(_) => self.not_drawn(expr.span, "reflections"),
+            match self.reflections(expr, env) {
+                Ok(node) => blocks.reflections = Some(node),
                 Err(Stop) => ok = false,
             }
         }
@@ -668,7 +663,7 @@ impl Elaborator<'_> {
         Ok([a, b, c])
     }
 
-    fn color_entry(
+    pub(super) fn color_entry(
         &mut self,
         expr: Option<&Expr>,
         env: &Env,
@@ -751,53 +746,6 @@ impl Elaborator<'_> {
             "this is no kind of shadow",
             "write `none`, `hard`, `soft(16)` or `map`",
         ))
-    }
-
-    /// A colour, `gradient(zenith, horizon)`, `cubemap("folder/")` or `equirect("file")`.
-    fn sky(
-        &mut self,
-        expr: &Expr,
-        env: &Env,
-    ) -> Elaborated<Option<([NodeId; 3], [NodeId; 3])>> {
-        if let ExprKind::Call(callee, args) = &expr.kind
-            && let ExprKind::Name(name) = &callee.kind
-        {
-            match (name.as_str(), args.as_slice()) {
-                ("gradient", [zenith, horizon]) => {
-                    let zenith = self.color_entry(Some(&zenith.value), env, [0.0; 3]);
-                    let horizon = self.color_entry(Some(&horizon.value), env, [0.0; 3]);
-                    return Ok(Some((zenith?, horizon?)));
-                }
-                ("gradient", _) => {
-                    return Err(self.error(
-                        Code::MissingArgument,
-                        expr.span,
-                        "`gradient` needs two colours",
-                        "write `gradient(#87a7d0, #e8eef5)`: straight up, and at the horizon",
-                    ));
-                }
-                ("cubemap" | "equirect", [file]) => {
-                    return match self.expression(&file.value, env)? {
-                        Value::Text(_) => {
-                            self.not_drawn(expr.span, name);
-                            Ok(None)
-                        }
-                        other => {
-                            let found = other.describe(self);
-                            Err(self.error(
-                                Code::TypeMismatch,
-                                file.value.span,
-                                format!("the name of a file is needed here, and this is {found}"),
-                                format!("write `{name}(\"sky\")`"),
-                            ))
-                        }
-                    };
-                }
-                _ => {}
-            }
-        }
-        let color = self.color_entry(Some(expr), env, [0.0; 3])?;
-        Ok(Some((color, color)))
     }
 }
 

@@ -10,6 +10,7 @@ pub mod expression;
 pub mod load;
 pub mod physics;
 pub mod repeat;
+mod surroundings;
 pub mod value;
 
 use crate::analysis::Facts;

@@ -12,11 +12,13 @@ use crate::compiled::{Camera, Compiled, Frame, Live};
 use crate::emit::tracer::Tracer;
 use crate::evaluate::{Tape, TooLarge};
 use crate::graph::{Function, NodeId};
+use crate::images::{Cube, Images};
 use camera::Basis;
 use march::{Look, Ray, Scene, at_points, march};
-use shade::{Seen, Shading, SurfaceValues};
+use shade::{Leaving, Seen, Shading, SurfaceValues};
 use std::cell::Cell;
-use vector::{Vec3, add, along, length, scale, unit};
+use std::sync::Arc;
+use vector::{Vec3, add, along, length, mul, scale, sub, unit};
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -115,6 +117,8 @@ pub struct Reference {
     both: Tape,
     gradient: Option<Tape>,
     surface: Tape,
+    /// What stands for the sky, where images do.
+    cube: Option<Arc<Cube>>,
 }
 
 impl Reference {
@@ -138,7 +142,14 @@ impl Reference {
             both: tape(&[bound, distance])?,
             gradient: slopes.map(|slopes| tape(&slopes)).transpose()?,
             surface: tape(&[r, g, b, er, eg, eb, s.roughness, s.metallic, s.reflectivity])?,
+            cube: None,
         })
+    }
+
+    /// The same with the images that the scene names.
+    pub fn with_images(mut self, images: &Images) -> Self {
+        self.cube = images.environment.clone();
+        self
     }
 
     /// What the formulas say: negative inside.
@@ -324,7 +335,7 @@ impl Reference {
         view: View,
         area: Area,
     ) -> Vec<[f32; 4]> {
-        let shading = Shading::of(frame);
+        let shading = Shading::of(frame, self.cube.clone());
         let basis = Basis::of(camera);
         let mut pixels = vec![[0.0; 4]; area.width as usize * area.height as usize];
         for top in (0..area.height).step_by(BLOCK as usize) {
@@ -364,12 +375,7 @@ impl Reference {
         footprint: f64,
     ) -> Vec<[f32; 4]> {
         let hits = self.trace(rays, footprint, frame.extent);
-        let met: Vec<(usize, &Ray, &Hit)> = rays
-            .iter()
-            .zip(&hits)
-            .enumerate()
-            .filter_map(|(i, (ray, hit))| hit.hit.then_some((i, ray, hit)))
-            .collect();
+        let met = numbered(rays, &hits);
         let mut colors: Vec<Vec3> = match view {
             View::Shaded => {
                 rays.iter().map(|r| shading.develop(shading.sky(r.direction))).collect()
@@ -415,14 +421,52 @@ impl Reference {
         met.iter().zip(&points).zip(&gradients).map(seen).collect()
     }
 
-    /// The light of places, developed.
-    fn light(
-        &self,
-        frame: &Frame,
-        shading: &Shading,
-        places: &[Seen],
-        footprint: f64,
-    ) -> Vec<Vec3> {
+    /// The light of places, developed: what leaves them, with what they mirror.
+    fn light(&self, frame: &Frame, shading: &Shading, places: &[Seen], footprint: f64) -> Vec<Vec3> {
+        let mut lights = vec![[0.0; 3]; places.len()];
+        // Of each ray that is still followed: its pixel, how much of what it meets arrives, and what it met.
+        let mut met: Vec<(usize, Vec3, Seen)> = places.iter().enumerate().map(|(i, seen)| (i, [1.0; 3], *seen)).collect();
+        for bounce in 0..=frame.reflections {
+            let mut rays: Vec<Ray> = Vec::new();
+            let mut of: Vec<(usize, Vec3, f64)> = Vec::new();
+            let seen: Vec<Seen> = met.iter().map(|(.., seen)| *seen).collect();
+            for ((pixel, weight, seen), leaving) in met.iter().zip(self.leaving(frame, shading, &seen, footprint)) {
+                let Some(light) = lights.get_mut(*pixel) else { continue };
+                // What the eye itself sees is lost below.
+                let lost = if bounce == 0 { 0.0 } else { shading.lost(seen) };
+                *light = add(*light, mul(scale(*weight, lost), shading.sky(seen.direction)));
+                let weight = scale(*weight, 1.0 - lost);
+                let share = mul(weight, leaving.share);
+                let followed = if bounce < frame.reflections { shade::followed(leaving.roughness, share) } else { 0.0 };
+                let rest = scale(share, (1.0 - followed) * leaving.occlusion);
+                let mirrored = mul(rest, shading.mirror(leaving.mirror, leaving.roughness));
+                *light = add(*light, add(mul(weight, leaving.light), mirrored));
+                if followed > 0.0 {
+                    let off = shade::shadow_offset(seen.point, seen.t, footprint);
+                    // As if the ray came straight from the eye: pixels grow with the whole way.
+                    let start = add(seen.point, scale(seen.normal, off));
+                    let origin = sub(start, scale(leaving.mirror, seen.t));
+                    let (t_min, t_max) = (seen.t + off, frame.max_distance);
+                    rays.push(Ray { origin, direction: leaving.mirror, t_min, t_max });
+                    of.push((*pixel, scale(share, followed), leaving.roughness));
+                }
+            }
+            let hits = self.trace(&rays, footprint, frame.extent);
+            met.clear();
+            let mut places = self.places(&numbered(&rays, &hits)).into_iter();
+            for ((&(pixel, weight, roughness), ray), hit) in of.iter().zip(&rays).zip(&hits) {
+                if hit.hit {
+                    met.extend(places.next().map(|seen| (pixel, weight, seen)));
+                } else if let Some(light) = lights.get_mut(pixel) {
+                    *light = add(*light, mul(weight, shading.beyond(ray.direction, roughness)));
+                }
+            }
+        }
+        lights.iter().zip(places).map(|(light, seen)| shading.develop(shading.haze(*light, seen))).collect()
+    }
+
+    /// What leaves places toward where they are seen from.
+    fn leaving(&self, frame: &Frame, shading: &Shading, places: &[Seen], footprint: f64) -> Vec<Leaving> {
         let surfaces = self.surfaces(places);
         let (reach, strength) = frame.ambient_occlusion;
         let occlusion = self.occlusion(places, reach, strength);
@@ -449,16 +493,15 @@ impl Reference {
                 }
             }
         }
-        places
-            .iter()
-            .zip(&surfaces)
-            .zip(occlusion.iter().zip(&lit))
-            .map(|((seen, surface), (&occlusion, lit))| {
-                let light = shading.shade(seen, surface, occlusion, lit);
-                shading.develop(shading.haze(light, seen))
-            })
-            .collect()
+        let all = places.iter().zip(&surfaces).zip(occlusion.iter().zip(&lit));
+        all.map(|((seen, surface), (&occlusion, lit))| shading.leaving(seen, surface, occlusion, lit)).collect()
     }
+}
+
+/// The rays that met something, with their numbers.
+fn numbered<'a>(rays: &'a [Ray], hits: &'a [Hit]) -> Vec<(usize, &'a Ray, &'a Hit)> {
+    let all = rays.iter().zip(hits).enumerate();
+    all.filter_map(|(i, (ray, hit))| hit.hit.then_some((i, ray, hit))).collect()
 }
 
 /// Colours as bytes: red, green, blue of each pixel.

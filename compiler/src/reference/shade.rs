@@ -10,7 +10,9 @@
 
 use super::vector::{Vec3, add, cross, dot, length, mix, mul, scale, smooth, sub, unit};
 use crate::compiled::{Frame, Light, LightKind, Shadow, Sky};
+use crate::images::Cube;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// The most lights that a picture takes; those beyond are left out.
 pub const MAX_LIGHTS: usize = 16;
@@ -73,10 +75,11 @@ pub struct Arriving {
     pub radiance: Vec3,
 }
 
-/// The lights of a moment, at most [`MAX_LIGHTS`]. A scene without any is lit by a warm one from the upper left, its shadow soft.
+/// The lights of a moment, at most [`MAX_LIGHTS`]. A scene without any is lit by a warm one from the upper left, its shadow soft; one whose
+/// sky is an image, by that alone.
 pub fn lamps(frame: &Frame) -> Vec<Lamp> {
     let key = [default_light()];
-    let lights = if frame.lights.is_empty() { &key[..] } else { &frame.lights[..] };
+    let lights = if frame.lights.is_empty() && !frame.has_environment { &key[..] } else { &frame.lights[..] };
     lights
         .iter()
         .take(MAX_LIGHTS)
@@ -105,6 +108,20 @@ pub fn ground(frame: &Frame, lamps: &[Lamp]) -> Vec3 {
     far.fold(scale(frame.sky.horizon, GROUND.0), |sum, lamp| {
         add(sum, scale(lamp.radiance, GROUND.1 * lamp.vector[1].max(0.0)))
     })
+}
+
+/// The sky of a scene that says nothing of it.
+pub const PLAIN_SKY: Sky = Sky { zenith: [0.24, 0.39, 0.63], horizon: [0.8, 0.86, 0.91] };
+
+/// The same as an image, for a scene whose own can't be had.
+pub fn plain_sky() -> Cube {
+    Cube::of_directions(16, |d| gradient(&PLAIN_SKY, d))
+}
+
+/// The radiance of a sky of two colours: flat at the horizon, so that it is soft.
+fn gradient(sky: &Sky, direction: Vec3) -> Vec3 {
+    let s = direction[1].max(0.0);
+    mix(sky.horizon, sky.zenith, 1.2 * s * s / (s * s + 0.2))
 }
 
 /// The light of a scene that has none.
@@ -188,6 +205,8 @@ fn component(v: Vec3, i: usize) -> f64 {
 pub struct Shading {
     /// The sky.
     pub sky: Sky,
+    /// What stands for it, where it is an image.
+    pub cube: Option<Arc<Cube>>,
     /// The lights.
     pub lamps: Vec<Lamp>,
     /// What the ground throws back of the light from above.
@@ -200,12 +219,28 @@ pub struct Shading {
     pub extent: f64,
 }
 
+/// What leaves a surface toward the eye.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leaving {
+    /// But for what it mirrors of its surroundings.
+    pub light: Vec3,
+    /// The share of its surroundings that it mirrors.
+    pub share: Vec3,
+    /// How much of the sky's light arrives.
+    pub occlusion: f64,
+    /// Where what it mirrors comes from.
+    pub mirror: Vec3,
+    /// As a mirror's.
+    pub roughness: f64,
+}
+
 impl Shading {
-    /// Of a moment.
-    pub fn of(frame: &Frame) -> Self {
+    /// Of a moment. `cube` stands for the sky of a scene that names images.
+    pub fn of(frame: &Frame, cube: Option<Arc<Cube>>) -> Self {
         let lamps = lamps(frame);
         Self {
             sky: frame.sky,
+            cube: cube.filter(|_| frame.has_environment),
             ground: ground(frame, &lamps),
             lamps,
             exposure: frame.exposure.exp2(),
@@ -214,10 +249,12 @@ impl Shading {
         }
     }
 
-    /// The sky's radiance in a direction: flat at the horizon, so that it is soft.
+    /// The sky's radiance in a direction.
     pub fn sky(&self, direction: Vec3) -> Vec3 {
-        let s = direction[1].max(0.0);
-        mix(self.sky.horizon, self.sky.zenith, 1.2 * s * s / (s * s + 0.2))
+        if let Some(cube) = &self.cube {
+            return cube.sharp(direction);
+        }
+        gradient(&self.sky, direction)
     }
 
     /// The mean of sky and ground over the half of all directions about one, weighted toward it.
@@ -227,8 +264,27 @@ impl Shading {
         mix(self.ground, sky, above)
     }
 
-    /// What a mirror of some roughness sees in a direction.
-    fn mirror(&self, direction: Vec3, roughness: f64) -> Vec3 {
+    /// What a matte surface sees of the sky.
+    fn matte(&self, normal: Vec3) -> Vec3 {
+        match &self.cube {
+            Some(cube) => cube.matte(normal),
+            None => scale(self.around(normal), FILL),
+        }
+    }
+
+    /// What a mirror of some roughness sees in a direction where it is known that nothing stands there.
+    pub fn beyond(&self, direction: Vec3, roughness: f64) -> Vec3 {
+        match &self.cube {
+            Some(cube) => cube.glossy(direction, roughness),
+            None => self.sky(direction),
+        }
+    }
+
+    /// What a mirror of some roughness sees in a direction, where nothing is known of what stands there.
+    pub fn mirror(&self, direction: Vec3, roughness: f64) -> Vec3 {
+        if let Some(cube) = &self.cube {
+            return cube.glossy(direction, roughness);
+        }
         let width = 0.1 + 0.7 * roughness;
         let above = smooth(-width, 0.6 * width, direction[1]);
         let sharp = mix(self.ground, self.sky(direction), above);
@@ -251,33 +307,36 @@ impl Shading {
         (dot(normal, arriving.direction) > 0.0).then_some(arriving)
     }
 
-    /// The light that leaves a surface toward the eye. `lit` says of each lamp how much of it arrives, 0 to 1; `occlusion` says so of
-    /// the sky.
-    pub fn shade(&self, seen: &Seen, surface: &SurfaceValues, occlusion: f64, lit: &[f64]) -> Vec3 {
+    /// What leaves a surface toward the eye. `lit` says of each lamp how much of it arrives, 0 to 1; `occlusion` says so of the sky.
+    pub fn leaving(&self, seen: &Seen, surface: &SurfaceValues, occlusion: f64, lit: &[f64]) -> Leaving {
         let answer = Answer::of(surface);
         let n = seen.normal;
         let v = scale(seen.direction, -1.0);
         let nv = dot(n, v).clamp(1e-3, 1.0);
         let share = answer.mirror_share(nv);
         let mirror = add(seen.direction, scale(n, -2.0 * dot(seen.direction, n)));
-        let scattered = mul(sub([1.0; 3], share), mul(answer.diffuse, scale(self.around(n), FILL)));
-        let mirrored = mul(share, self.mirror(mirror, answer.roughness));
-        let mut light = add(surface.emission, scale(add(scattered, mirrored), occlusion));
+        let scattered = mul(sub([1.0; 3], share), mul(answer.diffuse, self.matte(n)));
+        let mut light = add(surface.emission, scale(scattered, occlusion));
         for (lamp, &lit) in self.lamps.iter().zip(lit) {
             if let Some(arriving) = self.arriving(lamp, seen.point, n) {
                 let share = answer.reflect(n, v, arriving.direction);
                 light = add(light, scale(mul(arriving.radiance, share), lit));
             }
         }
-        light
+        Leaving { light, share, occlusion, mirror, roughness: answer.roughness }
     }
 
-    /// The light of a surface as the eye sees it through the air: near the ends of the scene it goes over into the sky, so that an
-    /// endless plane has no rim.
-    pub fn haze(&self, light: Vec3, seen: &Seen) -> Vec3 {
+    /// How much of a surface is lost in the air: near the ends of the scene it goes over into the sky, so that an endless plane has no
+    /// rim.
+    pub fn lost(&self, seen: &Seen) -> f64 {
         let far = smooth(0.5, 1.0, seen.t / self.max_distance);
         let out = smooth(0.85, 1.0, length(seen.point) / self.extent);
-        mix(light, self.sky(seen.direction), far.max(out))
+        far.max(out)
+    }
+
+    /// The light of a surface as the eye sees it through the air.
+    pub fn haze(&self, light: Vec3, seen: &Seen) -> Vec3 {
+        mix(light, self.sky(seen.direction), self.lost(seen))
     }
 
     /// Linear light to a screen's colour, each component 0 to 1, sRGB-encoded.
@@ -298,7 +357,14 @@ pub fn encode(linear: f64) -> f64 {
     if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// How far off the surface, along its normal, a shadow's ray starts. `point` is seen from the scene's origin, `t` is how far it is from the eye,
+/// How much of what a surface mirrors is followed: all of a polished one's, nothing of a rough one's or where too little arrives to be
+/// seen. `share` is what arrives of it at the eye.
+pub fn followed(roughness: f64, share: Vec3) -> f64 {
+    let most = share.iter().fold(0.0, |most: f64, s| most.max(*s));
+    (1.0 - smooth(0.25, 0.5, roughness)) * smooth(0.01, 0.03, most)
+}
+
+/// How far off the surface, along its normal, a ray starts that leaves it. `point` is seen from the scene's origin, `t` is how far it is from the eye,
 /// `footprint` the width of a pixel at distance one.
 pub fn shadow_offset(point: Vec3, t: f64, footprint: f64) -> f64 {
     3.0 * (0.5 * footprint * t).max(4e-6 * (length(point) + 1.0))

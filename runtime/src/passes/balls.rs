@@ -2,7 +2,8 @@
 
 mod shadow;
 
-use super::scene::{Features, SceneUniforms, ViewMode};
+use super::scene::{Features, ViewMode};
+use super::surroundings;
 use crate::gpu::{Gpu, PipelineKey, uniform_layout};
 use crate::physics::Physics;
 use bytemuck::{Pod, Zeroable};
@@ -61,7 +62,7 @@ impl BallsPipeline {
             };
             let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
             let module = uniform_layout(gpu, "surefoot scene", u64::from(compiled.module.uniform_size), stage);
-            let scene = uniform_layout(gpu, "surefoot scene", size_of::<SceneUniforms>() as u64, stage);
+            let scene = surroundings::layout(gpu, features);
             let entry = |binding| wgpu::BindGroupLayoutEntry {
                 binding,
                 visibility: stage,

@@ -5,6 +5,7 @@ pub mod evaluate;
 mod pipeline;
 pub mod rays;
 pub mod scene;
+mod surroundings;
 
 pub use balls::BallsPipeline;
 pub use pipeline::ScenePipeline;

@@ -2,17 +2,22 @@
 
 use super::balls::BallsPipeline;
 use super::scene::{Features, SceneUniforms, ViewMode};
+use super::surroundings::{self, SceneGroup};
 use crate::gpu::{Gpu, PipelineKey, UniformBlock, uniform_layout};
 use crate::view::View;
 use surefoot_compiler::compiled::{Compiled, Live, UniformSource};
+use surefoot_compiler::images::Images;
 
 /// A compiled scene as a pipeline. Its uniforms change; it itself does not.
 #[derive(Debug)]
 pub struct ScenePipeline {
     pipeline: wgpu::RenderPipeline,
     module: UniformBlock,
-    scene: UniformBlock,
+    scene: SceneGroup,
+    features: Features,
     srgb_target: bool,
+    /// Whether images were shown since the last update.
+    fresh: bool,
     balls: Option<BallsPipeline>,
     /// The newest view.
     view: Option<View>,
@@ -35,7 +40,6 @@ impl ScenePipeline {
         let label = "surefoot scene";
         let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let module_size = u64::from(compiled.module.uniform_size);
-        let scene_size = size_of::<SceneUniforms>() as u64;
         let key = PipelineKey {
             wgsl: format!("{}\n{}", compiled.module.code(), features.wgsl()),
             constants: Vec::new(),
@@ -50,7 +54,7 @@ impl ScenePipeline {
         };
         gpu.catch(|| {
             let module_layout = uniform_layout(gpu, label, module_size, stage);
-            let scene_layout = uniform_layout(gpu, label, scene_size, stage);
+            let scene_layout = surroundings::layout(gpu, features);
             // The same layout, bound or built again, is the same to wgpu: a pipeline that was kept fits.
             let shadows = balls.as_ref().and_then(BallsPipeline::shadow_layout);
             let layouts = [Some(&module_layout), Some(&scene_layout), None, shadows];
@@ -59,8 +63,10 @@ impl ScenePipeline {
             Ok(Self {
                 pipeline,
                 module: UniformBlock::new(gpu, label, &module_layout, module_size),
-                scene: UniformBlock::new(gpu, label, &scene_layout, scene_size),
+                scene: SceneGroup::new(gpu, features, scene_layout),
+                features,
                 srgb_target: format.is_srgb(),
+                fresh: false,
                 balls,
                 view: None,
             })
@@ -80,9 +86,17 @@ impl ScenePipeline {
         let View { camera, size, corner } = *view;
         let uniforms = SceneUniforms::new(&frame, &camera, origin, size, corner, self.srgb_target);
         let module = self.module.write(queue, &compiled.uniform_bytes(live, origin));
-        let scene = self.scene.write(queue, bytemuck::bytes_of(&uniforms));
+        let scene = self.scene.write(queue, &uniforms);
         self.view = Some(*view);
-        module || scene
+        std::mem::take(&mut self.fresh) || module || scene
+    }
+
+    /// Shows the images that the scene names, as far as they could be read.
+    pub fn show_images(&mut self, gpu: &Gpu, images: &Images) {
+        if let Some(cube) = images.environment.as_ref().filter(|_| self.features.environment) {
+            self.scene.show(gpu, cube);
+            self.fresh = true;
+        }
     }
 
     /// What draws the balls, where the scene has some.

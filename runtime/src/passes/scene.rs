@@ -21,6 +21,10 @@ pub struct Features {
     pub shadows: bool,
     /// Whether the sky's light is kept from corners.
     pub occlusion: bool,
+    /// Whether images stand for the sky.
+    pub environment: bool,
+    /// Whether mirrored rays are followed through the field.
+    pub reflections: bool,
     /// Whether the depth is written too, for triangles that are rasterised after.
     pub depth: bool,
 }
@@ -32,9 +36,10 @@ impl Features {
         let blocks = &compiled.blocks;
         let shaded = view == ViewMode::Shaded;
         let off = blocks.shadows.and_then(constant) == Some(0.0);
-        // A scene without lights is lit by one that throws a shadow.
+        // A scene without lights is lit by one that throws a shadow, or by its images.
+        let unlit = blocks.lights.is_empty() && blocks.environment.is_none();
         let thrown =
-            blocks.lights.is_empty() || blocks.lights.iter().any(|l| l.shadow.0 != Shadow::None);
+            unlit || blocks.lights.iter().any(|l| l.shadow.0 != Shadow::None);
         let nothing = |(reach, strength)| {
             constant(reach).is_some_and(|r| r <= 0.0)
                 || constant(strength).is_some_and(|s| s <= 0.0)
@@ -43,6 +48,8 @@ impl Features {
             view,
             shadows: shaded && thrown && !off,
             occlusion: shaded && !blocks.ambient_occlusion.is_some_and(nothing),
+            environment: shaded && blocks.environment.is_some(),
+            reflections: shaded && blocks.reflections.is_some_and(|n| constant(n) != Some(0.0)),
             depth: Self::draws_balls(compiled, view),
         }
     }
@@ -74,7 +81,15 @@ impl Features {
     pub(super) fn shading(&self) -> Vec<&'static str> {
         let mut sections = vec![include_str!("scene/base.wgsl")];
         if self.view == ViewMode::Shaded {
+            sections.push(match self.environment {
+                true => include_str!("scene/sky_images.wgsl"),
+                false => include_str!("scene/sky_gradient.wgsl"),
+            });
             sections.push(include_str!("scene/light.wgsl"));
+            sections.push(match self.reflections {
+                true => include_str!("scene/reflections.wgsl"),
+                false => include_str!("scene/no_reflections.wgsl"),
+            });
             sections.extend(match (self.shadows, self.depth) {
                 (true, true) => vec![include_str!("balls/cast.wgsl"), include_str!("balls/lit.wgsl")],
                 (true, false) => vec![include_str!("scene/shadow.wgsl")],
@@ -153,8 +168,8 @@ uniforms! {
         corner: [f32; 2],
         size: [f32; 2],
         srgb_target: u32,
-        padding_a: u32,
-        padding_b: [f32; 2],
+        reflections: u32,
+        padding: [f32; 2],
         lights: [SceneLight; MAX_LIGHTS],
     }
 }
@@ -203,8 +218,8 @@ impl SceneUniforms {
             corner,
             size,
             srgb_target: u32::from(srgb_target),
-            padding_a: 0,
-            padding_b: [0.0; 2],
+            reflections: frame.reflections,
+            padding: [0.0; 2],
             lights,
         }
     }

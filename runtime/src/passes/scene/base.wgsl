@@ -42,8 +42,9 @@ struct SceneUniforms {
     size: vec2f,
     // 1 where the target itself encodes linear colours as sRGB.
     srgb_target: u32,
-    padding_a: u32,
-    padding_b: vec2f,
+    // A mirrored ray is followed at most so often.
+    reflections: u32,
+    padding: vec2f,
     lights: array<SceneLight, 16>,
 }
 
@@ -83,17 +84,6 @@ fn scene_normal(p: vec3f, direction: vec3f) -> vec3f {
 fn scene_smooth(low: f32, high: f32, x: f32) -> f32 {
     let s = clamp((x - low) / (high - low), 0.0, 1.0);
     return s * s * (3.0 - 2.0 * s);
-}
-
-// How much of the way from horizon to zenith the sky has gone at a height -1..1: flat at the horizon, so that it is soft.
-fn scene_height(y: f32) -> f32 {
-    let s = max(y, 0.0);
-    return 1.2 * s * s / (s * s + 0.2);
-}
-
-// The sky's radiance.
-fn scene_sky(direction: vec3f) -> vec3f {
-    return mix(scene.horizon, scene.zenith, scene_height(direction.y));
 }
 
 // Linear to sRGB (IEC 61966-2-1).

@@ -12,23 +12,6 @@ fn scene_develop(light: vec3f) -> vec3f {
 }
 
 const SCENE_FILM_SPEED: f32 = 0.8;
-// The share of the sky's light that a matte surface gets: less than all of it, so that lights model the shapes.
-const SCENE_FILL: f32 = 0.48;
-
-// The mean of sky and ground over the half of all directions about one, weighted toward it.
-fn scene_around(direction: vec3f) -> vec3f {
-    let above = scene_smooth(-0.8, 0.8, direction.y);
-    let sky = mix(scene.horizon, scene.zenith, 0.25 + 0.5 * above);
-    return mix(scene.ground, sky, above);
-}
-
-// What a mirror of some roughness sees in a direction.
-fn scene_mirror(direction: vec3f, roughness: f32) -> vec3f {
-    let width = 0.1 + 0.7 * roughness;
-    let above = scene_smooth(-width, 0.6 * width, direction.y);
-    let sharp = mix(scene.ground, scene_sky(direction), above);
-    return mix(sharp, scene_around(direction), roughness);
-}
 
 // A surface's answer to light.
 struct SceneAnswer {
@@ -77,19 +60,23 @@ fn scene_mirror_share(mirrored: vec3f, roughness: f32, nv: f32) -> vec3f {
     return mirrored * (r.z - 1.04 * a) + (1.04 * a + r.w);
 }
 
-// The light that leaves a surface at `p` toward the eye. `direction` goes from the eye to it, `t` is how far that is.
-fn scene_shade(p: vec3f, n: vec3f, direction: vec3f, t: f32, surface: sf_Surface) -> vec3f {
-    let answer = scene_answer(surface);
+// What leaves a surface toward the eye, but for what it mirrors of its surroundings.
+struct SceneLocal {
+    light: vec3f,
+    // The share of its surroundings that it mirrors.
+    share: vec3f,
+    // How much of the sky's light arrives.
+    occlusion: f32,
+}
+
+// `direction` goes from the eye to the surface at `p`, `t` is how far that is.
+fn scene_local(p: vec3f, n: vec3f, direction: vec3f, t: f32, answer: SceneAnswer, emission: vec3f) -> SceneLocal {
     let v = -direction;
     let nv = clamp(dot(n, v), 1e-3, 1.0);
-    // Shadows start off the surface by a few tolerances of the hit.
-    let off = 3.0 * max(0.5 * scene.footprint * t, 4e-6 * (length(p - scene.center) + 1.0));
+    let off = scene_off(p, t);
     let occlusion = scene_occlusion(p, n);
     let share = scene_mirror_share(answer.mirrored, answer.roughness, nv);
-    let mirror = reflect(direction, n);
-    var light = surface.emission;
-    light += occlusion * (1.0 - share) * answer.diffuse * SCENE_FILL * scene_around(n);
-    light += occlusion * share * scene_mirror(mirror, answer.roughness);
+    var light = emission + occlusion * (1.0 - share) * answer.diffuse * scene_matte(n);
     for (var i = 0u; i < scene.light_count; i += 1u) {
         let lamp = scene.lights[i];
         var l = lamp.vector;
@@ -106,13 +93,22 @@ fn scene_shade(p: vec3f, n: vec3f, direction: vec3f, t: f32, surface: sf_Surface
             light += lit * radiance * scene_reflect(answer, n, v, l);
         }
     }
-    return light;
+    return SceneLocal(light, share, occlusion);
 }
 
-// The light of a surface as the eye sees it through the air: near the ends of the scene it goes over into the sky, so that an endless
-// plane has no rim.
-fn scene_haze(light: vec3f, p: vec3f, direction: vec3f, t: f32) -> vec3f {
+// How far off a surface rays start that leave it: a few tolerances of the hit.
+fn scene_off(p: vec3f, t: f32) -> f32 {
+    return 3.0 * max(0.5 * scene.footprint * t, 4e-6 * (length(p - scene.center) + 1.0));
+}
+
+// How much of a surface is lost in the air: near the ends of the scene it goes over into the sky, so that an endless plane has no rim.
+fn scene_lost(p: vec3f, t: f32) -> f32 {
     let far = scene_smooth(0.5, 1.0, t / scene.max_distance);
     let out = scene_smooth(0.85, 1.0, length(p - scene.center) / scene.extent);
-    return mix(light, scene_sky(direction), max(far, out));
+    return max(far, out);
+}
+
+// The light of a surface as the eye sees it through the air.
+fn scene_haze(light: vec3f, p: vec3f, direction: vec3f, t: f32) -> vec3f {
+    return mix(light, scene_sky(direction), scene_lost(p, t));
 }

@@ -1,0 +1,94 @@
+//! What surrounds a scene: the sky, the images that stand for it, and how often it is mirrored.
+
+use super::load::join;
+use super::value::Value;
+use super::{Elaborated, Elaborator, Env};
+use crate::compiled::{MAX_BOUNCES, SceneBlocks};
+use crate::diagnostic::Code;
+use crate::graph::NodeId;
+use crate::images::{EnvironmentFile, EnvironmentKind, ImageFile};
+use crate::source::Span;
+use crate::syntax::ast::{Expr, ExprKind, Type};
+
+impl Elaborator<'_> {
+    /// A colour, `gradient(zenith, horizon)`, `cubemap("folder/")` or `equirect("file")`.
+    pub(super) fn sky(&mut self, expr: &Expr, env: &Env, blocks: &mut SceneBlocks) -> Elaborated<()> {
+        if let ExprKind::Call(callee, args) = &expr.kind
+            && let ExprKind::Name(name) = &callee.kind
+        {
+            match (name.as_str(), args.as_slice()) {
+                ("gradient", [zenith, horizon]) => {
+                    let zenith = self.color_entry(Some(&zenith.value), env, [0.0; 3]);
+                    let horizon = self.color_entry(Some(&horizon.value), env, [0.0; 3]);
+                    blocks.sky = Some((zenith?, horizon?));
+                    return Ok(());
+                }
+                ("gradient", _) => {
+                    return Err(self.error(
+                        Code::MissingArgument,
+                        expr.span,
+                        "`gradient` needs two colours",
+                        "write `gradient(#87a7d0, #e8eef5)`: straight up, and at the horizon",
+                    ));
+                }
+                ("cubemap" | "equirect", [file]) => {
+                    let kind = if name == "cubemap" { EnvironmentKind::Cubemap } else { EnvironmentKind::Equirect };
+                    let value = self.expression(&file.value, env)?;
+                    let file = self.image_file(&value, name, env, file.value.span)?;
+                    blocks.environment = Some(EnvironmentFile { kind, file });
+                    return Ok(());
+                }
+                ("cubemap" | "equirect", _) => {
+                    return Err(self.error(
+                        Code::MissingArgument,
+                        expr.span,
+                        format!("`{name}` needs one name"),
+                        "write `cubemap(\"sky/\")`, a folder, or `equirect(\"sky.hdr\")`, a file",
+                    ));
+                }
+                _ => {}
+            }
+        }
+        let color = self.color_entry(Some(expr), env, [0.0; 3])?;
+        blocks.sky = Some((color, color));
+        Ok(())
+    }
+
+    /// The file that a text names, relative to the file in which it stands.
+    pub(super) fn image_file(&mut self, value: &Value, what: &str, env: &Env, span: Span) -> Elaborated<ImageFile> {
+        match value {
+            Value::Text(name) if !name.trim().is_empty() => {
+                let from = self.modules.path(env.module);
+                Ok(ImageFile { path: join(from, &name.replace('\\', "/")), span })
+            }
+            other => {
+                let found = other.describe(self);
+                Err(self.error(
+                    Code::TypeMismatch,
+                    span,
+                    format!("the name of a file is needed here, and this is {found}"),
+                    format!("write `{what}(\"sky\")`"),
+                ))
+            }
+        }
+    }
+
+    /// How often a mirrored ray is followed.
+    pub(super) fn reflections(&mut self, expr: &Expr, env: &Env) -> Elaborated<NodeId> {
+        let value = self.expression(expr, env)?;
+        let value = self.coerce(value, &Type::Int, expr.span, env)?;
+        let node = self.to_number(&value, expr.span, env)?;
+        let most = f64::from(MAX_BOUNCES);
+        if let Some(c) = self.graph.as_constant(node)
+            && !(0.0..=most).contains(&c)
+        {
+            return Err(self.error(
+                Code::BadValue,
+                expr.span,
+                format!("this is {c}"),
+                format!("write how often a ray is mirrored, a whole number from 0 to {MAX_BOUNCES}"),
+            ));
+        }
+        Ok(node)
+    }
+}

@@ -1,0 +1,182 @@
+//! The images that a scene names: found, decoded, and made into what the shading reads. What can't be had is said with its place in the
+//! text, and the rest of the scene goes on.
+
+use image::{DynamicImage, ImageReader, Limits};
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{Hash, Hasher};
+use std::io::Cursor;
+use std::sync::Arc;
+use surefoot_compiler::compiled::{Compiled, Loader};
+use surefoot_compiler::diagnostic::{Code, Diagnostic};
+use surefoot_compiler::images::{Bitmap, Cube, EnvironmentFile, EnvironmentKind, FACES, Images};
+use surefoot_compiler::source::Span;
+
+/// The longest side of an image, in pixels.
+pub const LONGEST_SIDE: u32 = 16_384;
+/// What an image may take once it is decoded, in bytes.
+pub const MOST_BYTES: u64 = 512 << 20;
+
+/// The endings of files that are tried where a name has none, in their order.
+const ENDINGS: [&str; 4] = ["png", "jpg", "jpeg", "hdr"];
+
+/// What came of reading the images of a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Loaded {
+    /// What could be had.
+    pub images: Images,
+    /// What could not, each with its place in the text.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Reads images, and keeps what was made of the newest: a scene whose images did not change does not make them again.
+#[derive(Debug, Default)]
+pub struct Gallery {
+    environment: Option<(u64, Arc<Cube>)>,
+}
+
+impl Gallery {
+    /// Nothing is kept yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The images of a scene. A large sky takes seconds the first time: not on a window's thread.
+    pub fn load(&mut self, compiled: &Compiled, loader: &dyn Loader) -> Loaded {
+        let mut loaded = Loaded::default();
+        if let Some(environment) = &compiled.blocks.environment {
+            match self.environment(environment, loader) {
+                Ok(cube) => loaded.images.environment = Some(cube),
+                Err(found) => loaded.diagnostics.extend(found),
+            }
+        }
+        loaded
+    }
+
+    fn environment(&mut self, wanted: &EnvironmentFile, loader: &dyn Loader) -> Result<Arc<Cube>, Vec<Diagnostic>> {
+        let EnvironmentFile { kind, file } = wanted;
+        let bad = |words: String| bad_image(file.span, words);
+        let files: Vec<(String, Vec<u8>)> = match kind {
+            EnvironmentKind::Equirect => {
+                let bytes = loader.read(&file.path).map_err(|why| vec![bad(unreadable(&file.path, &why))])?;
+                vec![(file.path.clone(), bytes)]
+            }
+            EnvironmentKind::Cubemap => faces(&file.path, loader).map_err(|words| words.into_iter().map(bad).collect::<Vec<_>>())?,
+        };
+        let mut hasher = DefaultHasher::new();
+        (kind, files.iter().map(|(_, bytes)| bytes).collect::<Vec<_>>()).hash(&mut hasher);
+        let hash = hasher.finish();
+        if let Some((_, known)) = self.environment.as_ref().filter(|(known, _)| *known == hash) {
+            return Ok(known.clone());
+        }
+        let mut bitmaps = Vec::new();
+        let mut wrong = Vec::new();
+        for (path, bytes) in &files {
+            match decode(bytes) {
+                Ok(bitmap) => bitmaps.push(bitmap),
+                Err(why) => wrong.push(bad(format!("`{path}` is no image that can be shown: {why}"))),
+            }
+        }
+        if !wrong.is_empty() {
+            return Err(wrong);
+        }
+        let cube = match <[Bitmap; 6]>::try_from(bitmaps) {
+            Ok(faces) => {
+                let side = faces[0].width;
+                if let Some(at) = faces.iter().position(|f| f.width != side || f.height != side) {
+                    let (path, face) = (&files[at].0, &faces[at]);
+                    let (width, height) = (face.width, face.height);
+                    return Err(vec![bad(format!("`{path}` is {width} by {height}, and all faces are squares of the first one's {side}"))]);
+                }
+                Cube::from_faces(&faces)
+            }
+            Err(one) => Cube::from_equirect(&one[0]),
+        };
+        let cube = Arc::new(cube);
+        self.environment = Some((hash, cube.clone()));
+        Ok(cube)
+    }
+}
+
+/// The files of a cubemap's faces with their names, or what is missing.
+fn faces(folder: &str, loader: &dyn Loader) -> Result<Vec<(String, Vec<u8>)>, Vec<String>> {
+    let folder = folder.trim_end_matches('/');
+    let mut found = Vec::new();
+    let mut wrong = Vec::new();
+    for face in FACES {
+        let mut why = String::new();
+        let file = ENDINGS.iter().find_map(|ending| {
+            let path = format!("{folder}/{face}.{ending}");
+            let bytes = loader.read(&path).map_err(|error| why = error).ok()?;
+            Some((path, bytes))
+        });
+        match file {
+            Some(file) => found.push(file),
+            None => wrong.push(format!("`{folder}/{face}` can't be read as .png, .jpg, .jpeg or .hdr: {why}")),
+        }
+    }
+    if wrong.is_empty() { Ok(found) } else { Err(wrong) }
+}
+
+fn unreadable(path: &str, why: &str) -> String {
+    format!("`{path}` can't be read: {why}")
+}
+
+fn bad_image(span: Span, words: String) -> Diagnostic {
+    Diagnostic::new(Code::BadImage, span, words, "write the name of a PNG, JPEG or HDR image, relative to the file that names it")
+}
+
+/// The image in some bytes, in linear light. What it is, is seen from the bytes and not from a name.
+///
+/// # Errors
+///
+/// Says in plain words what is wrong: no image, a broken one, or one larger than [`LONGEST_SIDE`] or [`MOST_BYTES`].
+pub fn decode(bytes: &[u8]) -> Result<Bitmap, String> {
+    let reader = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string());
+    let format = reader()?.format().ok_or("it is neither PNG, JPEG nor HDR")?;
+    let (width, height) = reader()?.into_dimensions().map_err(|e| words(&e))?;
+    // Three floats a pixel are what is made of it.
+    let bytes_needed = u64::from(width) * u64::from(height) * 12;
+    if width > LONGEST_SIDE || height > LONGEST_SIDE || bytes_needed > MOST_BYTES {
+        return Err(format!("{width} by {height} pixels are too many: at most {LONGEST_SIDE} a side and {} MiB decoded", MOST_BYTES >> 20));
+    }
+    if width == 0 || height == 0 {
+        return Err("it has no pixels".to_owned());
+    }
+    let mut reader = reader()?;
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(LONGEST_SIDE);
+    limits.max_image_height = Some(LONGEST_SIDE);
+    limits.max_alloc = Some(MOST_BYTES);
+    reader.limits(limits);
+    let image = reader.decode().map_err(|e| words(&e))?;
+    // Light is stored as it is, pictures as a screen wants them.
+    let is_light = format == image::ImageFormat::Hdr;
+    Ok(linear(&image, is_light))
+}
+
+fn linear(image: &DynamicImage, is_light: bool) -> Bitmap {
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let plain = |c: f32| if c.is_finite() { c.max(0.0) } else { 0.0 };
+    let texels = match image {
+        DynamicImage::ImageRgb8(_) | DynamicImage::ImageRgba8(_) | DynamicImage::ImageLuma8(_) | DynamicImage::ImageLumaA8(_) => {
+            let table: Vec<f32> = (0..=255).map(|i| decoded(i as f32 / 255.0)).collect();
+            image.to_rgb8().pixels().map(|p| p.0.map(|c| table[usize::from(c)])).collect()
+        }
+        _ => {
+            let curve = |c: f32| if is_light { plain(c) } else { decoded(plain(c)) };
+            image.to_rgb32f().pixels().map(|p| p.0.map(curve)).collect()
+        }
+    };
+    Bitmap { width, height, texels }
+}
+
+/// sRGB to linear (IEC 61966-2-1).
+fn decoded(c: f32) -> f32 {
+    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+}
+
+/// One line, as what is wrong with an image.
+fn words(error: &image::ImageError) -> String {
+    let text = error.to_string();
+    text.lines().next().unwrap_or("it can't be decoded").trim_end_matches('.').to_owned()
+}
