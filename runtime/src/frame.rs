@@ -59,6 +59,7 @@ pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
 pub struct Picture {
     gpu: Gpu,
     mode: ViewMode,
+    format: wgpu::TextureFormat,
     passes: Vec<PlannedPass>,
     scene: ScenePipeline,
     /// The depth of the newest size, where there is depth.
@@ -76,6 +77,7 @@ impl Picture {
         Ok(Self {
             gpu: gpu.clone(),
             mode,
+            format,
             passes: plan(compiled, mode),
             scene: ScenePipeline::prepare(gpu, compiled, format, mode)?,
             depth: Mutex::default(),
@@ -85,6 +87,11 @@ impl Picture {
     /// What it shows.
     pub fn mode(&self) -> ViewMode {
         self.mode
+    }
+
+    /// The format of the targets that it draws on.
+    pub fn format(&self) -> wgpu::TextureFormat {
+        self.format
     }
 
     /// The device that it is built on.

@@ -1,5 +1,6 @@
 //! Pictures and numbers without a window.
 
+use crate::film::{self, Film, LINEAR};
 use crate::frame::{Picture, depth_attachment};
 use crate::gpu::Gpu;
 use crate::passes::scene::ViewMode;
@@ -17,12 +18,15 @@ pub struct Shot {
     pub mode: ViewMode,
     /// From where; the scene's first camera where there is none.
     pub camera: Option<Camera>,
+    /// How many pictures become this one, each through other places of its pixels. More than one need a picture that was prepared for
+    /// [`LINEAR`].
+    pub samples: u32,
 }
 
 impl Shot {
     /// The scene in its light, through its first camera.
     pub fn new(width: u32, height: u32) -> Self {
-        Self { width, height, mode: ViewMode::default(), camera: None }
+        Self { width, height, mode: ViewMode::default(), camera: None, samples: 1 }
     }
 }
 
@@ -59,11 +63,12 @@ const MOST_PIXELS: u64 = 1 << 28;
 
 /// Builds a scene's pipeline and draws one picture.
 pub fn render(gpu: &Gpu, compiled: &Compiled, live: &Live, shot: &Shot) -> Result<Pixels, String> {
-    let mut picture = Picture::prepare(gpu, compiled, FORMAT, shot.mode)?;
+    let format = if shot.samples > 1 { LINEAR } else { FORMAT };
+    let mut picture = Picture::prepare(gpu, compiled, format, shot.mode)?;
     render_with(gpu, &mut picture, compiled, live, shot)
 }
 
-/// Draws one picture with a pipeline that is there already; it was prepared for [`FORMAT`] and shows what it was prepared for.
+/// Draws one picture with a pipeline that is there already; it was prepared for [`FORMAT`] or [`LINEAR`] and shows what it was prepared for.
 pub fn render_with(
     gpu: &Gpu,
     picture: &mut Picture,
@@ -71,7 +76,10 @@ pub fn render_with(
     live: &Live,
     shot: &Shot,
 ) -> Result<Pixels, String> {
-    let Shot { width, height, camera, .. } = *shot;
+    let Shot { width, height, camera, samples, .. } = *shot;
+    if samples > 1 && picture.format() != LINEAR {
+        return Err("a picture of several samples is prepared for 16-bit floats".to_owned());
+    }
     if width == 0 || height == 0 || u64::from(width) * u64::from(height) > MOST_PIXELS {
         return Err(format!("a picture of {width} by {height} pixels can't be drawn"));
     }
@@ -81,17 +89,34 @@ pub fn render_with(
         (None, Some((_, camera))) => *camera,
         (None, None) => return Err("the scene has no camera".to_owned()),
     };
-    let target = Target::new(gpu, width.min(TILE), height.min(TILE))?;
+    let (tile_width, tile_height) = (width.min(TILE), height.min(TILE));
+    let target = Target::new(gpu, tile_width, tile_height)?;
+    let mut film = match picture.format() == LINEAR {
+        true => Some(Film::new(gpu, [tile_width, tile_height], FORMAT)?),
+        false => None,
+    };
     let mut pixels = Pixels { width, height, rgba: vec![0; 4 * width as usize * height as usize] };
     for top in (0..height).step_by(TILE as usize) {
         for left in (0..width).step_by(TILE as usize) {
-            let view = View {
-                camera,
-                size: [width as f32, height as f32],
-                corner: [-(left as f32), -(top as f32)],
+            let aim = |picture: &mut Picture, [across, down]: [f32; 2]| {
+                let corner = [-(left as f32) - across, -(top as f32) - down];
+                let view = View { camera, size: [width as f32, height as f32], corner };
+                picture.update(gpu.queue(), compiled, live, &view);
             };
-            picture.update(gpu.queue(), compiled, live, &view);
-            let tile = target.draw(gpu, picture)?;
+            let tile = match &mut film {
+                Some(film) => {
+                    film.clear();
+                    for sample in 0..samples.max(1) {
+                        aim(picture, film::offset(sample));
+                        expose(gpu, film, picture)?;
+                    }
+                    target.develop(gpu, film)?
+                }
+                None => {
+                    aim(picture, [0.0; 2]);
+                    target.draw(gpu, picture)?
+                }
+            };
             copy_tile(&tile, target.stride(), &mut pixels, left, top);
         }
     }
@@ -143,8 +168,22 @@ impl Target {
     }
 
     fn draw(&self, gpu: &Gpu, picture: &Picture) -> Result<Vec<u8>, String> {
+        self.read(gpu, || encode(gpu, picture, &self.texture))
+    }
+
+    /// Shows what fell on a film.
+    fn develop(&self, gpu: &Gpu, film: &Film) -> Result<Vec<u8>, String> {
+        self.read(gpu, || {
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            film.show(&mut encoder, &self.texture);
+            encoder
+        })
+    }
+
+    /// The pixels after some work.
+    fn read(&self, gpu: &Gpu, work: impl FnOnce() -> wgpu::CommandEncoder) -> Result<Vec<u8>, String> {
         let submitted = gpu.catch(|| {
-            let mut encoder = encode(gpu, picture, &self.texture);
+            let mut encoder = work();
             encoder.copy_texture_to_buffer(
                 self.texture.as_image_copy(),
                 wgpu::TexelCopyBufferInfo {
@@ -161,6 +200,18 @@ impl Target {
         })?;
         read(gpu, &self.buffer, submitted)
     }
+}
+
+/// Lets a picture fall on a film, and waits for it: a driver gives up on a queue that is too long.
+fn expose(gpu: &Gpu, film: &mut Film, picture: &Picture) -> Result<(), String> {
+    let size = film.size();
+    let submitted = gpu.catch(|| {
+        let mut encoder = gpu.device().create_command_encoder(&Default::default());
+        film.draw(&mut encoder, picture, size, 0..size[1]);
+        film.keep(&mut encoder);
+        gpu.queue().submit([encoder.finish()])
+    })?;
+    wait(gpu, submitted)
 }
 
 fn texture(gpu: &Gpu, width: u32, height: u32, format: wgpu::TextureFormat) -> wgpu::Texture {

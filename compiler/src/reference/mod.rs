@@ -335,6 +335,19 @@ impl Reference {
         view: View,
         area: Area,
     ) -> Vec<[f32; 4]> {
+        self.tile_at(frame, camera, size, view, area, (0.0, 0.0))
+    }
+
+    /// The same, seen not through the middles of the pixels but so far beside them, in pixels across and down.
+    pub fn tile_at(
+        &self,
+        frame: &Frame,
+        camera: &Camera,
+        size: (u32, u32),
+        view: View,
+        area: Area,
+        offset: (f64, f64),
+    ) -> Vec<[f32; 4]> {
         let shading = Shading::of(frame, self.cube.clone());
         let basis = Basis::of(camera);
         let mut pixels = vec![[0.0; 4]; area.width as usize * area.height as usize];
@@ -348,7 +361,7 @@ impl Reference {
                 let rays: Vec<Ray> = places
                     .iter()
                     .map(|&(x, y)| {
-                        let at = (f64::from(area.left + x) + 0.5, f64::from(area.top + y) + 0.5);
+                        let at = (f64::from(area.left + x) + 0.5 + offset.0, f64::from(area.top + y) + 0.5 + offset.1);
                         let direction = basis.direction(at, size);
                         Ray { origin: camera.eye, direction, t_min: 0.0, t_max: frame.max_distance }
                     })

@@ -3,6 +3,7 @@
 use super::balls::BallsPipeline;
 use super::scene::{Features, SceneUniforms, ViewMode};
 use super::surroundings::{self, SceneGroup};
+use crate::film::LINEAR;
 use crate::gpu::{Gpu, PipelineKey, UniformBlock, uniform_layout};
 use crate::view::View;
 use surefoot_compiler::compiled::{Compiled, Live, UniformSource};
@@ -65,7 +66,7 @@ impl ScenePipeline {
                 module: UniformBlock::new(gpu, label, &module_layout, module_size),
                 scene: SceneGroup::new(gpu, features, scene_layout),
                 features,
-                srgb_target: format.is_srgb(),
+                srgb_target: format.is_srgb() || format == LINEAR,
                 fresh: false,
                 balls,
                 view: None,

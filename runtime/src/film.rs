@@ -1,0 +1,237 @@
+//! The film: pictures of one scene, each seen through other places of its pixels, become one without steps at its edges.
+//!
+//! A picture falls on a target of 16-bit floats, after the tone curve and before the encoding for a screen, and its mean with those
+//! before is kept in 32 bits. The mean is taken after the curve: a lamp that covers a tenth of a pixel makes it a tenth brighter; a
+//! mean of the light itself would be as bright as the lamp, and its edge had steps again.
+
+use crate::frame::{Picture, depth_attachment};
+use crate::gpu::{Gpu, PipelineKey, UniformBlock, uniform_layout};
+use std::ops::Range;
+
+/// What a picture is drawn on that falls on film: linear, ended by the tone curve. [`Picture::prepare`] is given it.
+pub const LINEAR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// What means are kept in.
+const MEAN: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
+/// Where in its pixels the picture of a number looks, from their middles: -0.5 to 0.5 across and down. The first looks at the middles; all
+/// of them together cover the pixels evenly (Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
+pub fn offset(index: u32) -> [f32; 2] {
+    // One over the plastic number, and its square.
+    const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
+    STEPS.map(|step| ((0.5 + f64::from(index) * step).fract() - 0.5) as f32)
+}
+
+/// A film of some size.
+#[derive(Debug)]
+pub struct Film {
+    gpu: Gpu,
+    mean: wgpu::RenderPipeline,
+    show: wgpu::RenderPipeline,
+    layouts: [wgpu::BindGroupLayout; 2],
+    share: UniformBlock,
+    sheets: Sheets,
+    count: u32,
+}
+
+/// What is drawn on.
+#[derive(Debug)]
+struct Sheets {
+    picture: wgpu::Texture,
+    /// The newest mean is the one with the number of pictures, modulo two.
+    means: [wgpu::Texture; 2],
+}
+
+impl Film {
+    /// A film of so many pixels, to be shown on targets of a format that takes encoded colours.
+    pub fn new(gpu: &Gpu, size: [u32; 2], target: wgpu::TextureFormat) -> Result<Self, String> {
+        let key = |wgsl: &str, format| PipelineKey {
+            wgsl: format!("{}\n{wgsl}", include_str!("passes/film/base.wgsl")),
+            constants: Vec::new(),
+            format: Some(format),
+            entries: ["vertex", "fragment"],
+            depth: None,
+        };
+        gpu.catch(|| {
+            let layouts = [layout(gpu, true), layout(gpu, false)];
+            let mean = key(include_str!("passes/film/mean.wgsl"), MEAN);
+            let show = key(include_str!("passes/film/show.wgsl"), target);
+            let stage = wgpu::ShaderStages::FRAGMENT;
+            Ok(Self {
+                mean: gpu.screen_pipeline("surefoot film, mean", mean, &[Some(&layouts[0])])?,
+                show: gpu.screen_pipeline("surefoot film, show", show, &[Some(&layouts[1])])?,
+                share: UniformBlock::new(gpu, "surefoot film", &uniform_layout(gpu, "surefoot film", 16, stage), 16),
+                layouts,
+                sheets: Sheets::new(gpu, size),
+                gpu: gpu.clone(),
+                count: 0,
+            })
+        })?
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        [self.sheets.picture.width(), self.sheets.picture.height()]
+    }
+
+    /// Takes film of another size, where the size is another.
+    pub fn resize(&mut self, size: [u32; 2]) -> Result<(), String> {
+        if self.size() != size {
+            self.sheets = self.gpu.catch(|| Sheets::new(&self.gpu, size))?;
+            self.count = 0;
+        }
+        Ok(())
+    }
+
+    /// How many pictures fell on it.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// Forgets what fell on it.
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Orders some rows of a picture that has `size` pixels, in the film's upper left corner. The picture was updated for it.
+    pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, picture: &Picture, size: [u32; 2], rows: Range<u32>) {
+        let target = &self.sheets.picture;
+        let view = target.create_view(&Default::default());
+        let depth = picture.depth(target.size());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("surefoot"),
+            color_attachments: &[Some(attachment(&view))],
+            depth_stencil_attachment: depth.as_ref().map(depth_attachment),
+            ..Default::default()
+        });
+        pass.set_viewport(0.0, 0.0, size[0] as f32, size[1] as f32, 0.0, 1.0);
+        pass.set_scissor_rect(0, rows.start, size[0], rows.end.saturating_sub(rows.start));
+        picture.draw(&mut pass);
+    }
+
+    /// Orders that the picture that was drawn counts. What is ordered must be submitted before the next one counts.
+    pub fn keep(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let share = 1.0 / (self.count + 1) as f32;
+        self.share.write(self.gpu.queue(), bytemuck::cast_slice(&[share, 0.0, 0.0, 0.0]));
+        let before = &self.sheets.means[self.count as usize % 2];
+        self.count += 1;
+        let after = &self.sheets.means[self.count as usize % 2];
+        let views = [&self.sheets.picture, before].map(|t| t.create_view(&Default::default()));
+        let Some(share) = self.share.buffer() else { return };
+        let group = self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("surefoot film, mean"),
+            layout: &self.layouts[0],
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&views[0]) },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&views[1]) },
+                wgpu::BindGroupEntry { binding: 2, resource: share.as_entire_binding() },
+            ],
+        });
+        self.cover(encoder, &self.mean, &group, after);
+    }
+
+    /// Orders that the mean is shown on a target of the film's size.
+    pub fn show(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::Texture) {
+        let mean = self.sheets.means[self.count as usize % 2].create_view(&Default::default());
+        let group = self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("surefoot film, show"),
+            layout: &self.layouts[1],
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&mean) }],
+        });
+        self.cover(encoder, &self.show, &group, target);
+    }
+
+    fn cover(&self, encoder: &mut wgpu::CommandEncoder, pipeline: &wgpu::RenderPipeline, group: &wgpu::BindGroup, target: &wgpu::Texture) {
+        let view = target.create_view(&Default::default());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("surefoot film"),
+            color_attachments: &[Some(attachment(&view))],
+            ..Default::default()
+        });
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+impl Sheets {
+    fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Self {
+        let sheet = |format| {
+            gpu.device().create_texture(&wgpu::TextureDescriptor {
+                label: Some("surefoot film"),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            })
+        };
+        Self { picture: sheet(LINEAR), means: [sheet(MEAN), sheet(MEAN)] }
+    }
+}
+
+/// A target of which what is not drawn stays.
+fn attachment(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+    }
+}
+
+/// The layout of a picture alone, or of a picture, a mean and its share.
+fn layout(gpu: &Gpu, mean: bool) -> wgpu::BindGroupLayout {
+    let texture = |binding| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+        count: None,
+    };
+    let share = wgpu::BindGroupLayoutEntry {
+        binding: 2,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: wgpu::BufferSize::new(16),
+        },
+        count: None,
+    };
+    let entries = [texture(0), texture(1), share];
+    gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("surefoot film"),
+        entries: if mean { &entries } else { &entries[..1] },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_cover_their_pixels_evenly() {
+        assert_eq!(offset(0), [0.0; 2]);
+        for count in [16u32, 64, 256] {
+            let side = count.isqrt();
+            let mut cells = vec![0u32; count as usize];
+            let mut sum = [0.0f64; 2];
+            for [x, y] in (0..count).map(offset) {
+                assert!(x.abs() <= 0.5 && y.abs() <= 0.5);
+                sum = [sum[0] + f64::from(x), sum[1] + f64::from(y)];
+                let cell = |c: f32| (((c + 0.5) * side as f32) as u32).min(side - 1);
+                cells[(cell(y) * side + cell(x)) as usize] += 1;
+            }
+            assert!(cells.iter().all(|n| *n <= 3), "{cells:?}");
+            assert!(cells.iter().filter(|n| **n > 0).count() as u32 * 10 >= count * 7, "{cells:?}");
+            // All of them together look at the middle, but for a tenth of a pixel at worst.
+            assert!(sum.iter().all(|s| s.abs() < 1.6), "{sum:?}");
+        }
+    }
+}
