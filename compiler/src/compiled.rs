@@ -5,6 +5,7 @@ use crate::functions::{Functions, Summary};
 use crate::graph::algebra::Reals;
 use crate::graph::{multiple_of, Graph, Leaf, NodeId, Proof, ShapeId};
 use crate::images::EnvironmentFile;
+use crate::mesh::MeshNodes;
 use crate::physics::{BallsNodes, PhysicsNodes};
 use crate::reference::shade;
 use crate::source::{Sources, Span};
@@ -383,6 +384,8 @@ pub struct SceneBlocks {
     pub physics: Option<PhysicsNodes>,
     /// The groups of balls, in the order of the text.
     pub balls: Vec<BallsNodes>,
+    /// The meshes, in the order of the text.
+    pub meshes: Vec<MeshNodes>,
 }
 
 impl SceneBlocks {

@@ -212,8 +212,11 @@ impl Live {
     }
 }
 
+/// Colour, emission, roughness, metallic and reflectivity of what has no material.
+pub(crate) const DEFAULT_LOOK: [f64; 9] = [0.55, 0.55, 0.55, 0.0, 0.0, 0.0, 0.6, 0.0, 0.0];
+
 /// Values of nodes at one moment; those that read the point are taken at the origin, with the normal up.
-fn values(graph: &Graph, live: &Live, nodes: &[NodeId]) -> Vec<f64> {
+pub(crate) fn values(graph: &Graph, live: &Live, nodes: &[NodeId]) -> Vec<f64> {
     let leaf = |leaf| match leaf {
         Leaf::Time => live.time,
         Leaf::Parameter(i) => live.component(graph, i),
@@ -265,7 +268,7 @@ impl Compiled {
                 spawn: nodes.spawn.map(|end| end.map(one)),
                 velocity: nodes.velocity.map(one),
                 seed: one(nodes.seed).round() as u32,
-                look: nodes.look.map_or([0.55, 0.55, 0.55, 0.0, 0.0, 0.0, 0.6, 0.0, 0.0], |look| look.map(one)),
+                look: nodes.look.map_or(DEFAULT_LOOK, |look| look.map(one)),
             }
         };
         self.blocks.balls.iter().map(&mut group).collect()

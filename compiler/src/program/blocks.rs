@@ -7,6 +7,7 @@ use crate::compiled::{LightNodes, Parameter, SceneBlocks, Shadow};
 use crate::diagnostic::Code;
 use crate::graph::kernel::Op;
 use crate::graph::{Leaf, NodeId, ParameterComponent};
+use crate::mesh::MeshNodes;
 use crate::physics::{BallsNodes, PhysicsNodes};
 use crate::source::Span;
 use crate::syntax::ast::{BlockKind, Entry, Expr, ExprKind, ItemKind, Name, Type};
@@ -37,6 +38,7 @@ impl SceneBlocks {
         nodes.extend(self.shadows.iter().chain(&self.max_distance).chain(&self.exposure).chain(&self.reflections));
         nodes.extend(self.physics.iter().flat_map(PhysicsNodes::nodes));
         nodes.extend(self.balls.iter().flat_map(BallsNodes::nodes));
+        nodes.extend(self.meshes.iter().flat_map(MeshNodes::nodes));
         nodes
     }
 }
@@ -476,7 +478,10 @@ impl Elaborator<'_> {
                 let balls = self.balls(name_text, &seen, &env)?;
                 blocks.balls.push(balls);
             }
-            BlockKind::Mesh => self.mesh(kind_span, file, &seen, &env)?,
+            BlockKind::Mesh => {
+                let mesh = self.mesh(name_text, kind_span, file, &seen, &env)?;
+                blocks.meshes.push(mesh);
+            }
         }
         Ok(())
     }
@@ -551,58 +556,6 @@ impl Elaborator<'_> {
                 Err(Stop) => ok = false,
             }
         }
-        if ok { Ok(()) } else { Err(Stop) }
-    }
-
-    /// A mesh, which is checked now and drawn by later work.
-    fn mesh(
-        &mut self,
-        kind_span: Span,
-        file: Option<&(String, Span)>,
-        seen: &FxHashMap<&str, &Entry>,
-        env: &Env,
-    ) -> Elaborated<()> {
-        let mut ok = true;
-        if file.is_none() {
-            ok = false;
-            self.error(
-                Code::MissingArgument,
-                kind_span,
-                "a mesh needs a file",
-                "write `mesh name \"file.obj\" { … }`",
-            );
-        }
-        let mut entries: Vec<&&Entry> = seen.values().collect();
-        entries.sort_by_key(|e| e.key.span.start);
-        for entry in entries {
-            let at = entry.value.span;
-            let Ok(value) = self.expression(&entry.value, env) else {
-                ok = false;
-                continue;
-            };
-            let ty = match (&*entry.key.text, &value) {
-                ("material", _) => Type::Material,
-                ("translate" | "rotate", _) | ("scale", Value::Vector(_)) => Type::Vec(3),
-                _ => Type::Float,
-            };
-            let Ok(value) = self.coerce(value, &ty, at, env) else {
-                ok = false;
-                continue;
-            };
-            if let Value::Number(node, _) = &value
-                && let Some(c) = self.graph.as_constant(*node)
-                && c < f64::MIN_POSITIVE
-            {
-                ok = false;
-                self.error(
-                    Code::BadValue,
-                    at,
-                    format!("the `{}` of `mesh` is {}", entry.key.text, short(c)),
-                    "write one that is greater than 0",
-                );
-            }
-        }
-        self.not_drawn(kind_span, "mesh");
         if ok { Ok(()) } else { Err(Stop) }
     }
 

@@ -8,6 +8,7 @@ pub mod builtin;
 pub mod call;
 pub mod expression;
 pub mod load;
+mod mesh;
 pub mod physics;
 pub mod repeat;
 mod surroundings;
