@@ -16,6 +16,12 @@ use std::rc::Rc;
 pub trait Loader {
     /// The bytes of a file, or why they can't be had. `path` is relative to the working directory, or absolute.
     fn read(&self, path: &str) -> Result<Vec<u8>, String>;
+
+    /// The same of a file that may be larger than a text, as meshes are: of at most so many bytes.
+    fn read_up_to(&self, path: &str, most: u64) -> Result<Vec<u8>, String> {
+        let bytes = self.read(path)?;
+        if bytes.len() as u64 > most { Err(format!("the file is larger than {} MiB", most >> 20)) } else { Ok(bytes) }
+    }
 }
 
 /// Files in memory, for tests and for editors that hold unsaved text.

@@ -126,6 +126,9 @@ codes! {
     Unreadable, "unreadable", Error,
         "A file that can't be read. Paths are relative to the file that names them, and are written with `/`.",
         "import \"nowhere.sdf\"\nscene = sphere(1)";
+    BrokenFile, "broken-file", Error,
+        "A mesh that can't be read, or whose bytes are not what its name promises: empty, cut short, or with numbers that make no sense. The rest of the scene is drawn without it.",
+        "";
     ImportCircle, "import-circle", Error,
         "Files that import each other in a circle. Move what both need into a third file, and import that.",
         "import \"main.sdf\"\nscene = sphere(1)";

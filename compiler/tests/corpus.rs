@@ -25,6 +25,7 @@ use surefoot_compiler::{Loader, MemoryLoader, Options, Outcome};
 const WITHOUT_A_PROGRAM: &[(Code, &str)] =
     &[
         (Code::NotDrawn, "what it speaks of changes with what is drawn"),
+        (Code::BrokenFile, "the compiler opens no mesh"),
         (Code::BadImage, "who draws reads the images"),
     ];
 

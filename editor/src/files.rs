@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use surefoot_compiler::Loader;
 
-/// Larger files are refused: a scene's text, picture or mesh is smaller, and reading must not fill the memory.
+/// Larger files are refused: a scene's text is smaller, and reading must not fill the memory. A mesh may be larger.
 pub const LARGEST_FILE: u64 = 16 << 20;
 
 /// Reads regular files of at most [`LARGEST_FILE`] bytes.
@@ -16,10 +16,19 @@ impl Loader for FileLoader {
     fn read(&self, path: &str) -> Result<Vec<u8>, String> {
         read(Path::new(path))
     }
+
+    fn read_up_to(&self, path: &str, most: u64) -> Result<Vec<u8>, String> {
+        read_up_to(Path::new(path), most)
+    }
 }
 
 /// The bytes of a regular file, or why they can't be had, in plain words.
 pub fn read(path: &Path) -> Result<Vec<u8>, String> {
+    read_up_to(path, LARGEST_FILE)
+}
+
+/// The same of a file of at most so many bytes.
+fn read_up_to(path: &Path, most: u64) -> Result<Vec<u8>, String> {
     // What is not a regular file may block for ever (a pipe) or never end (/dev/zero), so it is not even opened.
     let known = std::fs::metadata(path).map_err(|error| words(&error))?;
     if known.is_dir() {
@@ -28,15 +37,15 @@ pub fn read(path: &Path) -> Result<Vec<u8>, String> {
     if !known.is_file() {
         return Err("this is not a regular file".to_owned());
     }
-    let too_large = || format!("the file is larger than {} MiB", LARGEST_FILE >> 20);
-    if known.len() > LARGEST_FILE {
+    let too_large = || format!("the file is larger than {} MiB", most >> 20);
+    if known.len() > most {
         return Err(too_large());
     }
     let file = File::open(path).map_err(|error| words(&error))?;
     let mut bytes = Vec::with_capacity(known.len() as usize);
     // The file may grow while it is read, or say that it is empty (as those of /proc do).
-    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| words(&error))?;
-    if bytes.len() as u64 > LARGEST_FILE { Err(too_large()) } else { Ok(bytes) }
+    file.take(most + 1).read_to_end(&mut bytes).map_err(|error| words(&error))?;
+    if bytes.len() as u64 > most { Err(too_large()) } else { Ok(bytes) }
 }
 
 /// Writes a file as a whole: whoever reads it meanwhile sees the old bytes or the new ones, and a failure leaves the old ones.

@@ -3,6 +3,7 @@
 use crate::files;
 use std::path::Path;
 use surefoot_compiler::compiled::{Camera, Compiled, Live};
+use surefoot_compiler::diagnostic::Diagnostic;
 use surefoot_compiler::reference::View;
 
 /// What a picture shows.
@@ -80,7 +81,9 @@ impl Painter {
         mode: Mode,
     ) -> Result<(Self, Option<String>), NoPainter> {
         if device == Device::Cpu {
-            let note = compiled.has_balls().then(|| "on the processor a picture leaves out balls".to_owned());
+            let left_out = [(compiled.has_meshes(), "meshes"), (compiled.has_balls(), "balls")];
+            let left_out: Vec<&str> = left_out.into_iter().filter_map(|(has, what)| has.then_some(what)).collect();
+            let note = (!left_out.is_empty()).then(|| format!("on the processor a picture leaves out {}", left_out.join(" and ")));
             return Ok((Self::Cpu(mode), note));
         }
         #[cfg(feature = "gpu")]
@@ -103,12 +106,21 @@ impl Painter {
         match device {
             Device::Gpu => Err(NoPainter::NoGraphics(missing)),
             _ => {
-                let left_out = "such a picture leaves out triangles and balls";
+                let left_out = "such a picture leaves out meshes and balls";
                 Ok((
                     Self::Cpu(mode),
                     Some(format!("{missing}; drawing on the processor ({left_out})")),
                 ))
             }
+        }
+    }
+
+    /// What is wrong with the scene's meshes: those are not drawn.
+    pub fn broken(&self) -> &[Diagnostic] {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(painter) => painter.broken(),
+            Self::Cpu(_) => &[],
         }
     }
 
@@ -132,6 +144,17 @@ impl Painter {
     }
 }
 
+/// What is wrong with the meshes of a scene, at its places in the text. Nothing is known where the program is built without graphics.
+pub fn broken_meshes(compiled: &Compiled) -> Vec<Diagnostic> {
+    #[cfg(feature = "gpu")]
+    return surefoot_runtime::mesh::Assets::new().load(&files::FileLoader, compiled, &|_, _, _| {});
+    #[cfg(not(feature = "gpu"))]
+    {
+        let _ = compiled;
+        Vec::new()
+    }
+}
+
 /// Writes a PNG file.
 pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<(), String> {
     use image::ImageEncoder;
@@ -146,8 +169,9 @@ pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<()
 mod gpu {
     //! On the graphics adapter.
 
-    use super::{Compiled, Live, Shot, View};
+    use super::{Compiled, Diagnostic, Live, Shot, View, files};
     use surefoot_runtime::headless;
+    use surefoot_runtime::mesh::Assets;
     use surefoot_runtime::physics::{Physics, STEP};
     use surefoot_runtime::{Gpu, Picture};
 
@@ -156,6 +180,7 @@ mod gpu {
         gpu: Gpu,
         picture: Picture,
         balls: Option<Balls>,
+        broken: Vec<Diagnostic>,
     }
 
     /// The balls at a moment of the scene's clock, which begins with them.
@@ -166,8 +191,15 @@ mod gpu {
 
     impl Painter {
         pub fn new(gpu: Gpu, compiled: &Compiled, view: View) -> Result<Self, String> {
-            let picture = Picture::prepare(&gpu, compiled, headless::FORMAT, view)?;
-            Ok(Self { gpu, picture, balls: None })
+            let mut picture = Picture::prepare(&gpu, compiled, headless::FORMAT, view)?;
+            let mut assets = Assets::new();
+            let broken = assets.load(&files::FileLoader, compiled, &|_, _, _| {});
+            picture.show_meshes(&assets.meshes(compiled))?;
+            Ok(Self { gpu, picture, balls: None, broken })
+        }
+
+        pub fn broken(&self) -> &[Diagnostic] {
+            &self.broken
         }
 
         /// Lets the balls fall until the moment of the picture; from the start, where they are beyond it.

@@ -1,11 +1,12 @@
 //! One frame is a list of passes. A pass that a scene does not need is not in it: nothing of it is compiled and it has no buffers.
 
 use crate::gpu::{DEPTH, Gpu};
+use crate::mesh::Mesh;
 use crate::passes::ScenePipeline;
 use crate::passes::scene::{Features, ViewMode};
 use crate::physics::Physics;
 use crate::view::View;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use surefoot_compiler::compiled::{Compiled, Live};
 use surefoot_compiler::images::Images;
 
@@ -14,6 +15,8 @@ use surefoot_compiler::images::Images;
 pub enum PassKind {
     /// Rays through the field, over the whole screen.
     Scene,
+    /// Meshes over it, with its depth.
+    Meshes,
     /// Balls over it, with its depth.
     Balls,
 }
@@ -37,7 +40,7 @@ pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
         (features.occlusion, "corners are kept from the sky's light"),
         (features.environment, "images stand for the sky"),
         (features.reflections, "mirrored rays are followed"),
-        (features.depth, "balls are drawn after it"),
+        (features.depth(), "what is rasterised is drawn after it"),
     ];
     let reasons: Vec<&str> = parts.into_iter().filter(|(on, _)| *on).map(|(_, why)| why).collect();
     let mut passes = vec![PlannedPass {
@@ -48,7 +51,10 @@ pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
             false => format!("a ray for each pixel; {}", reasons.join(", ")),
         },
     }];
-    if features.depth {
+    if features.meshes {
+        passes.push(PlannedPass { kind: PassKind::Meshes, name: "meshes", reason: "the scene has meshes".to_owned() });
+    }
+    if features.balls {
         passes.push(PlannedPass { kind: PassKind::Balls, name: "balls", reason: "the scene has balls".to_owned() });
     }
     passes
@@ -125,6 +131,15 @@ impl Picture {
     pub fn show_balls(&mut self, compiled: &Compiled, live: &Live, physics: Option<&Physics>) {
         if let Some(balls) = self.scene.balls_mut() {
             balls.show(&self.gpu, compiled, live, physics);
+        }
+    }
+
+    /// Shows the scene's meshes, in the order of the text; a mesh that is none is not drawn. Nothing happens where the scene has none. Fails
+    /// where the device has no room.
+    pub fn show_meshes(&mut self, meshes: &[Option<Arc<Mesh>>]) -> Result<(), String> {
+        match self.scene.meshes_mut() {
+            Some(pipeline) => pipeline.put(&self.gpu, meshes),
+            None => Ok(()),
         }
     }
 

@@ -1,6 +1,7 @@
 //! The graphics device: found here, or handed over by a program that has one. Everything that builds a pipeline goes through it, so
 //! that each one is counted and each error comes back as text.
 
+use crate::passes::CORNERS;
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -59,13 +60,15 @@ pub(crate) struct PipelineKey {
     pub entries: [&'static str; 2],
     /// How its depth is compared with what is there, where there is depth at all.
     pub depth: Option<wgpu::CompareFunction>,
+    /// Whether it draws a mesh's triangles, out of its buffers, and not such without vertices.
+    pub triangles: bool,
 }
 
 /// Format of the depth that passes share: 1 at the near plane, 0 at infinity.
 pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// How many pipelines are kept: enough to switch a choice back and forth, few enough to forget what was typed a minute ago.
-const KEPT: usize = 8;
+const KEPT: usize = 32;
 
 /// A device with its queue. Copies share the device, the counters and what is kept.
 #[derive(Clone, Debug)]
@@ -167,8 +170,7 @@ impl Gpu {
         }
     }
 
-    /// A pipeline that draws triangles without vertices: one over the screen, or two for each instance. One that was built before is taken
-    /// again.
+    /// A pipeline that draws triangles: a mesh's, one over the screen, or two for each instance. One that was built before is taken again.
     pub(crate) fn screen_pipeline(
         &self,
         label: &str,
@@ -193,7 +195,7 @@ impl Gpu {
                     module: &module,
                     entry_point: Some(key.entries[0]),
                     compilation_options: compilation_options.clone(),
-                    buffers: &[],
+                    buffers: if key.triangles { &[Some(CORNERS)] } else { &[] },
                 },
                 primitive: wgpu::PrimitiveState::default(),
                 depth_stencil: key.depth.map(|compare| wgpu::DepthStencilState {
@@ -331,6 +333,17 @@ pub(crate) fn uniform_layout(
         label: Some(label),
         entries: if size == 0 { &[] } else { std::slice::from_ref(&entry) },
     })
+}
+
+/// A layout of so many storage buffers that are read.
+pub(crate) fn storage_layout(gpu: &Gpu, label: &str, visibility: wgpu::ShaderStages, count: u32) -> wgpu::BindGroupLayout {
+    let ty = wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only: true },
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    let entries: Vec<_> = (0..count).map(|binding| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }).collect();
+    gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
 /// A uniform block on the GPU, its bind group, and the bytes that were written last.

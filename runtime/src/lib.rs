@@ -6,6 +6,7 @@ pub mod gpu;
 pub mod headless;
 pub mod images;
 pub mod live;
+pub mod mesh;
 pub mod passes;
 pub mod physics;
 pub mod stage;

@@ -4,3 +4,4 @@ pub mod clock;
 pub mod mutations;
 pub mod programs;
 pub mod scenes;
+pub mod solids;

@@ -35,7 +35,9 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let mut exit = Exit::Fine;
     for scene in &args.scenes {
         let readable = files::read(Path::new(scene));
-        let outcome = surefoot_compiler::compile(&FileLoader, scene, &options);
+        let mut outcome = surefoot_compiler::compile(&FileLoader, scene, &options);
+        let broken = outcome.compiled.as_ref().map_or_else(Vec::new, crate::picture::broken_meshes);
+        outcome.diagnostics.extend(broken);
         if args.json {
             print(format!("{}\n", report(scene, &outcome)).as_bytes())?;
         } else {

@@ -133,6 +133,15 @@ fn show_diagnostics(outcome: &Outcome) {
     }
 }
 
+/// Shows what is wrong with the meshes of a scene that is drawn, and answers how the command ends.
+fn show_broken(outcome: &Outcome, broken: &[Diagnostic]) -> Exit {
+    if broken.is_empty() {
+        return Exit::Fine;
+    }
+    eprint!("{}", diagnostic::render(&outcome.sources, broken, colored(&std::io::stderr())));
+    Exit::Errors
+}
+
 /// `2 errors and 1 warning`; empty where there is neither.
 fn count(diagnostics: &[Diagnostic]) -> String {
     let of = |severity, one: &str, many: &str| match diagnostics

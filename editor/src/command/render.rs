@@ -2,7 +2,7 @@
 
 use super::bar::LateBar;
 use super::values::{self, Setting};
-use super::{Exit, Failure, compile_file, show_diagnostics};
+use super::{Exit, Failure, compile_file, show_broken, show_diagnostics};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -98,6 +98,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if let Some(note) = note {
         eprintln!("note: {note}");
     }
+    let exit = show_broken(&outcome, painter.broken());
     let shots: Vec<(f64, PathBuf)> = match &args.frames {
         None => vec![(args.time, args.output.clone())],
         Some(range) => {
@@ -117,7 +118,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
             .map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
     }
     bar.finish();
-    Ok(Exit::Fine)
+    Ok(exit)
 }
 
 fn camera(frame: &Frame, name: Option<&str>) -> Result<Camera, Failure> {

@@ -1,6 +1,6 @@
 //! `surefoot view`: a scene in a live window.
 
-use super::{Exit, Failure, compile_file, show_diagnostics};
+use super::{Exit, Failure, compile_file, show_broken, show_diagnostics};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::path::{Path, PathBuf};
 use surefoot_compiler::Options;
@@ -73,6 +73,7 @@ fn picture(args: &Args, why: &str) -> Result<Exit, Failure> {
     if let Some(note) = note {
         eprintln!("note: {note}");
     }
+    let exit = show_broken(&outcome, painter.broken());
     let live = compiled.live();
     let frame = compiled.frame(&live);
     let Some(&(_, camera)) = frame.cameras.first() else {
@@ -88,5 +89,5 @@ fn picture(args: &Args, why: &str) -> Result<Exit, Failure> {
         .map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
     let shown = std::path::absolute(&path).unwrap_or(path);
     eprintln!("surefoot: wrote the picture to {}", shown.display());
-    Ok(Exit::Fine)
+    Ok(exit)
 }

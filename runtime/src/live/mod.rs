@@ -195,6 +195,11 @@ impl LiveScene {
         state.busy || state.asked.is_some()
     }
 
+    /// Which mesh is being read just now, and how many there are, for people.
+    pub fn loading(&self) -> Option<String> {
+        self.shared.lock().loading.clone()
+    }
+
     /// What happened so far.
     pub fn report(&self) -> Report {
         self.shared.lock().report
@@ -249,6 +254,8 @@ struct State {
     /// When the newest event of the file system came.
     last_event: Option<Instant>,
     busy: bool,
+    /// The mesh that is being read.
+    loading: Option<String>,
     stop: bool,
     update: Option<Update>,
     report: Report,

@@ -17,7 +17,8 @@ pub(super) type Texts = BTreeMap<String, Arc<[u8]>>;
 pub(super) struct Recorder {
     loader: SharedLoader,
     texts: Texts,
-    seen: RefCell<BTreeMap<String, Content>>,
+    /// With the limit that the reader set to the file's size, if any.
+    seen: RefCell<BTreeMap<String, (Option<u64>, Content)>>,
 }
 
 impl Recorder {
@@ -32,23 +33,32 @@ impl Recorder {
 
     /// Whether a file holds something else by now. `texts` are the unsaved ones of now.
     pub fn is_stale(&self, texts: &Texts) -> bool {
-        self.seen.borrow().iter().any(|(path, then)| content(&self.get(texts, path)) != *then)
+        self.seen.borrow().iter().any(|(path, (most, then))| content(&self.get(texts, path, *most)) != *then)
     }
 
-    fn get(&self, texts: &Texts, path: &str) -> Result<Vec<u8>, String> {
-        match texts.get(&plain(path)) {
-            Some(text) => Ok(text.to_vec()),
-            None => self.loader.read(path),
+    fn get(&self, texts: &Texts, path: &str, most: Option<u64>) -> Result<Vec<u8>, String> {
+        match (texts.get(&plain(path)), most) {
+            (Some(text), _) => Ok(text.to_vec()),
+            (None, Some(most)) => self.loader.read_up_to(path, most),
+            (None, None) => self.loader.read(path),
         }
+    }
+
+    fn noted(&self, path: &str, most: Option<u64>) -> Result<Vec<u8>, String> {
+        let bytes = self.get(&self.texts, path, most);
+        // Where a file is read twice, the first answer counts: if the second differs, the file is stale.
+        self.seen.borrow_mut().entry(path.to_owned()).or_insert_with(|| (most, content(&bytes)));
+        bytes
     }
 }
 
 impl Loader for Recorder {
     fn read(&self, path: &str) -> Result<Vec<u8>, String> {
-        let bytes = self.get(&self.texts, path);
-        // Where a file is read twice, the first answer counts: if the second differs, the file is stale.
-        self.seen.borrow_mut().entry(path.to_owned()).or_insert_with(|| content(&bytes));
-        bytes
+        self.noted(path, None)
+    }
+
+    fn read_up_to(&self, path: &str, most: u64) -> Result<Vec<u8>, String> {
+        self.noted(path, Some(most))
     }
 }
 

@@ -6,6 +6,7 @@ use super::watch::Watch;
 use super::{Ready, Setup, Shared, State, Times, Update, Words};
 use crate::frame::Picture;
 use crate::headless;
+use crate::mesh::Assets;
 use crate::passes::scene::ViewMode;
 use crate::physics::{Contact, Passes};
 use std::any::Any;
@@ -15,6 +16,7 @@ use std::sync::{Arc, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::{Compiled, Outcome};
+use surefoot_compiler::diagnostic::Diagnostic;
 use surefoot_compiler::source::Sources;
 
 /// Events that follow each other faster than this belong to one save…
@@ -42,7 +44,8 @@ pub(super) fn spawn(setup: Setup, shared: Arc<Shared>) -> std::io::Result<JoinHa
             });
             let rehearsal = Rehearsal::new(setup.target.as_ref().map(|(gpu, _)| gpu));
             let (record, newest) = (None, Newest::default());
-            Worker { setup, shared, watch, rehearsal, record, newest, passes: None }.run();
+            let assets = Assets::new();
+            Worker { setup, shared, watch, rehearsal, record, read: None, assets, newest, passes: None }.run();
         },
     )
 }
@@ -54,6 +57,9 @@ struct Worker {
     rehearsal: Rehearsal,
     /// What the newest compilation read.
     record: Option<Recorder>,
+    /// What was read for the newest scene that was good: its meshes.
+    read: Option<Recorder>,
+    assets: Assets,
     newest: Newest,
     /// What moves balls, once a scene had some.
     passes: Option<Arc<Passes>>,
@@ -66,6 +72,8 @@ type Parts = (Option<Picture>, Option<(Arc<Passes>, Contact)>);
 #[derive(Default)]
 struct Newest {
     words: Arc<Words>,
+    /// What is wrong with the meshes of the newest good scene.
+    broken: Vec<Diagnostic>,
     failure: Option<String>,
     good: Option<Arc<Compiled>>,
     /// What the newest picture shows.
@@ -94,6 +102,11 @@ impl Worker {
             let mut scene = None;
             if job.anew || self.is_stale() {
                 scene = self.work(job);
+            } else if self.are_meshes_stale() {
+                scene = self.newest.good.clone();
+                if let Some(compiled) = &scene {
+                    self.load(compiled);
+                }
             } else if !other_mode {
                 continue;
             }
@@ -151,6 +164,46 @@ impl Worker {
         self.record.as_ref().is_none_or(|record| record.is_stale(&texts))
     }
 
+    /// Whether a file that was read for the meshes is not what it was.
+    fn are_meshes_stale(&self) -> bool {
+        let texts = self.shared.lock().texts.clone();
+        self.read.as_ref().is_some_and(|record| record.is_stale(&texts))
+    }
+
+    /// Reads the meshes of a scene, and doubts an error for a moment: a large file is often seen before it is whole.
+    fn load(&mut self, compiled: &Compiled) {
+        let deadline = Instant::now() + DOUBT;
+        loop {
+            let texts = self.shared.lock().texts.clone();
+            let recorder = Recorder::new(self.setup.loader.clone(), texts);
+            let shared = &self.shared;
+            let broken = self.assets.load(&recorder, compiled, &|file, i, of| {
+                shared.lock().loading = Some(format!("{file}, mesh {} of {of}", i + 1));
+            });
+            self.shared.lock().loading = None;
+            self.read = Some(recorder);
+            self.newest.broken = broken;
+            if self.newest.broken.is_empty() || !self.waits_for(deadline, || self.are_meshes_stale()) {
+                break;
+            }
+        }
+        self.follow();
+    }
+
+    /// Watches all that was read.
+    fn follow(&mut self) {
+        let mut files = self.newest.words.files.clone();
+        for file in self.read.iter().flat_map(Recorder::files) {
+            if !files.contains(&file) {
+                files.push(file);
+            }
+        }
+        let unheard = self.watch.follow(&files);
+        if unheard && (self.is_stale() || self.are_meshes_stale()) {
+            self.shared.lock().asked.get_or_insert_with(Instant::now);
+        }
+    }
+
     /// Compiles, and doubts an error for a moment.
     fn work(&mut self, mut job: Job) -> Option<Arc<Compiled>> {
         let mut doubted: Option<Instant> = None;
@@ -189,15 +242,20 @@ impl Worker {
             }
         }
         let compile = start.elapsed();
-        let unheard = self.watch.follow(&files);
         self.record = Some(recorder);
-        if unheard && self.is_stale() {
-            self.shared.lock().asked.get_or_insert(start);
-        }
         self.newest.words = Arc::new(Words { sources, diagnostics, files });
         self.newest.failure = failure;
         self.newest.times = Times { compile, ..Times::default() };
-        compiled.map(Arc::new)
+        match compiled.map(Arc::new) {
+            Some(compiled) => {
+                self.load(&compiled);
+                Some(compiled)
+            }
+            None => {
+                self.follow();
+                None
+            }
+        }
     }
 
     /// Builds a scene's picture, where there is a scene.
@@ -222,8 +280,16 @@ impl Worker {
             newest.times.pipeline = start.elapsed();
         }
         newest.times.total = since.elapsed();
+        let words = match newest.broken.is_empty() {
+            true => newest.words.clone(),
+            false => {
+                let mut words = Words::clone(&newest.words);
+                words.diagnostics.extend(newest.broken.iter().cloned());
+                Arc::new(words)
+            }
+        };
         Update {
-            words: newest.words.clone(),
+            words,
             failure: newest.failure.clone(),
             ready,
             times: newest.times,
@@ -232,8 +298,10 @@ impl Worker {
 
     fn prepare(&mut self, compiled: &Compiled, mode: ViewMode) -> Result<Parts, String> {
         let Some((gpu, format)) = &self.setup.target else { return Ok((None, None)) };
+        let meshes = self.assets.meshes(compiled);
         let picture = self.rehearsal.prepare(gpu, |gpu| {
             let mut picture = Picture::prepare(gpu, compiled, *format, mode)?;
+            picture.show_meshes(&meshes)?;
             headless::warm_up(gpu, &mut picture, compiled, *format)?;
             Ok(picture)
         })?;
@@ -266,8 +334,13 @@ impl Worker {
 
     /// Waits until a file holds something else than what was compiled. False if none does until the deadline.
     fn changes_before(&self, deadline: Instant) -> bool {
+        self.waits_for(deadline, || self.is_stale())
+    }
+
+    /// Waits until something is so. False if it is not until the deadline.
+    fn waits_for(&self, deadline: Instant, so: impl Fn() -> bool) -> bool {
         loop {
-            if self.is_stale() {
+            if so() {
                 return true;
             }
             let left = deadline.saturating_duration_since(Instant::now());

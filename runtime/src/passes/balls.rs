@@ -4,7 +4,7 @@ mod shadow;
 
 use super::scene::{Features, ViewMode};
 use super::surroundings;
-use crate::gpu::{Gpu, PipelineKey, uniform_layout};
+use crate::gpu::{Gpu, PipelineKey, storage_layout, uniform_layout};
 use crate::physics::Physics;
 use bytemuck::{Pod, Zeroable};
 use shadow::Shadow;
@@ -54,6 +54,7 @@ impl BallsPipeline {
             format: Some(format),
             entries: ["ball_vertex", "ball_fragment"],
             depth: Some(wgpu::CompareFunction::GreaterEqual),
+            triangles: false,
         };
         gpu.catch(|| {
             let shadow = match features.shadows {
@@ -63,20 +64,7 @@ impl BallsPipeline {
             let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
             let module = uniform_layout(gpu, "surefoot scene", u64::from(compiled.module.uniform_size), stage);
             let scene = surroundings::layout(gpu, features);
-            let entry = |binding| wgpu::BindGroupLayoutEntry {
-                binding,
-                visibility: stage,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Storage { read_only: true },
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            };
-            let layout = gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some(label),
-                entries: &[entry(0), entry(1)],
-            });
+            let layout = storage_layout(gpu, label, stage, 2);
             let layouts = [Some(&module), Some(&scene), Some(&layout), shadow.as_ref().map(|(_, layout)| layout)];
             let layouts = if shadow.is_some() { &layouts } else { &layouts[..3] };
             let pipeline = gpu.screen_pipeline(label, key, layouts)?;

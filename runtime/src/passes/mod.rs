@@ -2,10 +2,13 @@
 
 mod balls;
 pub mod evaluate;
+mod meshes;
 mod pipeline;
 pub mod rays;
 pub mod scene;
 mod surroundings;
 
 pub use balls::BallsPipeline;
+pub(crate) use meshes::CORNERS;
+pub use meshes::MeshesPipeline;
 pub use pipeline::ScenePipeline;

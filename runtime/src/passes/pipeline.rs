@@ -1,6 +1,7 @@
 //! The pass over the screen on the GPU: pipeline, uniforms, draw.
 
 use super::balls::BallsPipeline;
+use super::meshes::MeshesPipeline;
 use super::scene::{Features, SceneUniforms, ViewMode};
 use super::surroundings::{self, SceneGroup};
 use crate::film::LINEAR;
@@ -20,6 +21,7 @@ pub struct ScenePipeline {
     /// Whether images were shown since the last update.
     fresh: bool,
     balls: Option<BallsPipeline>,
+    meshes: Option<MeshesPipeline>,
     /// The newest view.
     view: Option<View>,
 }
@@ -47,9 +49,10 @@ impl ScenePipeline {
             format: Some(format),
             entries: ["vertex", "fragment"],
             // The field is drawn first, whatever was there.
-            depth: features.depth.then_some(wgpu::CompareFunction::Always),
+            depth: features.depth().then_some(wgpu::CompareFunction::Always),
+            triangles: false,
         };
-        let balls = match features.depth {
+        let balls = match features.balls {
             true => Some(BallsPipeline::prepare(gpu, compiled, format, features)?),
             false => None,
         };
@@ -58,6 +61,10 @@ impl ScenePipeline {
             let scene_layout = surroundings::layout(gpu, features);
             // The same layout, bound or built again, is the same to wgpu: a pipeline that was kept fits.
             let shadows = balls.as_ref().and_then(BallsPipeline::shadow_layout);
+            let meshes = match features.meshes {
+                true => Some(MeshesPipeline::prepare(gpu, compiled, format, features, shadows)?),
+                false => None,
+            };
             let layouts = [Some(&module_layout), Some(&scene_layout), None, shadows];
             let layouts = if shadows.is_some() { &layouts } else { &layouts[..2] };
             let pipeline = gpu.screen_pipeline(label, key, layouts)?;
@@ -69,6 +76,7 @@ impl ScenePipeline {
                 srgb_target: format.is_srgb() || format == LINEAR,
                 fresh: false,
                 balls,
+                meshes,
                 view: None,
             })
         })?
@@ -88,8 +96,9 @@ impl ScenePipeline {
         let uniforms = SceneUniforms::new(&frame, &camera, origin, size, corner, self.srgb_target);
         let module = self.module.write(queue, &compiled.uniform_bytes(live, origin));
         let scene = self.scene.write(queue, &uniforms);
+        let meshes = self.meshes.as_mut().is_some_and(|m| m.triangles.update(queue, &compiled.meshes(live), origin));
         self.view = Some(*view);
-        std::mem::take(&mut self.fresh) || module || scene
+        std::mem::take(&mut self.fresh) || module || scene || meshes
     }
 
     /// Shows the images that the scene names, as far as they could be read.
@@ -105,9 +114,14 @@ impl ScenePipeline {
         self.balls.as_mut()
     }
 
+    /// What draws the meshes, where the scene has some.
+    pub fn meshes_mut(&mut self) -> Option<&mut MeshesPipeline> {
+        self.meshes.as_mut()
+    }
+
     /// Whether it draws with depth.
     pub fn has_depth(&self) -> bool {
-        self.balls.is_some()
+        self.balls.is_some() || self.meshes.is_some()
     }
 
     /// Draws over the whole of the pass's viewport and scissors.
@@ -119,10 +133,14 @@ impl ScenePipeline {
             pass.set_bind_group(3, shadows, &[]);
         }
         pass.draw(0..3, 0..1);
-        if let (Some(balls), Some(view)) = (&self.balls, self.view) {
-            // The whole picture, of which the target may be a tile.
-            let View { size: [width, height], corner: [left, top], .. } = view;
-            pass.set_viewport(left, top, width.max(1.0), height.max(1.0), 0.0, 1.0);
+        let Some(view) = self.view.filter(|_| self.has_depth()) else { return };
+        // The whole picture, of which the target may be a tile.
+        let View { size: [width, height], corner: [left, top], .. } = view;
+        pass.set_viewport(left, top, width.max(1.0), height.max(1.0), 0.0, 1.0);
+        if let Some(meshes) = &self.meshes {
+            meshes.draw(pass);
+        }
+        if let Some(balls) = &self.balls {
             balls.draw(pass);
         }
     }

@@ -25,8 +25,10 @@ pub struct Features {
     pub environment: bool,
     /// Whether mirrored rays are followed through the field.
     pub reflections: bool,
-    /// Whether the depth is written too, for triangles that are rasterised after.
-    pub depth: bool,
+    /// Whether balls are drawn.
+    pub balls: bool,
+    /// Whether meshes are drawn.
+    pub meshes: bool,
 }
 
 impl Features {
@@ -50,13 +52,15 @@ impl Features {
             occlusion: shaded && !blocks.ambient_occlusion.is_some_and(nothing),
             environment: shaded && blocks.environment.is_some(),
             reflections: shaded && blocks.reflections.is_some_and(|n| constant(n) != Some(0.0)),
-            depth: Self::draws_balls(compiled, view),
+            // Not where the steps of rays are shown.
+            balls: compiled.has_balls() && view != ViewMode::Steps,
+            meshes: compiled.has_meshes() && view != ViewMode::Steps,
         }
     }
 
-    /// Whether balls are drawn over the field: not where the steps of rays are shown.
-    pub fn draws_balls(compiled: &Compiled, view: ViewMode) -> bool {
-        compiled.has_balls() && view != ViewMode::Steps
+    /// Whether the depth is written too: something is rasterised.
+    pub fn depth(&self) -> bool {
+        self.balls || self.meshes
     }
 
     /// The functions of the module that the pass calls.
@@ -90,7 +94,7 @@ impl Features {
                 true => include_str!("scene/reflections.wgsl"),
                 false => include_str!("scene/no_reflections.wgsl"),
             });
-            sections.extend(match (self.shadows, self.depth) {
+            sections.extend(match (self.shadows, self.balls) {
                 (true, true) => vec![include_str!("balls/cast.wgsl"), include_str!("balls/lit.wgsl")],
                 (true, false) => vec![include_str!("scene/shadow.wgsl")],
                 (false, _) => vec![include_str!("scene/no_shadow.wgsl")],
@@ -112,7 +116,7 @@ impl Features {
             ViewMode::Steps => include_str!("scene/view_steps.wgsl"),
             ViewMode::Depth => include_str!("scene/view_depth.wgsl"),
         });
-        sections.push(match self.depth {
+        sections.push(match self.depth() {
             true => include_str!("scene/color_and_depth.wgsl"),
             false => include_str!("scene/color.wgsl"),
         });

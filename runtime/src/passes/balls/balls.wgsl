@@ -41,15 +41,10 @@ fn ball_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) inde
     let aside = normalize(cross(toward, select(scene.up, scene.right, abs(dot(toward, scene.up)) > 0.9)));
     let above = cross(aside, toward);
     let corner = vec2f(f32((0x32u >> vertex) & 1u), f32((0x2cu >> vertex) & 1u)) * 2.0 - 1.0;
-    let p = way + 1.001 * reach * (corner.x * aside + corner.y * above);
-    let depth = dot(p, scene.forward);
-    // Divided by the rasteriser: depth 1 at the near plane, 0 at infinity.
-    out.position = vec4f(
-        dot(p, scene.right) / (scene.aspect * scene.tan_half_fov),
-        dot(p, scene.up) / scene.tan_half_fov,
-        min(scene.near, depth),
-        depth,
-    );
+    var p = scene_project(way + 1.001 * reach * (corner.x * aside + corner.y * above));
+    // The square may reach behind the near plane, and the ball before it.
+    p.z = min(p.z, p.w);
+    out.position = p;
     return out;
 }
 

@@ -84,6 +84,7 @@ impl Shadow {
             format: None,
             entries: ["map_vertex", "map_fragment"],
             depth: Some(wgpu::CompareFunction::Less),
+            triangles: false,
         };
         let map = gpu.screen_pipeline(label, key, &groups(&draw_layout))?;
         let block_layout = uniform_layout(gpu, label, size_of::<BallLight>() as u64, On::VERTEX_FRAGMENT);

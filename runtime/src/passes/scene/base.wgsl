@@ -71,6 +71,12 @@ fn scene_direction(position: vec2f) -> vec3f {
     return normalize(scene.forward + across * scene.right - down * scene.up);
 }
 
+// A place seen from the eye, as the rasteriser wants it: divided, its depth is 1 at the near plane and 0 at infinity.
+fn scene_project(way: vec3f) -> vec4f {
+    let across = dot(way, scene.right) / (scene.aspect * scene.tan_half_fov);
+    return vec4f(across, dot(way, scene.up) / scene.tan_half_fov, scene.near, dot(way, scene.forward));
+}
+
 // The surface's normal; a gradient that vanishes answers with the direction to the eye.
 fn scene_normal(p: vec3f, direction: vec3f) -> vec3f {
     let gradient = sf_gradient(p).xyz;

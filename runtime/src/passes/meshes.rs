@@ -1,0 +1,205 @@
+//! Meshes over the field: triangles that share its uniforms, its light and its depth.
+
+use super::scene::{Features, ViewMode};
+use super::surroundings;
+use crate::gpu::{Gpu, PipelineKey, storage_layout, uniform_layout};
+use crate::mesh::{Mesh, Vertex};
+use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
+use surefoot_compiler::compiled::Compiled;
+use surefoot_compiler::mesh::Placed;
+use surefoot_compiler::reference::vector::sub;
+use wgpu::util::DeviceExt;
+
+/// Draws meshes.
+#[derive(Debug)]
+pub struct MeshesPipeline {
+    pipeline: wgpu::RenderPipeline,
+    pub(super) triangles: Triangles,
+}
+
+/// The meshes of a scene on the device, and where they stand.
+#[derive(Debug)]
+pub(super) struct Triangles {
+    /// What passes over meshes are bound to: where they stand.
+    pub layout: wgpu::BindGroupLayout,
+    pub group: wgpu::BindGroup,
+    places: wgpu::Buffer,
+    written: Vec<Place>,
+    /// One for each mesh of the text; none where its file is broken.
+    uploaded: Vec<Option<Arc<Uploaded>>>,
+    /// Grows with each change of the meshes themselves.
+    pub version: u64,
+}
+
+/// A mesh on the device.
+#[derive(Debug)]
+struct Uploaded {
+    mesh: Arc<Mesh>,
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+}
+
+/// Where a mesh stands and what it is made of, as `mesh.wgsl` declares it.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+struct Place {
+    x: [f32; 3],
+    roughness: f32,
+    y: [f32; 3],
+    metallic: f32,
+    z: [f32; 3],
+    reflectivity: f32,
+    origin: [f32; 3],
+    padding_a: u32,
+    color: [f32; 3],
+    padding_b: u32,
+    emission: [f32; 3],
+    padding_c: u32,
+}
+
+impl Place {
+    /// `origin` is the scene's point at which the module's `p` is zero.
+    fn of(placed: &Placed, origin: [f64; 3]) -> Self {
+        let narrow = |v: [f64; 3]| v.map(|c| c as f32);
+        let [x, y, z] = placed.axes.map(narrow);
+        let [r, g, b, er, eg, eb, roughness, metallic, reflectivity] = placed.look.map(|c| c as f32);
+        let origin = narrow(sub(placed.origin, origin));
+        let (color, emission) = ([r, g, b], [er, eg, eb]);
+        Self { x, roughness, y, metallic, z, reflectivity, origin, padding_a: 0, color, padding_b: 0, emission, padding_c: 0 }
+    }
+}
+
+impl MeshesPipeline {
+    /// Builds what draws the meshes of a scene. `shadows` is group 3, where the pass looks shadows up.
+    pub(super) fn prepare(
+        gpu: &Gpu,
+        compiled: &Compiled,
+        format: wgpu::TextureFormat,
+        features: Features,
+        shadows: Option<&wgpu::BindGroupLayout>,
+    ) -> Result<Self, String> {
+        let label = "surefoot meshes";
+        let mut sections = vec![compiled.module.code()];
+        sections.extend(features.shading());
+        sections.push(include_str!("meshes/mesh.wgsl"));
+        sections.push(match features.view {
+            ViewMode::Normals => include_str!("meshes/normals.wgsl"),
+            ViewMode::Depth => include_str!("meshes/depth.wgsl"),
+            ViewMode::Shaded | ViewMode::Steps => include_str!("meshes/shaded.wgsl"),
+        });
+        let key = PipelineKey {
+            wgsl: sections.join("\n"),
+            constants: Vec::new(),
+            format: Some(format),
+            entries: ["mesh_vertex", "mesh_fragment"],
+            depth: Some(wgpu::CompareFunction::GreaterEqual),
+            triangles: true,
+        };
+        gpu.catch(|| {
+            let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
+            let module = uniform_layout(gpu, "surefoot scene", u64::from(compiled.module.uniform_size), stage);
+            let scene = surroundings::layout(gpu, features);
+            let triangles = Triangles::new(gpu, compiled);
+            let layouts = [Some(&module), Some(&scene), Some(&triangles.layout), shadows];
+            let layouts = if shadows.is_some() { &layouts } else { &layouts[..3] };
+            let pipeline = gpu.screen_pipeline(label, key, layouts)?;
+            Ok(Self { pipeline, triangles })
+        })?
+    }
+
+    /// Takes the meshes of the scene, in the order of the text.
+    pub fn put(&mut self, gpu: &Gpu, meshes: &[Option<Arc<Mesh>>]) -> Result<(), String> {
+        self.triangles.put(gpu, meshes)
+    }
+
+    /// Draws after the field, whose groups 0 and 1 are set.
+    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_pipeline(&self.pipeline);
+        self.triangles.draw(pass);
+    }
+}
+
+impl Triangles {
+    fn new(gpu: &Gpu, compiled: &Compiled) -> Self {
+        let label = "surefoot meshes";
+        let layout = storage_layout(gpu, label, wgpu::ShaderStages::VERTEX_FRAGMENT, 1);
+        let places = gpu.device().create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: (size_of::<Place>() * compiled.blocks.meshes.len().max(1)) as u64,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let group = gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout: &layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: places.as_entire_binding() }],
+        });
+        Self { layout, group, places, written: Vec::new(), uploaded: Vec::new(), version: 0 }
+    }
+
+    /// Takes the meshes of the scene, in the order of the text. One that several blocks name is kept once.
+    pub fn put(&mut self, gpu: &Gpu, meshes: &[Option<Arc<Mesh>>]) -> Result<(), String> {
+        let mut uploaded: Vec<Option<Arc<Uploaded>>> = Vec::new();
+        for mesh in meshes {
+            let Some(mesh) = mesh else {
+                uploaded.push(None);
+                continue;
+            };
+            let same = |u: &&Arc<Uploaded>| Arc::ptr_eq(&u.mesh, mesh);
+            let known = self.uploaded.iter().chain(&uploaded).flatten().find(same).cloned();
+            let known = match known {
+                Some(known) => known,
+                None => Arc::new(Uploaded::new(gpu, mesh)?),
+            };
+            uploaded.push(Some(known));
+        }
+        self.uploaded = uploaded;
+        self.version += 1;
+        Ok(())
+    }
+
+    /// Writes where the meshes stand. Answers whether anything changed.
+    pub fn update(&mut self, queue: &wgpu::Queue, placed: &[Placed], origin: [f64; 3]) -> bool {
+        let places: Vec<Place> = placed.iter().map(|placed| Place::of(placed, origin)).collect();
+        if places == self.written {
+            return false;
+        }
+        queue.write_buffer(&self.places, 0, bytemuck::cast_slice(&places));
+        self.written = places;
+        true
+    }
+
+    /// Draws all of them with the pipeline that is set; group 2 is theirs.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(2, &self.group, &[]);
+        for (i, uploaded) in (0u32..).zip(&self.uploaded) {
+            let Some(uploaded) = uploaded else { continue };
+            pass.set_vertex_buffer(0, uploaded.vertices.slice(..));
+            pass.set_index_buffer(uploaded.indices.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..uploaded.mesh.indices.len() as u32, 0, i..i + 1);
+        }
+    }
+}
+
+impl Uploaded {
+    fn new(gpu: &Gpu, mesh: &Arc<Mesh>) -> Result<Self, String> {
+        gpu.catch(|| {
+            let buffer = |contents, usage| {
+                gpu.device().create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some("surefoot mesh"), contents, usage })
+            };
+            Self {
+                vertices: buffer(bytemuck::cast_slice(&mesh.vertices), wgpu::BufferUsages::VERTEX),
+                indices: buffer(bytemuck::cast_slice(&mesh.indices), wgpu::BufferUsages::INDEX),
+                mesh: mesh.clone(),
+            }
+        })
+    }
+}
+
+/// How a mesh's corners lie in their buffer.
+pub(crate) const CORNERS: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+    array_stride: size_of::<Vertex>() as u64,
+    step_mode: wgpu::VertexStepMode::Vertex,
+    attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2],
+};
