@@ -10,6 +10,7 @@ pub mod factors;
 pub mod functions;
 pub mod graph;
 pub mod images;
+pub mod loader;
 pub mod mesh;
 pub mod physics;
 pub mod pipeline;

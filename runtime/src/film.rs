@@ -51,6 +51,7 @@ impl Film {
             format: Some(format),
             entries: ["vertex", "fragment"],
             depth: None,
+            triangles: false,
         };
         gpu.catch(|| {
             let layouts = [layout(gpu, true), layout(gpu, false)];
