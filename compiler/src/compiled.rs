@@ -264,7 +264,7 @@ pub enum Shadow {
     Hard,
     /// With a penumbra; larger is sharper.
     Soft(f64),
-    /// From a shadow map: not drawn yet, drawn as [`Shadow::Hard`].
+    /// From a shadow map, the field's too; where there are none, as [`Shadow::Hard`].
     Map,
 }
 

@@ -665,15 +665,7 @@ impl Elaborator<'_> {
                 "none" | "off" => return Ok((Shadow::None, None)),
                 "hard" | "on" => return Ok((Shadow::Hard, None)),
                 "soft" => return Ok((Shadow::Soft(16.0), None)),
-                "map" => {
-                    self.warn(
-                        Code::NotDrawn,
-                        expr.span,
-                        "`shadow: map` is understood, but not drawn yet",
-                        "the light is drawn with a hard shadow",
-                    );
-                    return Ok((Shadow::Map, None));
-                }
+                "map" => return Ok((Shadow::Map, None)),
                 _ => {}
             },
             ExprKind::Call(callee, args) => {

@@ -367,7 +367,7 @@ pub fn followed(roughness: f64, share: Vec3) -> f64 {
 /// How far off the surface, along its normal, a ray starts that leaves it. `point` is seen from the scene's origin, `t` is how far it is from the eye,
 /// `footprint` the width of a pixel at distance one.
 pub fn shadow_offset(point: Vec3, t: f64, footprint: f64) -> f64 {
-    3.0 * (0.5 * footprint * t).max(4e-6 * (length(point) + 1.0))
+    (0.5 * footprint * t).max(12e-6 * (length(point) + 1.0))
 }
 
 /// The colour of a number of steps, 64 and more the brightest: the colours "inferno" of matplotlib (van der Walt and Smith), as the

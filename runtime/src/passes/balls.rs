@@ -1,13 +1,11 @@
 //! Balls over the field: instances that share its uniforms, its light and its depth.
 
-mod shadow;
-
 use super::scene::{Features, ViewMode};
+use super::shadows::BallsNow;
 use super::surroundings;
 use crate::gpu::{Gpu, PipelineKey, storage_layout, uniform_layout};
 use crate::physics::Physics;
 use bytemuck::{Pod, Zeroable};
-use shadow::Shadow;
 use surefoot_compiler::compiled::{Compiled, Live};
 
 /// Draws balls.
@@ -18,9 +16,16 @@ pub struct BallsPipeline {
     looks: wgpu::Buffer,
     written: Vec<Look>,
     /// The balls that are drawn, where there are any.
-    shown: Option<(wgpu::BindGroup, u32)>,
-    /// Their shadows, where a light throws any, and what looks them up.
-    shadow: Option<(Shadow, wgpu::BindGroupLayout)>,
+    shown: Option<Shown>,
+}
+
+/// Balls that are drawn.
+#[derive(Debug)]
+struct Shown {
+    group: wgpu::BindGroup,
+    buffer: wgpu::Buffer,
+    count: u32,
+    version: u64,
 }
 
 /// A group's material, as `balls.wgsl` declares it.
@@ -36,8 +41,14 @@ struct Look {
 }
 
 impl BallsPipeline {
-    /// Builds what draws the balls of a scene.
-    pub(super) fn prepare(gpu: &Gpu, compiled: &Compiled, format: wgpu::TextureFormat, features: Features) -> Result<Self, String> {
+    /// Builds what draws the balls of a scene. `shadows` is group 3, where the pass looks shadows up.
+    pub(super) fn prepare(
+        gpu: &Gpu,
+        compiled: &Compiled,
+        format: wgpu::TextureFormat,
+        features: Features,
+        shadows: Option<&wgpu::BindGroupLayout>,
+    ) -> Result<Self, String> {
         let label = "surefoot balls, picture";
         let mut sections = vec![compiled.module.code()];
         sections.extend(features.shading());
@@ -57,16 +68,12 @@ impl BallsPipeline {
             triangles: false,
         };
         gpu.catch(|| {
-            let shadow = match features.shadows {
-                true => Some((Shadow::new(gpu)?, shadow::read_layout(gpu))),
-                false => None,
-            };
             let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
             let module = uniform_layout(gpu, "surefoot scene", u64::from(compiled.module.uniform_size), stage);
             let scene = surroundings::layout(gpu, features);
             let layout = storage_layout(gpu, label, stage, 2);
-            let layouts = [Some(&module), Some(&scene), Some(&layout), shadow.as_ref().map(|(_, layout)| layout)];
-            let layouts = if shadow.is_some() { &layouts } else { &layouts[..3] };
+            let layouts = [Some(&module), Some(&scene), Some(&layout), shadows];
+            let layouts = if shadows.is_some() { &layouts } else { &layouts[..3] };
             let pipeline = gpu.screen_pipeline(label, key, layouts)?;
             let looks = gpu.device().create_buffer(&wgpu::BufferDescriptor {
                 label: Some(label),
@@ -74,18 +81,13 @@ impl BallsPipeline {
                 usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             });
-            Ok(Self { pipeline, layout, looks, written: Vec::new(), shown: None, shadow })
+            Ok(Self { pipeline, layout, looks, written: Vec::new(), shown: None })
         })?
     }
 
-    /// What a pass that looks up the balls' shadows is bound to, where there are any.
-    pub(super) fn shadow_layout(&self) -> Option<&wgpu::BindGroupLayout> {
-        self.shadow.as_ref().map(|(_, layout)| layout)
-    }
-
-    /// Group 3 of such a pass.
-    pub(super) fn shadows(&self) -> Option<&wgpu::BindGroup> {
-        self.shadow.as_ref().map(|(shadow, _)| shadow.group())
+    /// The balls that are drawn, as what throws shadows.
+    pub(super) fn now(&self) -> Option<BallsNow<'_>> {
+        self.shown.as_ref().map(|shown| BallsNow { buffer: &shown.buffer, count: shown.count, version: shown.version })
     }
 
     /// Shows balls as they are now, or none.
@@ -99,11 +101,8 @@ impl BallsPipeline {
                     wgpu::BindGroupEntry { binding: 1, resource: self.looks.as_entire_binding() },
                 ],
             });
-            (group, physics.count())
+            Shown { group, buffer: physics.buffer().clone(), count: physics.count(), version: physics.version() }
         });
-        if let Some((shadow, _)) = &mut self.shadow {
-            shadow.update(gpu, &compiled.frame(live), physics);
-        }
         let look = |look: [f64; 9]| {
             let [r, g, b, x, y, z, roughness, metallic, reflectivity] = look.map(|c| c as f32);
             Look { color: [r, g, b], roughness, emission: [x, y, z], metallic, reflectivity, padding: [0.0; 3] }
@@ -117,9 +116,9 @@ impl BallsPipeline {
 
     /// Draws after the field, whose groups 0 and 1 are set.
     pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
-        let Some((group, count)) = &self.shown else { return };
+        let Some(shown) = &self.shown else { return };
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(2, group, &[]);
-        pass.draw(0..6, 0..*count);
+        pass.set_bind_group(2, &shown.group, &[]);
+        pass.draw(0..6, 0..shown.count);
     }
 }

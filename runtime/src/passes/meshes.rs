@@ -82,6 +82,7 @@ impl MeshesPipeline {
         let label = "surefoot meshes";
         let mut sections = vec![compiled.module.code()];
         sections.extend(features.shading());
+        sections.push(include_str!("meshes/place.wgsl"));
         sections.push(include_str!("meshes/mesh.wgsl"));
         sections.push(match features.view {
             ViewMode::Normals => include_str!("meshes/normals.wgsl"),
@@ -168,6 +169,11 @@ impl Triangles {
         queue.write_buffer(&self.places, 0, bytemuck::cast_slice(&places));
         self.written = places;
         true
+    }
+
+    /// The meshes that are there, with their places among those of the text.
+    pub fn shown(&self) -> impl Iterator<Item = (usize, &Mesh)> {
+        self.uploaded.iter().enumerate().filter_map(|(i, u)| u.as_ref().map(|u| (i, &*u.mesh)))
     }
 
     /// Draws all of them with the pipeline that is set; group 2 is theirs.

@@ -6,6 +6,7 @@ mod meshes;
 mod pipeline;
 pub mod rays;
 pub mod scene;
+mod shadows;
 mod surroundings;
 
 pub use balls::BallsPipeline;

@@ -3,6 +3,7 @@
 use super::balls::BallsPipeline;
 use super::meshes::MeshesPipeline;
 use super::scene::{Features, SceneUniforms, ViewMode};
+use super::shadows::{Moment, Shadows};
 use super::surroundings::{self, SceneGroup};
 use crate::film::LINEAR;
 use crate::gpu::{Gpu, PipelineKey, UniformBlock, uniform_layout};
@@ -22,6 +23,7 @@ pub struct ScenePipeline {
     fresh: bool,
     balls: Option<BallsPipeline>,
     meshes: Option<MeshesPipeline>,
+    shadows: Option<Shadows>,
     /// The newest view.
     view: Option<View>,
 }
@@ -52,21 +54,25 @@ impl ScenePipeline {
             depth: features.depth().then_some(wgpu::CompareFunction::Always),
             triangles: false,
         };
-        let balls = match features.balls {
-            true => Some(BallsPipeline::prepare(gpu, compiled, format, features)?),
-            false => None,
-        };
         gpu.catch(|| {
             let module_layout = uniform_layout(gpu, label, module_size, stage);
             let scene_layout = surroundings::layout(gpu, features);
-            // The same layout, bound or built again, is the same to wgpu: a pipeline that was kept fits.
-            let shadows = balls.as_ref().and_then(BallsPipeline::shadow_layout);
-            let meshes = match features.meshes {
-                true => Some(MeshesPipeline::prepare(gpu, compiled, format, features, shadows)?),
+            let shadows = match features.maps() {
+                true => Some(Shadows::new(gpu, compiled, features)?),
                 false => None,
             };
-            let layouts = [Some(&module_layout), Some(&scene_layout), None, shadows];
-            let layouts = if shadows.is_some() { &layouts } else { &layouts[..2] };
+            // The same layout, bound or built again, is the same to wgpu: a pipeline that was kept fits.
+            let lookup = shadows.as_ref().map(Shadows::layout);
+            let balls = match features.balls {
+                true => Some(BallsPipeline::prepare(gpu, compiled, format, features, lookup)?),
+                false => None,
+            };
+            let meshes = match features.meshes {
+                true => Some(MeshesPipeline::prepare(gpu, compiled, format, features, lookup)?),
+                false => None,
+            };
+            let layouts = [Some(&module_layout), Some(&scene_layout), None, lookup];
+            let layouts = if lookup.is_some() { &layouts } else { &layouts[..2] };
             let pipeline = gpu.screen_pipeline(label, key, layouts)?;
             Ok(Self {
                 pipeline,
@@ -77,6 +83,7 @@ impl ScenePipeline {
                 fresh: false,
                 balls,
                 meshes,
+                shadows,
                 view: None,
             })
         })?
@@ -96,9 +103,21 @@ impl ScenePipeline {
         let uniforms = SceneUniforms::new(&frame, &camera, origin, size, corner, self.srgb_target);
         let module = self.module.write(queue, &compiled.uniform_bytes(live, origin));
         let scene = self.scene.write(queue, &uniforms);
-        let meshes = self.meshes.as_mut().is_some_and(|m| m.triangles.update(queue, &compiled.meshes(live), origin));
+        let placed = if self.meshes.is_some() { compiled.meshes(live) } else { Vec::new() };
+        let meshes = self.meshes.as_mut().is_some_and(|m| m.triangles.update(queue, &placed, origin));
+        let shadows = self.shadows.as_mut().is_some_and(|shadows| {
+            shadows.update(&Moment {
+                frame: &frame,
+                origin,
+                triangles: self.meshes.as_ref().map(|m| &m.triangles),
+                placed: &placed,
+                balls: self.balls.as_ref().and_then(BallsPipeline::now),
+                module: self.module.group(),
+                field: compiled.uniform_bytes(live, [0.0; 3]),
+            })
+        });
         self.view = Some(*view);
-        std::mem::take(&mut self.fresh) || module || scene || meshes
+        std::mem::take(&mut self.fresh) || module || scene || meshes || shadows
     }
 
     /// Shows the images that the scene names, as far as they could be read.
@@ -129,8 +148,8 @@ impl ScenePipeline {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, self.module.group(), &[]);
         pass.set_bind_group(1, self.scene.group(), &[]);
-        if let Some(shadows) = self.balls.as_ref().and_then(BallsPipeline::shadows) {
-            pass.set_bind_group(3, shadows, &[]);
+        if let Some(shadows) = &self.shadows {
+            pass.set_bind_group(3, shadows.group(), &[]);
         }
         pass.draw(0..3, 0..1);
         let Some(view) = self.view.filter(|_| self.has_depth()) else { return };

@@ -29,6 +29,8 @@ pub struct Features {
     pub balls: bool,
     /// Whether meshes are drawn.
     pub meshes: bool,
+    /// Whether a light sees the field in a shadow map.
+    pub field_maps: bool,
 }
 
 impl Features {
@@ -55,7 +57,13 @@ impl Features {
             // Not where the steps of rays are shown.
             balls: compiled.has_balls() && view != ViewMode::Steps,
             meshes: compiled.has_meshes() && view != ViewMode::Steps,
+            field_maps: shaded && !off && blocks.lights.iter().any(|l| l.shadow.0 == Shadow::Map),
         }
+    }
+
+    /// Whether shadows are looked up in maps.
+    pub fn maps(&self) -> bool {
+        self.shadows && (self.balls || self.meshes || self.field_maps)
     }
 
     /// Whether the depth is written too: something is rasterised.
@@ -94,8 +102,10 @@ impl Features {
                 true => include_str!("scene/reflections.wgsl"),
                 false => include_str!("scene/no_reflections.wgsl"),
             });
-            sections.extend(match (self.shadows, self.balls) {
-                (true, true) => vec![include_str!("balls/cast.wgsl"), include_str!("balls/lit.wgsl")],
+            sections.extend(match (self.shadows, self.maps()) {
+                (true, true) => {
+                    vec![include_str!("shadows/base.wgsl"), include_str!("shadows/box.wgsl"), include_str!("shadows/lit.wgsl")]
+                }
                 (true, false) => vec![include_str!("scene/shadow.wgsl")],
                 (false, _) => vec![include_str!("scene/no_shadow.wgsl")],
             });

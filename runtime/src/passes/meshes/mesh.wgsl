@@ -1,23 +1,4 @@
-// Meshes in the picture. Stands after an emitted module and the sections of the scene that shade.
-
-struct MeshPlace {
-    // The mesh's axes as they stand in the scene, scaled.
-    x: vec3f,
-    roughness: f32,
-    y: vec3f,
-    metallic: f32,
-    z: vec3f,
-    reflectivity: f32,
-    // Where the mesh's origin is, in the space of the module's `p`.
-    origin: vec3f,
-    padding_a: u32,
-    color: vec3f,
-    padding_b: u32,
-    emission: vec3f,
-    padding_c: u32,
-}
-
-@group(2) @binding(0) var<storage, read> meshes: array<MeshPlace>;
+// Meshes in the picture. Stands after an emitted module, the sections of the scene that shade, and the place of a mesh.
 
 struct MeshVertex {
     @location(0) position: vec3f,

@@ -89,16 +89,16 @@ fn scene_local(p: vec3f, n: vec3f, direction: vec3f, t: f32, answer: SceneAnswer
             radiance /= far * far;
         }
         if dot(n, l) > 0.0 {
-            let lit = scene_lit(p + off * n, l, off, far, lamp.softness);
+            let lit = scene_lit(i, p, n, l, off, far);
             light += lit * radiance * scene_reflect(answer, n, v, l);
         }
     }
     return SceneLocal(light, share, occlusion);
 }
 
-// How far off a surface rays start that leave it: a few tolerances of the hit.
+// How far off a surface rays start that leave it: half a pixel, or what rounding takes.
 fn scene_off(p: vec3f, t: f32) -> f32 {
-    return 3.0 * max(0.5 * scene.footprint * t, 4e-6 * (length(p - scene.center) + 1.0));
+    return max(0.5 * scene.footprint * t, 12e-6 * (length(p - scene.center) + 1.0));
 }
 
 // How much of a surface is lost in the air: near the ends of the scene it goes over into the sky, so that an endless plane has no rim.

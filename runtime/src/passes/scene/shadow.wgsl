@@ -1,7 +1,8 @@
-// How much of a light arrives: 1 all, 0 nothing.
-fn scene_lit(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: f32) -> f32 {
+// How much of a light arrives: 1 all, 0 nothing. `light` is its number, `l` points to it, `off` is how far a ray starts from the surface.
+fn scene_lit(light: u32, p: vec3f, n: vec3f, l: vec3f, off: f32, far: f32) -> f32 {
+    let softness = scene.lights[light].softness;
     if softness < 0.0 {
         return 1.0;
     }
-    return sf_shadow(origin, direction, t_min, t_max, softness);
+    return sf_shadow(p + off * n, l, off, far, softness);
 }
