@@ -452,7 +452,8 @@ impl Random {
         [0; 3].map(|_| (2.0 * self.next() - 1.0) * half)
     }
 
-    fn direction(&mut self) -> [f64; 3] {
+    /// A vector of length one, any way as likely as another.
+    pub fn direction(&mut self) -> [f64; 3] {
         loop {
             let v = self.within(1.0);
             if (0.1..1.0).contains(&length(v)) {

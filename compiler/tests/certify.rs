@@ -7,6 +7,7 @@ use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
 use surefoot_compiler::graph::interval::Interval;
 use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::verify::Random;
 use surefoot_compiler::{Compiled, Loader, MemoryLoader, Options, compile};
 
 struct Disk;
@@ -27,23 +28,6 @@ fn scene(text: &str) -> Compiled {
 fn truth(text: &str) -> Truth {
     let scene = scene(text);
     Truth::new(&scene, &scene.live(), 1_000_000).unwrap()
-}
-
-/// Numbers in 0..1, the same on every run (SplitMix64, Steele 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn within(&mut self, half: f64) -> [f64; 3] {
-        [0; 3].map(|_| (2.0 * self.next() - 1.0) * half)
-    }
 }
 
 fn cube(half: f64) -> Box3 {
@@ -351,6 +335,31 @@ fn distances_are_those_in_closed_form() {
             assert!(within && found.at_most <= expected * 1.02, "{text} at {p:?}: {expected} not in {found:?}");
             assert_eq!(prover.empty_ball(p, expected * 0.99, 20_000), Ball::Empty, "{text} at {p:?}");
             assert!(matches!(prover.empty_ball(p, expected * 1.05, 20_000), Ball::Crossed(_)), "{text} at {p:?}");
+        }
+    }
+}
+
+/// However large the ball is in which it is looked for, what is found beyond the surface is there, and the distance is the same.
+#[test]
+fn a_distance_does_not_depend_on_how_far_is_looked() {
+    let text = "let post = box((0.025, 0.42, 0.025)).translate(0.25, 0, 0)
+                scene = cylinder(0.17, 0.36) | (for k in polar(y, 8) { post }) | cone(0.36, 0.3).translate(0, 0.36, 0)";
+    let scene = scene(text);
+    let truth = Truth::new(&scene, &scene.live(), 1_000_000).unwrap();
+    let mut prover = truth.prover();
+    let mut random = Random(5);
+    let mut points = vec![[-0.11395576740275383, 0.33605146137837, -0.08421806021068264]];
+    points.extend((0..20).map(|_| random.within(0.5)));
+    for p in points {
+        let inside = prover.value(p) < 0.0;
+        let (mut least, mut most) = (0.0, f64::INFINITY);
+        for k in 0..12 {
+            let found = prover.distance(p, 0.2 + 0.013 * f64::from(k), 0.01, 20_000);
+            if found.at_most < f64::INFINITY {
+                assert!((prover.value(found.beyond) < 0.0) != inside, "{p:?}: {found:?}");
+            }
+            (least, most) = (found.at_least.max(least), found.at_most.min(most));
+            assert!(least <= most, "{p:?}: {found:?}, and it was {least} to {most}");
         }
     }
 }

@@ -5,6 +5,7 @@
 use surefoot_compiler::diagnostic::render;
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function as GraphFunction;
+use surefoot_compiler::verify::Random;
 use surefoot_compiler::reference_text::{CHAPTERS, Entry, entries, language_reference};
 use surefoot_compiler::source::Sources;
 use surefoot_compiler::syntax::parse;
@@ -106,32 +107,6 @@ impl Probe {
     }
 }
 
-/// Random numbers, the same on every run (xorshift64*).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn within(&mut self, half: f64) -> [f64; 3] {
-        [0, 1, 2].map(|_| half * (2.0 * self.unit() - 1.0))
-    }
-
-    fn direction(&mut self) -> [f64; 3] {
-        loop {
-            let v = self.within(1.0);
-            let l = length(v);
-            if l > 0.1 && l <= 1.0 {
-                return v.map(|c| c / l);
-            }
-        }
-    }
-}
-
 fn length(v: [f64; 3]) -> f64 {
     v.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
@@ -183,7 +158,7 @@ fn assert_sound(body: &str) {
             .iter()
             .zip(&values)
             .map(|(p, [_, bound])| {
-                along(*p, random.direction(), 0.999 * bound.abs() * random.unit().sqrt())
+                along(*p, random.direction(), 0.999 * bound.abs() * random.next().sqrt())
             })
             .collect();
         for (((p, q), a), b) in points.iter().zip(&stepped).zip(&values).zip(probe.at(&stepped)) {

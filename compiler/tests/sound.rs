@@ -8,6 +8,7 @@
 use surefoot_compiler::certify::{Claim, falsify};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
+use surefoot_compiler::verify::Random;
 use surefoot_compiler::program::load::PRELUDE;
 use surefoot_compiler::{compile, Compiled, Loader, MemoryLoader, Options};
 
@@ -16,33 +17,6 @@ struct Disk;
 impl Loader for Disk {
     fn read(&self, path: &str) -> Result<Vec<u8>, String> {
         std::fs::read(path).map_err(|e| e.to_string())
-    }
-}
-
-/// Numbers in 0..1, the same on every run (SplitMix64, Steele 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn within(&mut self, half: f64) -> [f64; 3] {
-        [0; 3].map(|_| (2.0 * self.next() - 1.0) * half)
-    }
-
-    fn direction(&mut self) -> [f64; 3] {
-        loop {
-            let v = self.within(1.0);
-            let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
-            if length > 0.1 && length < 1.0 {
-                return v.map(|c| c / length);
-            }
-        }
     }
 }
 

@@ -6,6 +6,7 @@ use common::{compile_file, examples, gpu, prelude};
 use surefoot_compiler::compiled::{Compiled, Export, Live};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
+use surefoot_compiler::verify::Random;
 use surefoot_runtime::{Gpu, evaluate};
 
 /// Points of each scene.
@@ -16,19 +17,6 @@ const FUNCTIONS: [(Export, Function); 3] = [
     (Export::Bound, Function::Bound),
     (Export::Distance, Function::Distance),
 ];
-
-/// Numbers in 0..1, the same on every run (SplitMix64, Steele 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
 
 fn narrow(p: [f64; 3]) -> [f32; 3] {
     p.map(|c| c as f32)

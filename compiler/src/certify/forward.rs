@@ -23,7 +23,7 @@ pub(super) struct Domain<const D: usize> {
     pub middle: [f64; D],
     /// Greatest distance from the middle along each axis.
     half: [f64; D],
-    /// The ball's centre as seen from the middle, and its radius.
+    /// The ball's centre as seen from the middle, and its radius; the middle lies in it.
     ball: Option<([f64; D], f64)>,
     /// Greatest distance from the middle.
     reach: f64,
@@ -32,11 +32,13 @@ pub(super) struct Domain<const D: usize> {
 impl<const D: usize> Domain<D> {
     pub(super) fn new(range: [Interval; D], ball: Option<([f64; D], f64)>) -> Self {
         let mut middle = range.map(Interval::middle);
-        // The middle of a cube about the ball is the ball's centre, but for rounding.
-        if let Some((centre, radius)) = ball
-            && range.iter().zip(centre).all(|(side, c)| side.lo <= c - radius && c + radius <= side.hi)
-        {
-            middle = centre;
+        if let Some((centre, radius)) = ball {
+            if range.iter().zip(centre).all(|(side, c)| side.lo <= c - radius && c + radius <= side.hi) {
+                // The middle of a cube about the ball is the ball's centre, but for rounding.
+                middle = centre;
+            } else {
+                middle = drawn_in(middle, &range, centre, radius);
+            }
         }
         let mut half = [0.0; D];
         for ((half, side), m) in half.iter_mut().zip(&range).zip(&middle) {
@@ -45,7 +47,9 @@ impl<const D: usize> Domain<D> {
         let ball = ball.map(|(centre, radius)| {
             let mut seen = centre;
             seen.iter_mut().zip(&middle).for_each(|(c, m)| *c -= m);
-            (seen, radius)
+            let from = seen.iter().map(|x| x * x).sum::<f64>().sqrt() * (1.0 + ROUNDING);
+            // Where rounding leaves the middle a hair outside, the ball is that much larger.
+            (seen, radius.max(from))
         });
         let length = |v: &[f64; D]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let within = ball.map_or(f64::INFINITY, |(seen, radius)| length(&seen) + radius);
@@ -89,6 +93,29 @@ impl<const D: usize> Domain<D> {
         let slack = ROUNDING * (centre.magnitude() + side.min(1e300));
         Interval::new(lo - slack, hi + slack)
     }
+}
+
+/// The point nearest to a box's middle, on the way from there to the box's point nearest to a ball's centre, that lies in the ball. Ranges and
+/// gradients hold for what of the box is in the ball, so a mean value must begin there too: the way from a point outside of the ball to
+/// one inside leads through what they know nothing of.
+fn drawn_in<const D: usize>(middle: [f64; D], range: &[Interval; D], centre: [f64; D], radius: f64) -> [f64; D] {
+    let mut nearest = centre;
+    nearest.iter_mut().zip(range).for_each(|(x, side)| *x = x.clamp(side.lo, side.hi));
+    let between = |part: f64| {
+        let mut at = middle;
+        at.iter_mut().zip(&nearest).zip(range).for_each(|((x, end), side)| *x = (*x + part * (end - *x)).clamp(side.lo, side.hi));
+        at
+    };
+    let within = |at: &[f64; D]| at.iter().zip(&centre).map(|(x, c)| (x - c) * (x - c)).sum::<f64>() <= radius * radius * (1.0 - 1e-9);
+    if within(&middle) {
+        return middle;
+    }
+    let (mut outside, mut inside) = (0.0, 1.0);
+    for _ in 0..6 {
+        let part = 0.5 * (outside + inside);
+        if within(&between(part)) { inside = part } else { outside = part }
+    }
+    between(inside)
 }
 
 /// What is known of a step's value over a domain.
