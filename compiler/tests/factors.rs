@@ -90,6 +90,7 @@ fn a_warped_drawing_is_as_steep_as_its_own_size_makes_it() {
         ("star(5, 1, 0.4).revolve().twist(y, 1)", 2.05),
         ("star(5, 1, 0.5).extrude(0.4).bend(x, y, 0.5)", 1.6),
         ("star(5, 1, 0.45).extrude(2).rotate(x, 90deg).translate(0, 1, 0).taper(y, 0, 2, 0.25)", 11.0),
+        ("star(5, 1, 0).loft(circle(1), 1)", 3.2),
         ("smooth_union(box(2, 0.5, 0.5), cylinder(0.25, 2.2), 0.3).twist(y, 1.5)", 2.35),
     ] {
         let scene = scene(&format!("scene = {text}\n"));

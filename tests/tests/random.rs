@@ -18,8 +18,11 @@ use surefoot_tests::scenes::{Term, scene};
 /// Scenes of an ordinary run, and points in each.
 const SCENES: u64 = 1000;
 const POINTS: usize = 1000;
-/// Points in each scene of a long run.
+/// Balls in each scene that are certified.
+const BALLS: usize = 20;
+/// The same of a long run.
 const MANY_POINTS: usize = 10_000;
+const MANY_BALLS: usize = 100;
 /// A scene that takes longer to compile counts as a hang.
 const HANG: Duration = Duration::from_secs(10);
 /// How often the shrinker may ask.
@@ -34,7 +37,8 @@ fn number(name: &str) -> Option<u64> {
 #[test]
 fn no_random_scene_has_a_hole() {
     let count = number("SUREFOOT_SCENES");
-    let care = Care { points: if count.is_some() { MANY_POINTS } else { POINTS }, longest: HANG };
+    let (points, balls) = if count.is_some() { (MANY_POINTS, MANY_BALLS) } else { (POINTS, BALLS) };
+    let care = Care { points, balls, longest: HANG };
     let first = number("SUREFOOT_FIRST").unwrap_or(0);
     let seeds = match number("SUREFOOT_SEED") {
         Some(seed) => {
@@ -64,11 +68,18 @@ fn no_random_scene_has_a_hole() {
         };
         *tally.entry(name).or_default() += 1;
     }
-    println!("{tally:#?}");
+    let (mut empty, mut undecided) = (0, 0);
+    for (_, verdict) in &verdicts {
+        if let Verdict::Proven(tried) = verdict {
+            (empty, undecided) = (empty + tried.empty, undecided + tried.undecided);
+        }
+    }
+    println!("{tally:#?}\n{empty} balls are certainly empty, {undecided} are undecided");
     let small = wrong.iter().map(|(seed, kind)| smallest(*seed, *kind, care)).collect::<Vec<_>>();
     assert!(small.is_empty(), "{} of {} scenes are wrong:\n{}", small.len(), verdicts.len(), small.join("\n"));
     // A generator of which little is ever drawn would find little.
     let proven = verdicts.iter().filter(|(_, v)| matches!(v, Verdict::Proven(_))).count();
+    assert!(verdicts.len() < 100 || empty > 4 * undecided, "only {empty} balls are decided, and {undecided} not");
     assert!(verdicts.len() < 100 || 2 * proven > verdicts.len(), "only {proven} of {} are proven", verdicts.len());
 }
 
@@ -127,10 +138,11 @@ fn what_is_too_steep_is_found() {
     let text = "field f = 3 * length(p) - 3\nfield g = 0.5 * p.y\nscene = f | g.within(box(1))";
     let loader = MemoryLoader::new().with("main.sdf", text);
     let mut right = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
-    assert!(try_bound(&right, 1, 500).is_ok());
+    let care = Care { points: 500, balls: 50, longest: HANG };
+    assert!(try_bound(&right, 1, care).is_ok());
     let field = right.functions.formulas[&(right.root, Function::Field)];
     right.functions.formulas.insert((right.root, Function::Bound), field);
-    assert_eq!(try_bound(&right, 1, 500).unwrap_err().kind, FaultKind::Hole);
+    assert_eq!(try_bound(&right, 1, care).unwrap_err().kind, FaultKind::Hole);
 }
 
 #[test]

@@ -151,13 +151,13 @@ impl Facts {
             if value.lo > level + constant.lipschitz * corner * (1.0 + 1e-9) {
                 continue;
             }
+            if left == 0 || self.ran - first > SIFTED_STEPS {
+                return open.iter().fold(kept.hull(&part), |kept, part| kept.hull(part));
+            }
             left -= 1;
             if part.size() <= smallest {
                 kept = kept.hull(&part);
                 continue;
-            }
-            if left == 0 || self.ran - first > SIFTED_STEPS {
-                return open.iter().fold(kept.hull(&part), |kept, part| kept.hull(part));
             }
             if value.hi <= level {
                 kept = kept.hull(&middle);

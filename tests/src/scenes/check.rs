@@ -4,7 +4,7 @@ use crate::clock::Stopwatch;
 use crate::mutations::Random;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
-use surefoot_compiler::certify::{Claim, falsify};
+use surefoot_compiler::certify::{Ball, Claim, Truth, falsify};
 use surefoot_compiler::diagnostic::{Code, Severity};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::functions::Kind;
@@ -16,6 +16,8 @@ use surefoot_compiler::{Compiled, Live, MemoryLoader, Options, Outcome, compile}
 pub struct Care {
     /// Points at which the bound is tried, over all rounds.
     pub points: usize,
+    /// How many of them are certified: that no surface is in the ball of the bound.
+    pub balls: usize,
     /// The longest that the compiler may take, of the processor's time.
     pub longest: Duration,
 }
@@ -23,14 +25,25 @@ pub struct Care {
 /// What became of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// It is drawn, and nothing was found wrong at so many points.
-    Proven(usize),
+    /// It is drawn, and nothing was found wrong.
+    Proven(Tried),
     /// It is drawn with a mark that says what is not proven.
     Unproven,
     /// It is refused, and the first diagnostic that says so has this code.
     Refused(Code),
     /// Something is wrong.
     Wrong(Fault),
+}
+
+/// At how much nothing was found wrong.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tried {
+    /// Points from which a change of sign was looked for.
+    pub points: usize,
+    /// Balls that are certainly empty.
+    pub empty: usize,
+    /// Balls of which nothing is certain.
+    pub undecided: usize,
 }
 
 /// What is wrong, and in words where.
@@ -63,6 +76,9 @@ pub enum FaultKind {
 const OPERATIONS: usize = 4_000_000;
 /// Boxes that a factor for one setting may cost.
 const FOLLOWED: usize = 64;
+/// Boxes that a certified ball may cost, and steps of the field's code.
+const BOXES: usize = 500;
+const STEPS: usize = 200_000;
 /// Half the side of the cube about the origin in which points are strewn.
 const HALF: f64 = 4.0;
 /// Directions in which each ball is searched, and at which parts of its radius.
@@ -87,8 +103,8 @@ pub fn check(text: &str, seed: u64, care: Care) -> Verdict {
         Some(scene) if scene.summary.kind == Kind::Unproven => {
             said(&outcome, text, Severity::Warning).map_or_else(Verdict::Wrong, |_| Verdict::Unproven)
         }
-        Some(scene) => match catch_unwind(AssertUnwindSafe(|| try_bound(scene, seed, care.points))) {
-            Ok(Ok(points)) => Verdict::Proven(points),
+        Some(scene) => match catch_unwind(AssertUnwindSafe(|| try_bound(scene, seed, care))) {
+            Ok(Ok(tried)) => Verdict::Proven(tried),
             Ok(Err(fault)) => Verdict::Wrong(fault),
             Err(_) => wrong(FaultKind::Panic, "evaluating panicked".to_owned()),
         },
@@ -117,19 +133,22 @@ fn said(outcome: &Outcome, text: &str, severity: Severity) -> Result<Code, Fault
 }
 
 /// Looks for a sign change of the field within the bound, at the start and at other values of what is live.
-/// Returns the number of points tried.
-pub fn try_bound(scene: &Compiled, seed: u64, points: usize) -> Result<usize, Fault> {
+pub fn try_bound(scene: &Compiled, seed: u64, care: Care) -> Result<Tried, Fault> {
     let mut random = Random::new(seed);
     let live_at_all = scene.graph.parameters.len() + usize::from(scene.module.uniforms.iter().any(|u| u.name == "time"));
     let rounds = if live_at_all > 0 { 4 } else { 1 };
-    let mut tried = 0;
+    let share = Care { points: care.points / rounds, balls: care.balls / rounds, ..care };
+    let mut tried = Tried::default();
     for round in 0..rounds {
         let mut live = setting(scene, round, &mut random);
         // Half of the settings with the factors that follow the sliders.
         if round % 2 == 1 {
             scene.follow(&mut live, FOLLOWED);
         }
-        tried += try_setting(scene, &live, points / rounds, &mut random)?;
+        let here = try_setting(scene, &live, share, &mut random)?;
+        tried.points += here.points;
+        tried.empty += here.empty;
+        tried.undecided += here.undecided;
     }
     Ok(tried)
 }
@@ -152,12 +171,12 @@ fn setting(scene: &Compiled, round: usize, random: &mut Random) -> Live {
     live
 }
 
-fn try_setting(scene: &Compiled, live: &Live, points: usize, random: &mut Random) -> Result<usize, Fault> {
+fn try_setting(scene: &Compiled, live: &Live, care: Care, random: &mut Random) -> Result<Tried, Fault> {
     let fault = |kind, words| Err(Fault { kind, words });
     let roots = [Function::Field, Function::Bound, Function::Distance].map(|f| scene.functions.formulas[&(scene.root, f)]);
-    let Ok(tape) = Tape::new(&scene.graph, &scene.functions, &roots, live, OPERATIONS) else { return Ok(0) };
+    let Ok(tape) = Tape::new(&scene.graph, &scene.functions, &roots, live, OPERATIONS) else { return Ok(Tried::default()) };
     let mut evaluator = tape.evaluator();
-    let mut starts: Vec<[f64; 3]> = (0..points).map(|_| in_cube(random).map(|c| c * HALF)).collect();
+    let mut starts: Vec<[f64; 3]> = (0..care.points).map(|_| in_cube(random).map(|c| c * HALF)).collect();
     // Half of them are walked toward the surface by their bounds, and stop at different distances before it.
     let walking = starts.len() / 2;
     let directions: Vec<[f64; 3]> = (0..walking).map(|_| direction(random)).collect();
@@ -202,7 +221,37 @@ fn try_setting(scene: &Compiled, live: &Live, points: usize, random: &mut Random
         );
         return fault(FaultKind::Hole, words);
     }
-    Ok(claims.len())
+    let (empty, undecided) = certify(scene, live, &claims, care.balls)?;
+    Ok(Tried { points: claims.len(), empty, undecided })
+}
+
+/// How many of so many balls are certainly empty, and how many may or may not be.
+fn certify(scene: &Compiled, live: &Live, claims: &[Claim], balls: usize) -> Result<(usize, usize), Fault> {
+    let (mut empty, mut undecided) = (0, 0);
+    let Ok(truth) = Truth::new(scene, live, OPERATIONS) else { return Ok((0, 0)) };
+    let mut prover = truth.prover();
+    let boxes = (STEPS / truth.steps().max(1)).clamp(10, BOXES);
+    // An odd step meets points near to the surface and far from it.
+    let every = (claims.len() / balls.max(1)).max(1) | 1;
+    for claim in claims.iter().step_by(every).take(balls) {
+        // What 64 bits lose is less than the hundredth; beyond the extent nothing is promised.
+        let room = scene.blocks.extent - claim.point.iter().map(|c| c * c).sum::<f64>().sqrt();
+        match prover.empty_ball(claim.point, (0.99 * claim.radius).min(room), boxes) {
+            Ball::Empty => empty += 1,
+            Ball::Unknown(_) => undecided += 1,
+            Ball::Crossed(at) => {
+                let words = format!(
+                    "certain: from {:?} (field {}, bound {}) to {at:?} (field {}); {live:?}",
+                    claim.point,
+                    claim.field,
+                    claim.radius,
+                    prover.value(at)
+                );
+                return Err(Fault { kind: FaultKind::Hole, words });
+            }
+        }
+    }
+    Ok((empty, undecided))
 }
 
 fn along(p: [f64; 3], d: [f64; 3], t: f64) -> [f64; 3] {
