@@ -488,8 +488,8 @@ impl Compiled {
 
     /// Whether a longer search can make a factor smaller.
     pub fn can_tighten(&self, factor: usize) -> bool {
-        let derived = self.graph.factors.get(factor).is_some_and(|f| f.proof == Proof::Derived);
-        derived && self.functions.searches.get(factor).is_some_and(Option::is_some)
+        let searched = self.graph.factors.get(factor).is_some_and(|f| matches!(f.proof, Proof::Derived | Proof::Claimed));
+        searched && self.functions.searches.get(factor).is_some_and(Option::is_some)
     }
 
     /// A factor for the whole ranges of the parameters, looked for with at most so many boxes: a number for [`Live::tightened`]. It is never
