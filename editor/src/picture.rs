@@ -124,6 +124,18 @@ impl Painter {
         }
     }
 
+    /// What a picture is made of, as a table for people.
+    pub fn explain(&mut self, compiled: &Compiled, live: &Live, shot: &Shot) -> Result<String, String> {
+        match self {
+            #[cfg(feature = "gpu")]
+            Self::Gpu(painter) => painter.explain(compiled, live, shot),
+            Self::Cpu(_) => {
+                let _ = (compiled, live, shot);
+                Err("on the processor a picture has no passes to explain".to_owned())
+            }
+        }
+    }
+
     /// Rows of pixels from the top: red, green, blue (sRGB), opacity. `progress` hears the parts of the picture as they are done.
     pub fn paint(
         &mut self,
@@ -234,6 +246,22 @@ mod gpu {
 
         pub fn is_software(&self) -> bool {
             self.gpu.is_software()
+        }
+
+        /// The frame as a table. The balls are those of the picture drawn last.
+        pub fn explain(&mut self, compiled: &Compiled, live: &Live, shot: &Shot) -> Result<String, String> {
+            let wanted = headless::Shot { camera: Some(shot.camera), ..headless::Shot::new(shot.width, shot.height) };
+            let explained = surefoot_runtime::explain::explain(&self.gpu, &mut self.picture, compiled, live, &wanted)?;
+            let mut text = String::new();
+            for pass in explained.passes {
+                let milliseconds = pass.time.as_secs_f64() * 1e3;
+                text += &format!("{:<12}{milliseconds:>9.2} ms  {:<14}{}\n", pass.name, pass.size, pass.reason);
+            }
+            text += "left out:\n";
+            for (what, why) in explained.left_out {
+                text += &format!("  {what}: {why}\n");
+            }
+            Ok(text)
         }
 
         pub fn paint(

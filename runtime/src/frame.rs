@@ -13,6 +13,8 @@ use surefoot_compiler::images::Images;
 /// A pass by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PassKind {
+    /// What throws shadows, into the lights' maps; drawn only where something of it moved.
+    Shadows,
     /// Rays through the field, over the whole screen.
     Scene,
     /// Meshes over it, with its depth.
@@ -43,14 +45,21 @@ pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
         (features.depth(), "what is rasterised is drawn after it"),
     ];
     let reasons: Vec<&str> = parts.into_iter().filter(|(on, _)| *on).map(|(_, why)| why).collect();
-    let mut passes = vec![PlannedPass {
+    let mut passes = Vec::new();
+    if features.maps() {
+        let casters = [(features.meshes, "meshes"), (features.balls, "balls"), (features.field_maps, "the field where a light asks for `map`")];
+        let casters: Vec<&str> = casters.into_iter().filter_map(|(on, what)| on.then_some(what)).collect();
+        let reason = format!("{} throw shadows; drawn where something moved", casters.join(", "));
+        passes.push(PlannedPass { kind: PassKind::Shadows, name: "shadow maps", reason });
+    }
+    passes.push(PlannedPass {
         kind: PassKind::Scene,
         name: "scene",
         reason: match reasons.is_empty() {
             true => "a ray for each pixel".to_owned(),
             false => format!("a ray for each pixel; {}", reasons.join(", ")),
         },
-    }];
+    });
     if features.meshes {
         passes.push(PlannedPass { kind: PassKind::Meshes, name: "meshes", reason: "the scene has meshes".to_owned() });
     }
@@ -108,6 +117,21 @@ impl Picture {
     /// The passes of each frame, in their order.
     pub fn passes(&self) -> &[PlannedPass] {
         &self.passes
+    }
+
+    /// How many shadow maps there are, and how many pixels a side of one has.
+    pub(crate) fn maps(&self) -> (usize, u32) {
+        self.scene.maps()
+    }
+
+    /// Draws the shadow maps again with the next update, though nothing moved.
+    pub(crate) fn forget_maps(&mut self) {
+        self.scene.forget_maps();
+    }
+
+    /// Draws only so many of the passes over the picture from now on, or all of them.
+    pub(crate) fn draw_first(&mut self, passes: Option<u32>) {
+        self.scene.draw_first(passes);
     }
 
     /// Writes what changed since the last call, and answers whether anything did: where nothing did, there is nothing to draw.

@@ -1,5 +1,6 @@
 //! Draws what the compiler emits, with wgpu, and swaps it while it runs. Knows no syntax.
 
+pub mod explain;
 pub mod film;
 pub mod frame;
 pub mod gpu;

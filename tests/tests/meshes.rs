@@ -205,3 +205,41 @@ fn a_mesh_is_replaced_under_a_running_scene() {
     assert_eq!(draw(&gpu, fourth), ball);
     assert_eq!((gpu.stats().pipelines, live.report().compilations), (built, compiled));
 }
+
+/// A frame has the passes that its scene needs and no others, and says so.
+#[test]
+fn a_frame_is_what_its_scene_needs() {
+    use surefoot_runtime::frame::PassKind::{self, Balls, Meshes, Scene, Shadows};
+    let gpu = gpu();
+    let mesh = "mesh m \"box.obj\" { translate: (0, 2, 0) }\n";
+    let map = "light l { direction: (0, -1, 0), shadow: map }\n";
+    let none = "light l { direction: (0, -1, 0), shadow: none }\n";
+    let scenes: [(&str, &[PassKind], &str); 6] = [
+        ("", &[Scene], "meshes balls shadow maps reflections images of the sky"),
+        (mesh, &[Shadows, Scene, Meshes], "balls reflections images of the sky"),
+        (&format!("{mesh}{none}"), &[Scene, Meshes], "balls shadows shadow maps reflections images of the sky"),
+        (&format!("{mesh}render {{ shadows: off, ambient_occlusion: (0, 0) }}\n"), &[Scene, Meshes], "balls shadows shadow maps occlusion reflections images of the sky"),
+        (map, &[Shadows, Scene], "meshes balls reflections images of the sky"),
+        ("balls b { count: 3 }\n", &[Shadows, Scene, Balls], "meshes reflections images of the sky"),
+    ];
+    for (text, wanted, left_out) in scenes {
+        let (compiled, assets) = scene(&format!("scene = plane(y)\n{text}"));
+        let mut picture = prepare(&gpu, &compiled, &assets, ViewMode::Shaded);
+        let kinds: Vec<PassKind> = picture.passes().iter().map(|pass| pass.kind).collect();
+        assert_eq!(kinds, wanted, "{text}");
+        let wgsl = surefoot_runtime::passes::scene::Features::of(&compiled, ViewMode::Shaded).wgsl();
+        assert_eq!(wgsl.contains("shadow_maps"), wanted.contains(&Shadows), "{text}");
+        assert_eq!(wgsl.contains("frag_depth"), wanted.contains(&Meshes) || wanted.contains(&Balls), "{text}");
+        assert_eq!(wgsl.contains("@group(3)"), wanted.contains(&Shadows), "{text}");
+        let explained = surefoot_runtime::explain::explain(&gpu, &mut picture, &compiled, &compiled.live(), &Shot::new(64, 48)).unwrap();
+        let names: Vec<&str> = explained.left_out.iter().map(|(what, _)| *what).collect();
+        assert_eq!(names.join(" "), left_out, "{text}");
+        assert_eq!(explained.passes.len(), wanted.len());
+        for pass in &explained.passes {
+            let size = if pass.name == "shadow maps" { "1 of 2048x2048" } else { "64x48" };
+            assert_eq!(pass.size, size, "{pass:?}");
+        }
+        let time: Duration = explained.passes.iter().map(|pass| pass.time).sum();
+        assert!(time > Duration::ZERO, "{explained:?}");
+    }
+}

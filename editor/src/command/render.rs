@@ -2,7 +2,7 @@
 
 use super::bar::LateBar;
 use super::values::{self, Setting};
-use super::{Exit, Failure, compile_file, show_broken, show_diagnostics};
+use super::{Exit, Failure, compile_file, print, show_broken, show_diagnostics};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -41,6 +41,9 @@ pub struct Args {
     /// What draws it.
     #[arg(long, value_enum, default_value_t)]
     device: Device,
+    /// Say what the frame is made of: its passes with their time, size and reason, and what was left out.
+    #[arg(long)]
+    explain: bool,
     /// Make it an error where a factor is measured and not proven.
     #[arg(long)]
     strict: bool,
@@ -114,6 +117,10 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         let rgba = painter
             .paint(compiled, &live, &shot, &|part| bar.show((i as f64 + part) / shots.len() as f64))
             .map_err(|why| Failure::usage(format!("can't draw {}: {why}", args.scene)))?;
+        if args.explain && i == 0 {
+            let explained = painter.explain(compiled, &live, &shot).map_err(Failure::usage)?;
+            print(explained.as_bytes())?;
+        }
         write_png(path, width, height, &rgba)
             .map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
     }

@@ -24,6 +24,8 @@ pub struct ScenePipeline {
     balls: Option<BallsPipeline>,
     meshes: Option<MeshesPipeline>,
     shadows: Option<Shadows>,
+    /// How many passes are drawn, where not all are.
+    first: Option<u32>,
     /// The newest view.
     view: Option<View>,
 }
@@ -84,6 +86,7 @@ impl ScenePipeline {
                 balls,
                 meshes,
                 shadows,
+                first: None,
                 view: None,
             })
         })?
@@ -138,6 +141,23 @@ impl ScenePipeline {
         self.meshes.as_mut()
     }
 
+    /// How many shadow maps there are, and how many pixels a side of one has.
+    pub(crate) fn maps(&self) -> (usize, u32) {
+        self.shadows.as_ref().map_or((0, 0), Shadows::size)
+    }
+
+    /// Draws the shadow maps again with the next update.
+    pub(crate) fn forget_maps(&mut self) {
+        if let Some(shadows) = &mut self.shadows {
+            shadows.forget();
+        }
+    }
+
+    /// Draws only so many passes from now on: the field, the meshes, the balls, as far as the scene has them.
+    pub(crate) fn draw_first(&mut self, passes: Option<u32>) {
+        self.first = passes;
+    }
+
     /// Whether it draws with depth.
     pub fn has_depth(&self) -> bool {
         self.balls.is_some() || self.meshes.is_some()
@@ -145,21 +165,29 @@ impl ScenePipeline {
 
     /// Draws over the whole of the pass's viewport and scissors.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        let mut left = self.first.unwrap_or(u32::MAX);
+        let mut next = || {
+            let draws = left > 0;
+            left = left.saturating_sub(1);
+            draws
+        };
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, self.module.group(), &[]);
         pass.set_bind_group(1, self.scene.group(), &[]);
         if let Some(shadows) = &self.shadows {
             pass.set_bind_group(3, shadows.group(), &[]);
         }
-        pass.draw(0..3, 0..1);
+        if next() {
+            pass.draw(0..3, 0..1);
+        }
         let Some(view) = self.view.filter(|_| self.has_depth()) else { return };
         // The whole picture, of which the target may be a tile.
         let View { size: [width, height], corner: [left, top], .. } = view;
         pass.set_viewport(left, top, width.max(1.0), height.max(1.0), 0.0, 1.0);
-        if let Some(meshes) = &self.meshes {
+        if let Some(meshes) = self.meshes.as_ref().filter(|_| next()) {
             meshes.draw(pass);
         }
-        if let Some(balls) = &self.balls {
+        if let Some(balls) = self.balls.as_ref().filter(|_| next()) {
             balls.draw(pass);
         }
     }

@@ -30,6 +30,7 @@ pub(super) struct Shadows {
     read_layout: wgpu::BindGroupLayout,
     casters: Casters,
     drawn: Option<Drawn>,
+    side: u32,
 }
 
 /// What draws into maps.
@@ -210,7 +211,7 @@ impl Shadows {
         let casters = Casters::new(gpu, compiled, features, &measure_layout, &cast_layout, side)?;
         let field = kinds.iter().map(|(_, shadow)| *shadow == Shadow::Map).collect();
         let (gpu, drawn) = (gpu.clone(), None);
-        Ok(Self { gpu, features, first, field, lights, boxes, views, layers, measure, cast, read, read_layout, casters, drawn })
+        Ok(Self { gpu, features, first, field, lights, boxes, views, layers, measure, cast, read, read_layout, casters, drawn, side })
     }
 
     /// What passes are bound to that look the shadows up: group 3.
@@ -221,6 +222,16 @@ impl Shadows {
     /// Its layout.
     pub fn layout(&self) -> &wgpu::BindGroupLayout {
         &self.read_layout
+    }
+
+    /// How many maps there are, and the pixels of their sides.
+    pub fn size(&self) -> (usize, u32) {
+        (self.layers.len(), self.side)
+    }
+
+    /// Draws the maps with the next update, though nothing moved.
+    pub fn forget(&mut self) {
+        self.drawn = None;
     }
 
     /// Draws the maps where what they show is not what it was. Answers whether anything changed.

@@ -1,0 +1,97 @@
+//! What a frame is made of: its passes with their time, size and reason, and what it does without.
+
+use crate::frame::{PassKind, Picture};
+use crate::gpu::Gpu;
+use crate::headless::{Shot, render_with};
+use crate::passes::scene::Features;
+use std::time::{Duration, Instant};
+use surefoot_compiler::compiled::{Compiled, Live};
+
+/// A pass of a frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ExplainedPass {
+    /// Its name, for people.
+    pub name: &'static str,
+    /// How long it takes: the median of several times.
+    pub time: Duration,
+    /// On how many pixels it draws, for people.
+    pub size: String,
+    /// Why the frame needs it.
+    pub reason: String,
+}
+
+/// A frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Explained {
+    /// Its passes, in the order in which they run.
+    pub passes: Vec<ExplainedPass>,
+    /// What is not in it, and why.
+    pub left_out: Vec<(&'static str, &'static str)>,
+}
+
+/// So often each is measured.
+const TIMES: usize = 5;
+
+/// Draws one picture several times, pass after pass, and says what took how long. A pass's time is by how much the picture takes longer with
+/// it, on the clock of the processor that waits.
+pub fn explain(gpu: &Gpu, picture: &mut Picture, compiled: &Compiled, live: &Live, shot: &Shot) -> Result<Explained, String> {
+    let mut passes = Vec::new();
+    let planned = picture.passes().to_vec();
+    // With nothing drawn: what the pixels' way back takes.
+    let mut before = median(|| drawn(gpu, picture, compiled, live, shot, Some(0)))?;
+    let mut count = 0;
+    for pass in planned {
+        let (time, size) = match pass.kind {
+            PassKind::Shadows => {
+                let (maps, side) = picture.maps();
+                let all = median(|| {
+                    picture.forget_maps();
+                    drawn(gpu, picture, compiled, live, shot, Some(0))
+                })?;
+                (all.saturating_sub(before), format!("{maps} of {side}x{side}"))
+            }
+            PassKind::Scene | PassKind::Meshes | PassKind::Balls => {
+                count += 1;
+                let all = median(|| drawn(gpu, picture, compiled, live, shot, Some(count)))?;
+                let time = all.saturating_sub(before);
+                before = all;
+                (time, format!("{}x{}", shot.width, shot.height))
+            }
+        };
+        passes.push(ExplainedPass { name: pass.name, time, size, reason: pass.reason });
+    }
+    picture.draw_first(None);
+    Ok(Explained { passes, left_out: left_out(compiled, &Features::of(compiled, picture.mode())) })
+}
+
+fn drawn(gpu: &Gpu, picture: &mut Picture, compiled: &Compiled, live: &Live, shot: &Shot, passes: Option<u32>) -> Result<Duration, String> {
+    picture.draw_first(passes);
+    let start = Instant::now();
+    render_with(gpu, picture, compiled, live, shot)?;
+    Ok(start.elapsed())
+}
+
+fn median(mut measure: impl FnMut() -> Result<Duration, String>) -> Result<Duration, String> {
+    // Once for what is made only once.
+    measure()?;
+    let mut times = (0..TIMES).map(|_| measure()).collect::<Result<Vec<_>, _>>()?;
+    times.sort();
+    Ok(times.get(TIMES / 2).copied().unwrap_or_default())
+}
+
+/// What a view of a scene does without, and why.
+fn left_out(compiled: &Compiled, features: &Features) -> Vec<(&'static str, &'static str)> {
+    let shaded = features.view == crate::ViewMode::Shaded;
+    let because = |why| if shaded { why } else { "this view shows no light" };
+    let drawn = |has: bool| if has { "this view shows rays alone" } else { "the scene has none" };
+    let parts = [
+        (features.meshes, "meshes", drawn(compiled.has_meshes())),
+        (features.balls, "balls", drawn(compiled.has_balls())),
+        (features.shadows, "shadows", because("no light throws any, or `shadows` is off")),
+        (features.maps(), "shadow maps", because("no mesh and no ball throws a shadow, and no light has `shadow: map`")),
+        (features.occlusion, "occlusion", because("its reach or its strength is 0")),
+        (features.reflections, "reflections", because("`reflections` is 0")),
+        (features.environment, "images of the sky", because("the sky is a colour or a gradient")),
+    ];
+    parts.into_iter().filter(|(there, ..)| !there).map(|(_, what, why)| (what, why)).collect()
+}
