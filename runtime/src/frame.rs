@@ -78,7 +78,15 @@ pub struct Picture {
     passes: Vec<PlannedPass>,
     scene: ScenePipeline,
     /// The depth of the newest size, where there is depth.
-    depth: Mutex<Option<wgpu::Texture>>,
+    depth: Mutex<Depth>,
+}
+
+/// What a picture with depth keeps beside its colour.
+#[derive(Debug, Default)]
+struct Depth {
+    texture: Option<wgpu::Texture>,
+    /// The depth of the meshes, where it was drawn before the field.
+    before: Option<wgpu::BindGroup>,
 }
 
 impl Picture {
@@ -89,12 +97,17 @@ impl Picture {
         format: wgpu::TextureFormat,
         mode: ViewMode,
     ) -> Result<Self, String> {
+        Self::prepare_with(gpu, compiled, format, Features::of(compiled, mode))
+    }
+
+    /// The same with other features than the scene's own: to measure what they are worth.
+    pub fn prepare_with(gpu: &Gpu, compiled: &Compiled, format: wgpu::TextureFormat, features: Features) -> Result<Self, String> {
         Ok(Self {
             gpu: gpu.clone(),
-            mode,
+            mode: features.view,
             format,
-            passes: plan(compiled, mode),
-            scene: ScenePipeline::prepare(gpu, compiled, format, mode)?,
+            passes: plan(compiled, features.view),
+            scene: ScenePipeline::prepare_with(gpu, compiled, format, features)?,
             depth: Mutex::default(),
         })
     }
@@ -167,14 +180,17 @@ impl Picture {
         }
     }
 
-    /// The depth that a target of so many pixels needs beside its colour, where the frame has any. Its contents need not be kept from one
+    /// The depth that a target of so many pixels needs beside its colour, where the frame has any. Where the scene has meshes their depth is
+    /// drawn here, before the pass: call it for each pass, after [`Picture::update`]. Its contents need not be kept from one
     /// pass to the next: the field is drawn first, and writes it.
     pub fn depth(&self, size: wgpu::Extent3d) -> Option<wgpu::TextureView> {
         if !self.scene.has_depth() {
             return None;
         }
+        let before = self.scene.draw_before(&self.gpu, size);
         let mut kept = self.depth.lock().unwrap_or_else(PoisonError::into_inner);
-        let texture = match kept.take().filter(|t| t.size() == size) {
+        kept.before = before;
+        let texture = match kept.texture.take().filter(|t| t.size() == size) {
             Some(texture) => texture,
             None => self.gpu.device().create_texture(&wgpu::TextureDescriptor {
                 label: Some("surefoot depth"),
@@ -188,13 +204,14 @@ impl Picture {
             }),
         };
         let view = texture.create_view(&Default::default());
-        *kept = Some(texture);
+        kept.texture = Some(texture);
         Some(view)
     }
 
     /// Draws the frame. The pass has the depth of [`Picture::depth`], where there is one.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
-        self.scene.draw(pass);
+        let before = self.depth.lock().unwrap_or_else(PoisonError::into_inner).before.clone();
+        self.scene.draw(pass, before.as_ref());
     }
 }
 

@@ -243,3 +243,48 @@ fn a_frame_is_what_its_scene_needs() {
         assert!(time > Duration::ZERO, "{explained:?}");
     }
 }
+
+/// The meshes' depth drawn before the field, so that rays end at it, or the field drawn first: the same picture. `ORDER=1` measures both, on
+/// scenes where the mesh hides much, a little and nothing.
+#[test]
+fn both_orders_draw_the_same() {
+    use surefoot_runtime::passes::scene::Features;
+    let gpu = gpu();
+    let field = "scene = plane(y) | menger_sponge(2, 3).translate(0, 1, 0) | gyroid(0.5, 0.05).within(sphere(1.2)).translate(-2.4, 1.2, 0)\n";
+    let camera = "camera { eye: (1, 2.5, 6), target: (-0.6, 1, 0) }\n";
+    let meshes = [
+        ("much", "mesh m \"ball.obj\" { translate: (-0.4, 1.2, 1.6), scale: 1.9 }\n"),
+        ("a little", "mesh m \"ball.obj\" { translate: (1.4, 0.4, 1.2), scale: 0.6 }\nmesh n \"box.obj\" { translate: (-1, 1, 0.6) }\n"),
+        ("nothing", "mesh m \"ball.obj\" { translate: (0, -9, 0) }\n"),
+    ];
+    let measured = std::env::var_os("ORDER").is_some();
+    let size = if measured { (640, 360) } else { (160, 90) };
+    for (name, mesh) in meshes {
+        let (compiled, assets) = scene(&format!("{field}{camera}{mesh}"));
+        let live = compiled.live();
+        let draw = |meshes_first: bool| {
+            let features = Features { meshes_first, ..Features::of(&compiled, ViewMode::Shaded) };
+            let mut picture = Picture::prepare_with(&gpu, &compiled, FORMAT, features).unwrap();
+            picture.show_meshes(&assets.meshes(&compiled)).unwrap();
+            let shot = Shot::new(size.0, size.1);
+            let pixels = headless::render_with(&gpu, &mut picture, &compiled, &live, &shot).unwrap();
+            let mut times: Vec<Duration> = (0..if measured { 9 } else { 0 })
+                .map(|_| {
+                    let start = Instant::now();
+                    headless::render_with(&gpu, &mut picture, &compiled, &live, &shot).unwrap();
+                    start.elapsed()
+                })
+                .collect();
+            times.sort();
+            (pixels, times.get(4).copied().unwrap_or_default())
+        };
+        let ((before, before_time), (after, after_time)) = (draw(true), draw(false));
+        if measured {
+            println!("the mesh hides {name}: its depth first {before_time:.1?}, the field first {after_time:.1?}");
+        }
+        // Where both are as deep as each other, the digits decide.
+        let differ = before.rgba.chunks_exact(4).zip(after.rgba.chunks_exact(4)).filter(|(a, b)| a != b).count();
+        assert!(differ * 1000 <= (size.0 * size.1) as usize, "{name}: {differ} pixels differ");
+        save(&format!("order-{name}"), &before);
+    }
+}

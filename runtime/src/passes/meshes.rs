@@ -15,6 +15,8 @@ use wgpu::util::DeviceExt;
 #[derive(Debug)]
 pub struct MeshesPipeline {
     pipeline: wgpu::RenderPipeline,
+    /// What draws their depth alone, where it is drawn before the field.
+    before: Option<wgpu::RenderPipeline>,
     pub(super) triangles: Triangles,
 }
 
@@ -83,6 +85,7 @@ impl MeshesPipeline {
         let mut sections = vec![compiled.module.code()];
         sections.extend(features.shading());
         sections.push(include_str!("meshes/place.wgsl"));
+        sections.push(include_str!("meshes/vertex.wgsl"));
         sections.push(include_str!("meshes/mesh.wgsl"));
         sections.push(match features.view {
             ViewMode::Normals => include_str!("meshes/normals.wgsl"),
@@ -97,6 +100,15 @@ impl MeshesPipeline {
             depth: Some(wgpu::CompareFunction::GreaterEqual),
             triangles: true,
         };
+        // No formula of the scene is asked: the same for all scenes.
+        let before = [
+            "fn sf_gradient(p: vec3f) -> vec4f { return vec4f(p, 0.0); }",
+            include_str!("scene/base.wgsl"),
+            include_str!("meshes/place.wgsl"),
+            include_str!("meshes/vertex.wgsl"),
+            include_str!("meshes/before.wgsl"),
+        ];
+        let before_key = PipelineKey { wgsl: before.join("\n"), format: None, entries: ["mesh_vertex", "mesh_before"], ..key.clone() };
         gpu.catch(|| {
             let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
             let module = uniform_layout(gpu, "surefoot scene", u64::from(compiled.module.uniform_size), stage);
@@ -105,13 +117,25 @@ impl MeshesPipeline {
             let layouts = [Some(&module), Some(&scene), Some(&triangles.layout), shadows];
             let layouts = if shadows.is_some() { &layouts } else { &layouts[..3] };
             let pipeline = gpu.screen_pipeline(label, key, layouts)?;
-            Ok(Self { pipeline, triangles })
+            let before = match features.meshes_first {
+                true => Some(gpu.screen_pipeline(label, before_key, &[None, Some(&scene), Some(&triangles.layout)])?),
+                false => None,
+            };
+            Ok(Self { pipeline, before, triangles })
         })?
     }
 
     /// Takes the meshes of the scene, in the order of the text.
     pub fn put(&mut self, gpu: &Gpu, meshes: &[Option<Arc<Mesh>>]) -> Result<(), String> {
         self.triangles.put(gpu, meshes)
+    }
+
+    /// Draws the depth alone; group 1 is the scene's.
+    pub(super) fn draw_before(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if let Some(before) = &self.before {
+            pass.set_pipeline(before);
+            self.triangles.draw(pass);
+        }
     }
 
     /// Draws after the field, whose groups 0 and 1 are set.

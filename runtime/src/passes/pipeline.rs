@@ -2,11 +2,11 @@
 
 use super::balls::BallsPipeline;
 use super::meshes::MeshesPipeline;
-use super::scene::{Features, SceneUniforms, ViewMode};
+use super::scene::{Features, SceneUniforms};
 use super::shadows::{Moment, Shadows};
 use super::surroundings::{self, SceneGroup};
 use crate::film::LINEAR;
-use crate::gpu::{Gpu, PipelineKey, UniformBlock, uniform_layout};
+use crate::gpu::{DEPTH, Gpu, PipelineKey, UniformBlock, uniform_layout};
 use crate::view::View;
 use surefoot_compiler::compiled::{Compiled, Live, UniformSource};
 use surefoot_compiler::images::Images;
@@ -32,13 +32,7 @@ pub struct ScenePipeline {
 
 impl ScenePipeline {
     /// Builds the pipeline that draws a scene on targets of a format, or says what naga or the device finds wrong in it.
-    pub fn prepare(
-        gpu: &Gpu,
-        compiled: &Compiled,
-        format: wgpu::TextureFormat,
-        mode: ViewMode,
-    ) -> Result<Self, String> {
-        let features = Features::of(compiled, mode);
+    pub(crate) fn prepare_with(gpu: &Gpu, compiled: &Compiled, format: wgpu::TextureFormat, features: Features) -> Result<Self, String> {
         for export in features.exports() {
             if !compiled.module.exports.contains(&export) {
                 return Err(format!("the module has no function `{}`", export.name()));
@@ -73,8 +67,10 @@ impl ScenePipeline {
                 true => Some(MeshesPipeline::prepare(gpu, compiled, format, features, lookup)?),
                 false => None,
             };
-            let layouts = [Some(&module_layout), Some(&scene_layout), None, lookup];
-            let layouts = if lookup.is_some() { &layouts } else { &layouts[..2] };
+            let before_layout = features.meshes_first.then(|| before_layout(gpu));
+            let layouts = [Some(&module_layout), Some(&scene_layout), before_layout.as_ref(), lookup];
+            let count = if lookup.is_some() { 4 } else if features.meshes_first { 3 } else { 2 };
+            let layouts = &layouts[..count];
             let pipeline = gpu.screen_pipeline(label, key, layouts)?;
             Ok(Self {
                 pipeline,
@@ -163,8 +159,46 @@ impl ScenePipeline {
         self.balls.is_some() || self.meshes.is_some()
     }
 
-    /// Draws over the whole of the pass's viewport and scissors.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+    /// Draws the depth of the meshes for a target of this size, and answers with what the field's pass is bound to, so that its rays end there.
+    /// None where the field is drawn first.
+    pub(crate) fn draw_before(&self, gpu: &Gpu, size: wgpu::Extent3d) -> Option<wgpu::BindGroup> {
+        let meshes = self.meshes.as_ref().filter(|_| self.features.meshes_first)?;
+        let view = self.view?;
+        let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
+            label: Some("surefoot meshes, depth"),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: DEPTH,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        let target = texture.create_view(&Default::default());
+        let mut encoder = gpu.device().create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("surefoot meshes, depth"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &target,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        set_viewport(&mut pass, &view);
+        pass.set_bind_group(1, self.scene.group(), &[]);
+        meshes.draw_before(&mut pass);
+        drop(pass);
+        gpu.queue().submit([encoder.finish()]);
+        Some(gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("surefoot meshes, depth"),
+            layout: &before_layout(gpu),
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&target) }],
+        }))
+    }
+
+    /// Draws over the whole of the pass's viewport and scissors. `before` is what [`Self::draw_before`] answered.
+    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, before: Option<&wgpu::BindGroup>) {
         let mut left = self.first.unwrap_or(u32::MAX);
         let mut next = || {
             let draws = left > 0;
@@ -177,13 +211,15 @@ impl ScenePipeline {
         if let Some(shadows) = &self.shadows {
             pass.set_bind_group(3, shadows.group(), &[]);
         }
-        if next() {
+        if let Some(before) = before {
+            pass.set_bind_group(2, before, &[]);
+        }
+        // Without the depth that its rays end at, the field's pass has nothing to be drawn with.
+        if next() && (before.is_some() || !self.features.meshes_first) {
             pass.draw(0..3, 0..1);
         }
         let Some(view) = self.view.filter(|_| self.has_depth()) else { return };
-        // The whole picture, of which the target may be a tile.
-        let View { size: [width, height], corner: [left, top], .. } = view;
-        pass.set_viewport(left, top, width.max(1.0), height.max(1.0), 0.0, 1.0);
+        set_viewport(pass, &view);
         if let Some(meshes) = self.meshes.as_ref().filter(|_| next()) {
             meshes.draw(pass);
         }
@@ -191,6 +227,29 @@ impl ScenePipeline {
             balls.draw(pass);
         }
     }
+}
+
+/// What the field's pass reads where the depth of meshes was drawn before: group 2.
+fn before_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
+    gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("surefoot meshes, depth"),
+        entries: &[wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: wgpu::ShaderStages::FRAGMENT,
+            ty: wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Depth,
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+            count: None,
+        }],
+    })
+}
+
+/// The whole picture, of which the target may be a tile.
+fn set_viewport(pass: &mut wgpu::RenderPass<'_>, view: &View) {
+    let View { size: [width, height], corner: [left, top], .. } = *view;
+    pass.set_viewport(left, top, width.max(1.0), height.max(1.0), 0.0, 1.0);
 }
 
 /// The scene's point at which the module's `p` is zero: the eye as 32 bits hold it, where the module can be moved at all.

@@ -29,6 +29,8 @@ pub struct Features {
     pub balls: bool,
     /// Whether meshes are drawn.
     pub meshes: bool,
+    /// Whether the depth of the meshes is drawn before the field, so that rays end at them.
+    pub meshes_first: bool,
     /// Whether a light sees the field in a shadow map.
     pub field_maps: bool,
 }
@@ -57,6 +59,7 @@ impl Features {
             // Not where the steps of rays are shown.
             balls: compiled.has_balls() && view != ViewMode::Steps,
             meshes: compiled.has_meshes() && view != ViewMode::Steps,
+            meshes_first: compiled.has_meshes() && view != ViewMode::Steps,
             field_maps: shaded && !off && blocks.lights.iter().any(|l| l.shadow.0 == Shadow::Map),
         }
     }
@@ -127,6 +130,7 @@ impl Features {
             ViewMode::Depth => include_str!("scene/view_depth.wgsl"),
         });
         sections.push(match self.depth() {
+            true if self.meshes_first => include_str!("scene/color_behind.wgsl"),
             true => include_str!("scene/color_and_depth.wgsl"),
             false => include_str!("scene/color.wgsl"),
         });

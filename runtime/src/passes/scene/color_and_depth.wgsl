@@ -7,7 +7,7 @@ struct SceneFragment {
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> SceneFragment {
     let direction = scene_direction(position.xy);
-    let pixel = scene_pixel(direction);
+    let pixel = scene_pixel(direction, scene.max_distance);
     var depth = 0.0;
     if pixel.t >= 0.0 {
         depth = clamp(scene.near / max(pixel.t * dot(direction, scene.forward), scene.near), 0.0, 1.0);

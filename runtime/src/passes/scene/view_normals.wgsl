@@ -1,6 +1,6 @@
 // The normals, each component from -1..1 to 0..1.
-fn scene_pixel(direction: vec3f) -> ScenePixel {
-    let hit = sf_trace(scene.eye, direction, 0.0, scene.max_distance, scene.footprint);
+fn scene_pixel(direction: vec3f, reach: f32) -> ScenePixel {
+    let hit = sf_trace(scene.eye, direction, 0.0, reach, scene.footprint);
     if !hit.hit {
         return ScenePixel(vec3f(0.12), -1.0);
     }

@@ -1,6 +1,6 @@
 // The scene in its light.
-fn scene_pixel(direction: vec3f) -> ScenePixel {
-    let hit = sf_trace(scene.eye, direction, 0.0, scene.max_distance, scene.footprint);
+fn scene_pixel(direction: vec3f, reach: f32) -> ScenePixel {
+    let hit = sf_trace(scene.eye, direction, 0.0, reach, scene.footprint);
     if !hit.hit {
         return ScenePixel(scene_develop(scene_sky(direction)), -1.0);
     }
