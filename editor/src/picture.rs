@@ -255,7 +255,7 @@ mod gpu {
             let mut text = String::new();
             for pass in explained.passes {
                 let milliseconds = pass.time.as_secs_f64() * 1e3;
-                text += &format!("{:<12}{milliseconds:>9.2} ms  {:<14}{}\n", pass.name, pass.size, pass.reason);
+                text += &format!("{:<12}{milliseconds:>9.2} ms  {:<16}{}\n", pass.name, pass.size, pass.reason);
             }
             text += "left out:\n";
             for (what, why) in explained.left_out {

@@ -42,7 +42,8 @@ pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
         (features.occlusion, "corners are kept from the sky's light"),
         (features.environment, "images stand for the sky"),
         (features.reflections, "mirrored rays are followed"),
-        (features.depth(), "what is rasterised is drawn after it"),
+        (features.meshes_first, "it ends at the meshes, whose depth is drawn before"),
+        (features.depth(), "its depth is written, for what is rasterised"),
     ];
     let reasons: Vec<&str> = parts.into_iter().filter(|(on, _)| *on).map(|(_, why)| why).collect();
     let mut passes = Vec::new();

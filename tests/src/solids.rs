@@ -50,6 +50,38 @@ pub fn cuboid(size: [f32; 3]) -> Solid {
     Solid { corners, triangles: sides.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect() }
 }
 
+/// The trefoil knot about z, as a tube: its middle runs along ((2 + cos 3t) cos 2t, (2 + cos 3t) sin 2t, sin 3t), `along` points of it, `around` about
+/// each.
+pub fn knot(radius: f64, along: u32, around: u32) -> Solid {
+    let middle = |t: f64| {
+        let out = 2.0 + (3.0 * t).cos();
+        [out * (2.0 * t).cos(), out * (2.0 * t).sin(), (3.0 * t).sin()]
+    };
+    let minus = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    let cross = |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let unit = |a: [f64; 3]| a.map(|c| c / (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt());
+    let mut solid = Solid::default();
+    for i in 0..along {
+        let t = std::f64::consts::TAU * f64::from(i) / f64::from(along);
+        let p = middle(t);
+        let forward = unit(minus(middle(t + 1e-4), middle(t - 1e-4)));
+        // Out of the circle that it winds about: it never runs that way.
+        let out = unit(minus(p, [2.0 * (2.0 * t).cos(), 2.0 * (2.0 * t).sin(), 0.0]));
+        let side = unit(cross(forward, out));
+        let up = cross(side, forward);
+        for k in 0..around {
+            let a = std::f64::consts::TAU * f64::from(k) / f64::from(around);
+            let corner = [0, 1, 2].map(|j| p[j] + radius * (a.cos() * up[j] + a.sin() * side[j]));
+            // As many digits as are written.
+            solid.corners.push(corner.map(|c| ((c * 1e3).round() / 1e3) as f32));
+            let [a, b] = [k, (k + 1) % around].map(|k| i * around + k);
+            let [c, d] = [k, (k + 1) % around].map(|k| (i + 1) % along * around + k);
+            solid.triangles.extend([[a, b, c], [b, d, c]]);
+        }
+    }
+    solid
+}
+
 impl Solid {
     /// As an OBJ file.
     pub fn obj(&self) -> Vec<u8> {

@@ -8,7 +8,7 @@ use std::cell::Cell;
 use surefoot_compiler::diagnostic::{Code, render};
 use surefoot_compiler::{Compiled, MemoryLoader, Options, compile};
 use surefoot_runtime::mesh::{Assets, Mesh};
-use surefoot_tests::solids::{Solid, cuboid, sphere};
+use surefoot_tests::solids::{Solid, cuboid, knot, sphere};
 
 struct Counting;
 
@@ -208,4 +208,16 @@ fn no_file_stops_the_program() {
     }
     println!("{refused} of 600 refused");
     assert!(refused > 100);
+}
+
+/// The mesh of the examples is what its formula says. `WRITE=1` writes it.
+#[test]
+fn the_knot_of_the_examples_is_its_formula() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/meshes/knot.obj");
+    let wanted = knot(0.55, 192, 16).obj();
+    if std::env::var_os("WRITE").is_some() {
+        std::fs::write(&path, &wanted).unwrap();
+    }
+    assert!(std::fs::read(&path).unwrap() == wanted, "write it with WRITE=1");
+    assert!(wanted.len() < 300_000, "{} bytes", wanted.len());
 }
