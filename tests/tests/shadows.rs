@@ -18,7 +18,7 @@ const CAMERA: Camera = Camera { eye: [-5.0, 6.0, 5.0], target: [-0.5, 0.5, 0.0],
 fn draw(gpu: &Gpu, text: &str) -> Pixels {
     let (eye, target) = (CAMERA.eye, CAMERA.target);
     let text = format!("{text}camera {{ eye: ({}, {}, {}), target: ({}, {}, {}), fov: 0.8 }}\n", eye[0], eye[1], eye[2], target[0], target[1], target[2]);
-    let loader = MemoryLoader::new().with("s.sdf", text).with("ball.obj", sphere(96).obj()).with("box.obj", cuboid([1.0; 3]).obj());
+    let loader = MemoryLoader::new().with("s.sdf", text).with("ball.obj", sphere(96).obj()).with("box.obj", cuboid([1.0; 3]).obj()).with("coarse.obj", sphere(10).obj());
     let outcome = compile(&loader, "s.sdf", &Options::default());
     let words = diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
     assert!(words.is_empty(), "{words}");
@@ -138,7 +138,7 @@ fn judge(shares: &[f64], light: Light, height: f64, texel: f64) -> Counted {
         let pixel = t * basis.footprint(SIZE.1) / if ball { 1.0 } else { -direction[1] };
         if ball {
             let n = sub(p, [0.0, height, 0.0]);
-            // The lit side of the sphere, but for where the light grazes it and where the plane cuts it.
+            // The lit side of the sphere, but for where the light grazes it (there its flat triangles turn away) and where the plane cuts it.
             let cut = dot(n, scale(direction, -1.0)) < 0.2 || p[1] < 2.0 * pixel;
             if dot(n, l) > 0.15 && !cut {
                 counted.seen += 1;
@@ -219,4 +219,20 @@ fn a_soft_shadow_is_as_soft_on_triangles() {
     println!("{apart} of {} pixels differ; {soft} lie in the penumbra", both.len());
     assert!(soft > 500);
     assert!(apart * 200 < both.len(), "{apart} of {}", both.len());
+}
+
+/// Twenty triangles around: where the shape that they stand for is lit, so are they.
+#[test]
+fn a_coarse_mesh_is_lit_as_its_shape() {
+    let gpu = gpu();
+    let height = 1.8;
+    for light in [Light::Direction([-1.0, -2.0, 0.5]), Light::Position([2.5, 5.0, -1.5]), Light::Direction([1.0, -0.2, 0.3])] {
+        let text = format!("scene = nothing\nrender {{ ambient_occlusion: (0, 0) }}\nmesh m \"coarse.obj\" {{ translate: (0, {height}, 0) }}\n");
+        let (shares, pixels) = shares(&gpu, &text, light, "hard");
+        let counted = judge(&shares, light, height, 0.0);
+        println!("{light:?}: {counted:?}");
+        let path = pictures().join("coarse.png");
+        image::save_buffer(&path, &pixels.rgba, pixels.width, pixels.height, image::ColorType::Rgba8).unwrap();
+        assert!(counted.seen > 300 && counted.acne == 0, "{light:?}: {counted:?}");
+    }
 }

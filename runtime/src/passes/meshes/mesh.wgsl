@@ -12,5 +12,14 @@ fn mesh_fragment(in: MeshSeen) -> @location(0) vec4f {
     if t > scene.max_distance {
         discard;
     }
+    // The mean of the places on the planes of the triangle's corners (Boubekeur and Alexa, "Phong Tessellation", 2008), if it is further out: a
+    // flat triangle would have its own shadow on it before the shape does (Hanika, "Hacking the Shadow Terminator", 2021).
+    let onto = in.lift - vec3f(
+        in.squares.x * in.way.x + in.products.x * in.way.y + in.products.z * in.way.z,
+        in.products.x * in.way.x + in.squares.y * in.way.y + in.products.y * in.way.z,
+        in.products.z * in.way.x + in.products.y * in.way.y + in.squares.z * in.way.z,
+    );
+    scene_flat = scene.eye + in.way;
+    scene_round = scene_flat + max(dot(onto, n), 0.0) * n;
     return scene_target(mesh_color(scene.eye + in.way, n, facet, direction, t, meshes[in.index]));
 }

@@ -13,6 +13,10 @@ struct MeshSeen {
     @location(1) normal: vec3f,
     @location(2) coordinates: vec2f,
     @location(3) @interpolate(flat) index: u32,
+    // Of the corners' planes: the foot of the eye on each, and the squares and products of their normals.
+    @location(4) lift: vec3f,
+    @location(5) squares: vec3f,
+    @location(6) products: vec3f,
 }
 
 // Where a point of a mesh is, seen from the eye.
@@ -26,5 +30,6 @@ fn mesh_vertex(in: MeshVertex, @builtin(instance_index) index: u32) -> MeshSeen 
     let way = mesh_way(place, in.position);
     // Normals stay upright on what is stretched: the axes' cofactors.
     let normal = in.normal.x * cross(place.y, place.z) + in.normal.y * cross(place.z, place.x) + in.normal.z * cross(place.x, place.y);
-    return MeshSeen(scene_project(way), way, normal, in.coordinates, index);
+    let n = normal / max(length(normal), 1e-30);
+    return MeshSeen(scene_project(way), way, n, in.coordinates, index, dot(way, n) * n, n * n, n * n.yzx);
 }

@@ -50,6 +50,10 @@ struct SceneUniforms {
 
 @group(1) @binding(0) var<uniform> scene: SceneUniforms;
 
+// Where a flat triangle of a mesh is seen, and that place on the round shape that it stands for.
+var<private> scene_flat: vec3f;
+var<private> scene_round: vec3f;
+
 const SCENE_PI: f32 = 3.14159265;
 
 // What a ray from the eye finds: the colour as a screen wants it (sRGB-encoded), and how far the surface is; below 0: none.

@@ -91,9 +91,10 @@ fn scene_lit(light: u32, p: vec3f, n: vec3f, l: vec3f, off: f32, far: f32) -> f3
     if softness < 0.0 {
         return 1.0;
     }
-    let said = shadow_said(light, p, n);
+    let place = select(p, scene_round, all(p == scene_flat));
+    let said = shadow_said(light, place, n);
     if said.lit <= 0.0 || said.known && shadow_lights[light].field == 1u {
         return said.lit;
     }
-    return said.lit * sf_shadow(p + off * n, l, off, far, softness);
+    return said.lit * sf_shadow(place + off * n, l, off, far, softness);
 }
