@@ -46,6 +46,8 @@ pub enum Code {
     Splat(u8),
     /// The surface's struct from its fields.
     Surface,
+    /// The struct of what lies on it from its fields.
+    Layers,
 }
 
 impl Code {
@@ -67,6 +69,7 @@ impl Code {
             Code::VectorOp(op, _) => (12, op as u64),
             Code::Splat(n) => (13, u64::from(n)),
             Code::Surface => (14, 0),
+            Code::Layers => (15, 0),
         };
         kind << 40 | detail
     }

@@ -21,9 +21,9 @@ mod tests;
 pub use translate::{Target, translate, validate};
 
 use crate::compiled::{Export, Live, Module, Options, Parameter, SceneBlocks, UniformSource};
-use crate::functions::Functions;
+use crate::functions::{Functions, Surface};
 use crate::graph::kernel::Terms;
-use crate::graph::{Function, Graph, ShapeId, WORLD};
+use crate::graph::{Function, Graph, NodeId, ShapeId, WORLD};
 use crate::source::Sources;
 use body::{Body, Code, Space, world_count};
 use library::Helpers;
@@ -99,7 +99,10 @@ pub fn emit(
             roots.push((export, target));
         }
     }
-    let surface = exports.contains(&Export::Surface).then(|| surface_plan(graph, root, functions, &mut plans));
+    let asked = exports.contains(&Export::Surface);
+    let surface = asked.then(|| surface_plan(graph, root, &functions.surface.look(), &mut plans));
+    let layered = asked && functions.surface.is_layered();
+    let layers = layered.then(|| surface_plan(graph, root, &functions.surface.layer_nodes(), &mut plans));
     // Exports that are the same function are computed once.
     let mut counted: Vec<(TargetId, u64)> = Vec::new();
     for &(_, target) in &roots {
@@ -107,7 +110,7 @@ pub fn emit(
             counted.push((target, 1));
         }
     }
-    let standing = plans.complete(&counted, surface.as_ref())?;
+    let standing = plans.complete(&counted, surface.iter().chain(&layers))?;
 
     let mut module = reserved_names(prefix);
     let mut context = Context {
@@ -129,6 +132,9 @@ pub fn emit(
         shape_function(&mut context, id, &mut body, &mut texts)?;
     }
     let operations = export_functions(&mut context, root, &exports, &roots, surface.as_ref(), &mut body, &mut texts)?;
+    if let Some(plan) = &layers {
+        layers_function(&mut context, root, &functions.surface, plan, &mut body, &mut texts)?;
+    }
 
     // What the library reads.
     if exports.iter().any(|e| matches!(e, Export::Trace | Export::Shadow)) {
@@ -154,6 +160,9 @@ pub fn emit(
     };
     let mut wgsl = header::write(&facts);
     declarations(&context, &facts, &mut wgsl);
+    if layered {
+        layers_struct(prefix, &functions.surface, &mut wgsl);
+    }
     wgsl.push_str(&texts);
     Ok(Module {
         wgsl,
@@ -171,20 +180,62 @@ fn reserved_names(prefix: &str) -> Scope {
     let mut names = Scope::default();
     let exports = Export::ALL.iter().map(|e| e.name());
     let helpers = library::HELPERS.iter().map(|h| h.name);
-    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms"];
+    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers"];
     for text in exports.chain(helpers).chain(library::STRUCTURES).chain(others) {
         names.reserve(&format!("{prefix}{text}"));
     }
     names
 }
 
-fn surface_plan(graph: &Graph, root: ShapeId, functions: &Functions, plans: &mut Plans) -> Plan {
-    let s = &functions.surface;
-    let mut nodes = Vec::from(s.color);
-    nodes.extend(s.emission);
-    nodes.extend([s.roughness, s.metallic, s.reflectivity]);
+fn surface_plan(graph: &Graph, root: ShapeId, nodes: &[NodeId], plans: &mut Plans) -> Plan {
     let variables = graph.shape(root).map(|s| s.variables.clone()).unwrap_or_default();
-    plans.plan(&nodes, variables)
+    plans.plan(nodes, variables)
+}
+
+/// Writes what lies on the surface: of each image its weight, where on it, how that grows along each axis, and how sharp its sides are.
+fn layers_struct(prefix: &str, surface: &Surface, wgsl: &mut String) {
+    let _ = write!(wgsl, "\nstruct {prefix}Layers {{\n");
+    if surface.relief.is_some() {
+        wgsl.push_str("  relief: vec3f,\n");
+    }
+    for i in 0..surface.layers.len() {
+        for name in ["weight", "point", "across", "up", "along"] {
+            let _ = writeln!(wgsl, "  {name}_{i}: vec3f,");
+        }
+        let _ = writeln!(wgsl, "  sharpness_{i}: f32,");
+    }
+    wgsl.push_str("}\n");
+}
+
+/// Writes the function that gives it.
+fn layers_function(
+    context: &mut Context,
+    root: ShapeId,
+    surface: &Surface,
+    plan: &Plan,
+    body: &mut Body,
+    text: &mut String,
+) -> Result<(), EmitError> {
+    let (graph, prefix) = (context.graph, context.prefix);
+    text.push_str("\n// How steeply the surface looks to rise, and the images that lie on it.\n");
+    let _ = writeln!(text, "fn {prefix}layers(p: vec3f, normal: vec3f) -> {prefix}Layers {{");
+    let _ = writeln!(text, "  let q = p + {}.origin;", context.uniform_name);
+    context.uniforms.read(UniformSource::Origin);
+    body.clear();
+    let space = scene_space(graph, root, body, true);
+    let results = body.open(context.plans, graph, plan, &space, &context.uniforms)?;
+    let mut fields = Vec::new();
+    let (relief, layers) = results.split_at_checked(if surface.relief.is_some() { 3 } else { 0 }).unwrap_or((&results, &[]));
+    fields.extend(relief.chunks(3).map(|v| body.vector(v)));
+    for layer in layers.chunks(16) {
+        let (vectors, sharpness) = layer.split_at_checked(15).unwrap_or((layer, &[]));
+        fields.extend(vectors.chunks(3).map(|v| body.vector(v)));
+        fields.extend_from_slice(sharpness);
+    }
+    let result = body.add(Code::Layers, &fields);
+    write::write(context, body, result, &["p", "q", "normal"], text);
+    text.push_str("}\n");
+    Ok(())
 }
 
 /// Writes a function of a shape.

@@ -246,11 +246,11 @@ impl<'a> Plans<'a> {
     }
 
     /// Makes the plans of all targets and of what they call, and decides which become functions. `roots` are computed so often
-    /// from outside; `surface` calls too. The answer: those that stand alone, callees before callers.
-    pub fn complete(
+    /// from outside; `surfaces` call too. The answer: those that stand alone, callees before callers.
+    pub fn complete<'s>(
         &mut self,
         roots: &[(TargetId, u64)],
-        surface: Option<&Plan>,
+        surfaces: impl Iterator<Item = &'s Plan>,
     ) -> Result<Vec<TargetId>, EmitError> {
         let mut at = 0;
         while let Some(target) = self.targets.get(at) {
@@ -270,7 +270,7 @@ impl<'a> Plans<'a> {
             at += 1;
         }
         let order = self.callees_first()?;
-        self.decide(&order, roots, surface);
+        self.decide(&order, roots, surfaces);
         Ok(order.into_iter().filter(|&id| self.get(id).is_some_and(|t| t.stands_alone)).collect())
     }
 
@@ -316,11 +316,11 @@ impl<'a> Plans<'a> {
         Ok(order)
     }
 
-    fn decide(
+    fn decide<'s>(
         &mut self,
         callees_first: &[TargetId],
         roots: &[(TargetId, u64)],
-        surface: Option<&Plan>,
+        surfaces: impl Iterator<Item = &'s Plan>,
     ) {
         let mut same_name: FxHashMap<&str, (u32, Option<ShapeId>)> = FxHashMap::default();
         let graph = self.graph;
@@ -348,7 +348,7 @@ impl<'a> Plans<'a> {
                 target.stands_alone = named && !is_root(id);
             }
         }
-        let called = surface.into_iter().flat_map(|s| s.calls_after(0)).map(|(_, id)| (id, 1));
+        let called = surfaces.flat_map(|s| s.calls_after(0)).map(|(_, id)| (id, 1));
         for (id, uses) in roots.iter().copied().chain(called) {
             if let Some(target) = self.targets.get_mut(id as usize) {
                 target.uses = target.uses.saturating_add(uses);

@@ -31,6 +31,7 @@ impl Bench {
             roughness: p[0],
             metallic: zero,
             reflectivity: zero,
+            ..Default::default()
         };
         bench
     }

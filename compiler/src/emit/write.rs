@@ -508,9 +508,9 @@ impl Writer<'_, '_> {
                 self.put(vector_type(count));
                 self.list(args)
             }
-            Code::Surface => {
+            Code::Surface | Code::Layers => {
                 self.scratch.push_str(self.context.prefix);
-                self.put("Surface");
+                self.put(if code == Code::Layers { "Layers" } else { "Surface" });
                 self.list(args)
             }
             Code::Call(target) => {

@@ -14,9 +14,11 @@ use crate::analysis::search::{Search, Target};
 use crate::analysis::{Box3, Domain, Facts};
 use crate::compiled::SceneBlocks;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::graph::{Function, Graph, Leaf, Node, NodeId, Proof, ShapeId, WORLD};
+use crate::images::TextureKind;
+use crate::graph::{Function, Graph, Leaf, Node, NodeId, Proof, ShapeId, Slot, WORLD};
 use crate::source::Span;
 use rustc_hash::{FxHashMap, FxHashSet};
+use std::rc::Rc;
 
 /// The formulas of every function of every shape that the root's functions call.
 #[derive(Clone, Debug, Default)]
@@ -31,7 +33,7 @@ pub struct Functions {
 }
 
 /// How the surface at a point answers light.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
     /// Linear colour.
     pub color: [NodeId; 3],
@@ -43,6 +45,62 @@ pub struct Surface {
     pub metallic: NodeId,
     /// 0 to 1.
     pub reflectivity: NodeId,
+    /// How steeply the surface looks to rise along each axis of the scene, where formulas say so.
+    pub relief: Option<[NodeId; 3]>,
+    /// What images add to all this.
+    pub layers: Vec<Layer>,
+}
+
+impl Surface {
+    /// Colour, emission, roughness, metallic, reflectivity.
+    pub fn look(&self) -> [NodeId; 9] {
+        let ([r, g, b], [x, y, z]) = (self.color, self.emission);
+        [r, g, b, x, y, z, self.roughness, self.metallic, self.reflectivity]
+    }
+
+    /// What is made of the images, each once: which image, and for what.
+    pub fn textures(&self) -> Vec<(u32, TextureKind)> {
+        let mut textures = Vec::new();
+        for layer in &self.layers {
+            let texture = (layer.image, TextureKind::of(layer.slot));
+            if !textures.contains(&texture) {
+                textures.push(texture);
+            }
+        }
+        textures
+    }
+
+    /// Whether there is more to it than [`Surface::look`].
+    pub fn is_layered(&self) -> bool {
+        self.relief.is_some() || !self.layers.is_empty()
+    }
+
+    /// What is more: the relief where there is one, then the nodes of each layer in the order of its fields.
+    pub fn layer_nodes(&self) -> Vec<NodeId> {
+        let mut nodes: Vec<NodeId> = self.relief.into_iter().flatten().collect();
+        for layer in &self.layers {
+            nodes.extend(layer.weight.iter().chain(&layer.point).chain(layer.axes.iter().flatten()));
+            nodes.push(layer.sharpness);
+        }
+        nodes
+    }
+}
+
+/// An image that lies on a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layer {
+    /// An index into [`Graph::images`].
+    pub image: u32,
+    /// What it says of the surface.
+    pub slot: Slot,
+    /// What its colour is multiplied by; zero where it does not lie.
+    pub weight: [NodeId; 3],
+    /// Where on it: a point of the shape's own space, in widths of the image.
+    pub point: [NodeId; 3],
+    /// How each coordinate of that point grows along the axes of the scene's space.
+    pub axes: [[NodeId; 3]; 3],
+    /// The power of the normal's components by which the three sides share the surface.
+    pub sharpness: NodeId,
 }
 
 /// What is known of a scene, in numbers that a person may ask for.
@@ -143,8 +201,13 @@ pub struct Builder<'a> {
     looks: FxHashMap<NodeId, surface::Looks>,
 }
 
-/// The nine numbers of a surface, or that nothing gives it a material.
-type Look = [NodeId; 9];
+/// The numbers of a surface, and the images on it.
+#[derive(Clone, Debug, PartialEq)]
+struct Look {
+    /// Colour, emission, roughness, metallic, reflectivity; then the relief's slope.
+    values: [NodeId; 12],
+    layers: Rc<[Layer]>,
+}
 
 /// The scene's shape with `world` bound: in the scene's own space the point of the scene is the point. So whatever reads it further in
 /// is seen to move with the point.
@@ -193,10 +256,8 @@ pub fn build(
         (root, Function::Gradient(2)),
     ];
     builder.build_surface();
-    let surface = builder.built.surface;
-    let mut surface_nodes = surface.color.to_vec();
-    surface_nodes.extend(surface.emission);
-    surface_nodes.extend([surface.roughness, surface.metallic, surface.reflectivity]);
+    let surface = &builder.built.surface;
+    let surface_nodes: Vec<NodeId> = surface.look().into_iter().chain(surface.layer_nodes()).collect();
     functions.extend(builder.calls(&surface_nodes));
     while let Some((shape, function)) = functions.pop() {
         if builder.built.formulas.contains_key(&(shape, function)) {

@@ -1,11 +1,12 @@
 //! The surface: how a point of it answers light.
 
-use super::{Builder, Look, Surface};
+use super::{Builder, Layer, Look, Surface};
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, Leaf, MaterialId, Node, NodeId, ShapeId, kernel, WORLD};
+use std::rc::Rc;
 
 /// The looks of the shapes that a formula calls.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) enum Looks {
     /// None of them has a material.
     None,
@@ -19,7 +20,7 @@ impl Looks {
     fn and(self, other: Self) -> Self {
         match (self, other) {
             (Looks::None, looks) | (looks, Looks::None) => looks,
-            (Looks::One(a), Looks::One(b)) if a == b => self,
+            (Looks::One(a), Looks::One(b)) if a == b => Looks::One(a),
             _ => Looks::Many,
         }
     }
@@ -38,16 +39,20 @@ impl Builder<'_> {
             Some(look) => look,
             None => self.default_look(),
         };
-        let [r, g, b, er, eg, eb, roughness, metallic, reflectivity] = look;
-        self.built.surface =
-            Surface { color: [r, g, b], emission: [er, eg, eb], roughness, metallic, reflectivity };
+        let [r, g, b, er, eg, eb, roughness, metallic, reflectivity, x, y, z] = look.values;
+        let zero = self.graph.constant(0.0);
+        let relief = Some([x, y, z]).filter(|slope| slope.iter().any(|s| *s != zero));
+        let (color, emission) = ([r, g, b], [er, eg, eb]);
+        let layers = look.layers.to_vec();
+        self.built.surface = Surface { color, emission, roughness, metallic, reflectivity, relief, layers };
     }
 
     pub(super) fn default_look(&mut self) -> Look {
         let grey = self.graph.constant(0.55);
         let zero = self.graph.constant(0.0);
         let roughness = self.graph.constant(0.6);
-        [grey, grey, grey, zero, zero, zero, roughness, zero, zero]
+        let values = [grey, grey, grey, zero, zero, zero, roughness, zero, zero, zero, zero, zero];
+        Look { values, layers: Rc::default() }
     }
 
     /// The material of a shape at a point of the scene's space; none where nothing in it has one.
@@ -67,7 +72,10 @@ impl Builder<'_> {
             let field = self.graph.call(*mask, Function::Field, &mask_args);
             let zero = self.graph.constant(0.0);
             let inside = self.graph.op(Op::Lt, &[field, zero]);
-            look = painted.map(|p| self.pick_look(inside, p, below)).or(Some(below));
+            look = Some(match painted {
+                Some(painted) => self.pick_look(inside, painted, below),
+                None => below,
+            });
         }
         look
     }
@@ -85,19 +93,44 @@ impl Builder<'_> {
 
     pub(super) fn look_of_material(&mut self, shape: ShapeId, material: MaterialId, args: &[NodeId]) -> Option<Look> {
         let m = self.graph.materials.get(material.0 as usize)?.clone();
-        let [r, g, b] = m.color;
-        let [er, eg, eb] = m.emission;
-        let nodes = [r, g, b, er, eg, eb, m.roughness, m.metallic, m.reflectivity];
-        Some(self.graph.open_all(shape, nodes, args))
+        let zero = self.graph.constant(0.0);
+        let [r, g, b, er, eg, eb, roughness, metallic, reflectivity] = self.graph.open_all(shape, m.look(), args);
+        let [x, y, z] = match m.relief {
+            Some(height) => {
+                let height = self.graph.open(shape, height, args);
+                self.slopes(height)
+            }
+            None => [zero; 3],
+        };
+        let mut layers = Vec::new();
+        if !m.images.is_empty() {
+            let own: [NodeId; 3] = [0, 1, 2].map(|i| args.get(i).copied().unwrap_or(zero));
+            for on in m.images.iter() {
+                let [wr, wg, wb] = on.weight;
+                let opened = self.graph.open_all(shape, [wr, wg, wb, on.scale, on.sharpness], args);
+                let [wr, wg, wb, scale, sharpness] = opened;
+                let point = own.map(|q| self.graph.op(Op::Mul, &[q, scale]));
+                let axes = point.map(|q| self.slopes(q));
+                layers.push(Layer { image: on.image, slot: on.slot, weight: [wr, wg, wb], point, axes, sharpness });
+            }
+        }
+        let values = [r, g, b, er, eg, eb, roughness, metallic, reflectivity, x, y, z];
+        Some(Look { values, layers: layers.into() })
+    }
+
+    /// How a number changes along the axes of the scene's space.
+    fn slopes(&mut self, node: NodeId) -> [NodeId; 3] {
+        let point = self.graph.point();
+        point.map(|axis| self.slope(node, axis))
     }
 
     /// The material at the zero set of a formula in the scene's space.
     pub(super) fn look(&mut self, node: NodeId) -> Option<Look> {
         if let Some(known) = self.surfaces.get(&node) {
-            return *known;
+            return known.clone();
         }
         let found = self.find_look(node);
-        self.surfaces.insert(node, found);
+        self.surfaces.insert(node, found.clone());
         found
     }
 
@@ -161,15 +194,20 @@ impl Builder<'_> {
             total = self.graph.op(Op::Add, &[total, *weight]);
         }
         let zero = self.graph.constant(0.0);
-        let mut mixed = [zero; 9];
+        let mut mixed = [zero; 12];
+        let mut layers = Vec::new();
         for ((_, look), weight) in looks.iter().zip(weights) {
             let share = self.graph.op(Op::Div, &[weight, total]);
-            for (slot, entry) in mixed.iter_mut().zip(look) {
-                let term = self.graph.op(Op::Mul, &[share, *entry]);
+            for (slot, entry) in mixed.iter_mut().zip(look.values) {
+                let term = self.graph.op(Op::Mul, &[share, entry]);
                 *slot = self.graph.op(Op::Add, &[*slot, term]);
             }
+            for layer in look.layers.iter() {
+                let weight = layer.weight.map(|w| self.graph.op(Op::Mul, &[share, w]));
+                layers.push(Layer { weight, ..*layer });
+            }
         }
-        Some(mixed)
+        Some(Look { values: mixed, layers: layers.into() })
     }
 
     /// How many looks the shapes have that a formula calls. Each node is asked once: a loop's formula holds those of all turns before it.
@@ -191,12 +229,12 @@ impl Builder<'_> {
             if open.len() > before {
                 continue;
             }
-            let known = args.iter().filter_map(|a| self.looks.get(a).copied());
+            let known = args.iter().filter_map(|a| self.looks.get(a).cloned());
             let all = known.fold(own, Looks::and);
             self.looks.insert(id, all);
             open.pop();
         }
-        self.looks.get(&node).copied().unwrap_or(Looks::None)
+        self.looks.get(&node).cloned().unwrap_or(Looks::None)
     }
 
     /// The derivative of a node by another node inside it.
@@ -244,10 +282,40 @@ impl Builder<'_> {
     }
 
     pub(super) fn pick_look(&mut self, condition: NodeId, a: Look, b: Look) -> Look {
-        let mut chosen = a;
-        for (slot, other) in chosen.iter_mut().zip(b) {
+        let mut values = a.values;
+        for (slot, other) in values.iter_mut().zip(b.values) {
             *slot = self.graph.op(Op::Select, &[condition, *slot, other]);
         }
-        chosen
+        // Only one of the two counts: an image that both have lies on it in one place or in the other.
+        let zero = self.graph.constant(0.0);
+        let nowhere = |layer: &Layer| Layer { weight: [zero; 3], ..*layer };
+        let mut others: Vec<Layer> = b.layers.to_vec();
+        let mut pairs = Vec::new();
+        for layer in a.layers.iter() {
+            let same = |other: &Layer| (other.image, other.slot) == (layer.image, layer.slot);
+            match others.iter().position(same) {
+                Some(at) => pairs.push((*layer, others.remove(at))),
+                None => pairs.push((*layer, nowhere(layer))),
+            }
+        }
+        pairs.extend(others.iter().map(|layer| (nowhere(layer), *layer)));
+        let layers: Vec<Layer> = pairs.into_iter().map(|(a, b)| self.pick_layer(condition, a, b)).collect();
+        Look { values, layers: layers.into() }
+    }
+
+    fn pick_layer(&mut self, condition: NodeId, a: Layer, b: Layer) -> Layer {
+        let mut pick = |a: NodeId, b: NodeId| self.graph.op(Op::Select, &[condition, a, b]);
+        let mut three = |a: [NodeId; 3], b: [NodeId; 3]| {
+            let ([x, y, z], [u, v, w]) = (a, b);
+            [pick(x, u), pick(y, v), pick(z, w)]
+        };
+        let ([ax, ay, az], [bx, by, bz]) = (a.axes, b.axes);
+        Layer {
+            weight: three(a.weight, b.weight),
+            point: three(a.point, b.point),
+            axes: [three(ax, bx), three(ay, by), three(az, bz)],
+            sharpness: pick(a.sharpness, b.sharpness),
+            ..a
+        }
     }
 }

@@ -16,6 +16,7 @@ pub mod print;
 mod reads;
 mod walk;
 
+use crate::images::ImageFile;
 use crate::source::Span;
 use index::Index;
 use kernel::Op;
@@ -229,16 +230,54 @@ pub struct Material {
     pub metallic: NodeId,
     /// How much of the surroundings it mirrors, 0 to 1.
     pub reflectivity: NodeId,
+    /// How high the surface looks; a formula of a length.
+    pub relief: Option<NodeId>,
+    /// Images that are laid on from three sides.
+    pub images: Arc<[MaterialImage]>,
     /// Whether balls meet it.
     pub solid: bool,
 }
 
 impl Material {
     /// Its formulas: colour, emission, roughness, metallic, reflectivity.
-    pub fn nodes(&self) -> [NodeId; 9] {
+    pub fn look(&self) -> [NodeId; 9] {
         let ([r, g, b], [x, y, z]) = (self.color, self.emission);
         [r, g, b, x, y, z, self.roughness, self.metallic, self.reflectivity]
     }
+
+    /// All nodes of it.
+    pub fn nodes(&self) -> Vec<NodeId> {
+        let images = self.images.iter().flat_map(|i| i.weight.into_iter().chain([i.scale, i.sharpness]));
+        self.look().into_iter().chain(self.relief).chain(images).collect()
+    }
+}
+
+/// An image that a material is made of.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct MaterialImage {
+    /// An index into [`Graph::images`].
+    pub image: u32,
+    /// What it says of the surface.
+    pub slot: Slot,
+    /// What its colour is multiplied by, and then added to what the formulas say.
+    pub weight: [NodeId; 3],
+    /// How many of its widths a unit holds.
+    pub scale: NodeId,
+    /// How sharply one side's image goes over into another's: the power of the normal's components.
+    pub sharpness: NodeId,
+}
+
+/// What an image says of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Slot {
+    /// Its colour.
+    Color,
+    /// Its roughness, by the image's green.
+    Roughness,
+    /// How metallic it is, by the image's blue.
+    Metallic,
+    /// How high it looks, by the image's green: its weight is the height of white.
+    Relief,
 }
 
 /// More nodes than most scenes have. Room that is not used costs nothing, and a list that grows is copied.
@@ -259,6 +298,8 @@ pub struct Graph {
     shape_index: Index,
     /// Materials, in the order in which they were met.
     pub materials: Vec<Material>,
+    /// Files of images that materials are made of.
+    pub images: Vec<ImageFile>,
     /// Components of parameters.
     pub parameters: Vec<ParameterComponent>,
     /// Factors, in the order in which they were met.

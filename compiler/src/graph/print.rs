@@ -35,7 +35,7 @@ fn print_to(graph: &Graph, out: &mut String) -> fmt::Result {
     let mut done = vec![false; graph.len()];
     for (i, m) in graph.materials.iter().enumerate() {
         writeln!(out, "material {i} {} {{", quoted(&m.name))?;
-        let roots = m.nodes();
+        let roots = m.look();
         print_nodes(graph, &roots, &mut done, out)?;
         for (key, ids) in ["color", "emission", "rest"].iter().zip(roots.chunks(3)) {
             write!(out, "  {key}")?;
@@ -320,6 +320,8 @@ impl Reader {
                     roughness: NodeId(0),
                     metallic: NodeId(0),
                     reflectivity: NodeId(0),
+                    relief: None,
+                    images: Arc::default(),
                     solid: true,
                 });
             }
@@ -486,6 +488,8 @@ mod tests {
             roughness: one,
             metallic: p[2],
             reflectivity: one,
+            relief: None,
+            images: Arc::default(),
             solid: false,
         });
         let shape = |value, name: Option<&str>| Shape {

@@ -1,8 +1,10 @@
 //! Images that a scene names, as data: which files they are, and what is made of their pixels. Reading and decoding is the host's.
 
 mod cube;
+mod texture;
 
 pub use cube::{Cube, FACES};
+pub use texture::{Texture, TextureKind, sides};
 
 use crate::reference::vector::Vec3;
 use crate::source::Span;
@@ -66,6 +68,16 @@ impl Bitmap {
         blend(row(0.0), row(1.0), y - top)
     }
 
+    /// The colour at a place, 0 to 1 across and down, of the image repeated without end.
+    fn repeated(&self, u: f64, v: f64) -> Vec3 {
+        let (x, y) = (u.rem_euclid(1.0) * self.width as f64 - 0.5, v.rem_euclid(1.0) * self.height as f64 - 0.5);
+        let around = |at: f64, side: usize| (at.rem_euclid(side as f64) as usize).min(side.saturating_sub(1));
+        let (left, top) = (x.floor(), y.floor());
+        let at = |dx: f64, dy: f64| self.get(around(left + dx, self.width), around(top + dy, self.height)).map(f64::from);
+        let row = |dy: f64| blend(at(0.0, dy), at(1.0, dy), x - left);
+        blend(row(0.0), row(1.0), y - top)
+    }
+
     /// Half as wide and half as high: each pixel the mean of four.
     fn half(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
@@ -98,4 +110,6 @@ fn blend(a: Vec3, b: Vec3, part: f64) -> Vec3 {
 pub struct Images {
     /// What stands for the sky, where the scene names something and it could be read.
     pub environment: Option<Arc<Cube>>,
+    /// What is made of the materials' images, in the order of [`crate::functions::Surface::textures`]; what could not be read changes nothing.
+    pub textures: Vec<Arc<Texture>>,
 }

@@ -2,6 +2,7 @@
 
 use super::expression::kind_words;
 use super::load::{ItemRef, Resolution};
+use super::texture::Texture;
 use super::value::{type_words, Value};
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
@@ -1296,10 +1297,11 @@ impl Elaborator<'_> {
             return Err(Stop);
         };
         material.name = name.text.clone();
-        const KEYS: [&str; 9] = [
-            "color", "roughness", "metallic", "reflectivity", "emission", "bump", "texture",
-            "texture_scale", "solid",
+        const KEYS: [&str; 11] = [
+            "color", "roughness", "metallic", "reflectivity", "emission", "bump", "bump_height", "texture",
+            "texture_scale", "texture_sharpness", "solid",
         ];
+        let mut texture = Texture::new(self);
         let mut failed = false;
         for entry in entries {
             let key = &*entry.key.text;
@@ -1322,6 +1324,10 @@ impl Elaborator<'_> {
                 continue;
             };
             let at = entry.value.span;
+            if texture.takes(key, &value) {
+                failed |= texture.put(self, key, value, at, &env).is_err();
+                continue;
+            }
             let done = match key {
                 "color" | "emission" => self.coerce(value, &Type::Color, at, &env).map(|v| {
                     if let Value::Vector(v) = v
@@ -1380,33 +1386,15 @@ impl Elaborator<'_> {
                     }
                     Ok(())
                 }),
-                _ => {
-                    let fits = matches!(
-                        (key, &value),
-                        ("texture" | "bump", Value::Text(_)) | ("bump" | "texture_scale", Value::Number(..))
-                    );
-                    if fits {
-                        self.warn(
-                            Code::NotDrawn,
-                            entry.key.span,
-                            format!("`{key}` is understood, but not drawn yet"),
-                            "the material is drawn with its `color`",
-                        );
-                        Ok(())
-                    } else {
-                        let found = value.describe(self);
-                        Err(self.error(
-                            Code::TypeMismatch,
-                            at,
-                            format!("`{key}` can't be {found}"),
-                            if key == "texture_scale" { "write a number" } else { "write the name of an image file, for example \"stone.png\"" },
-                        ))
-                    }
-                }
+                _ => texture.put(self, key, value, at, &env),
             };
             failed |= done.is_err();
         }
-        if failed { Err(Stop) } else { Ok(self.graph.add_material(material)) }
+        if failed {
+            return Err(Stop);
+        }
+        texture.lay_on(self, &mut material);
+        Ok(self.graph.add_material(material))
     }
 
     /// What a shape without a material looks like.
@@ -1421,6 +1409,8 @@ impl Elaborator<'_> {
             roughness,
             metallic: zero,
             reflectivity: zero,
+            relief: None,
+            images: Arc::default(),
             solid: true,
         })
     }

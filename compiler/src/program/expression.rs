@@ -5,7 +5,7 @@ use super::value::{together, Value};
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
-use crate::graph::{Exactness, Leaf, Material, MaterialId, NodeId, Shape, ShapeId, FAR, WORLD};
+use crate::graph::{Exactness, Leaf, Material, MaterialId, MaterialImage, NodeId, Shape, ShapeId, FAR, WORLD};
 use crate::source::Span;
 use crate::syntax::words::nearest;
 use crate::syntax::ast::{
@@ -873,13 +873,25 @@ impl Elaborator<'_> {
         ) else {
             return x;
         };
+        let zero = self.graph.constant(0.0);
         let mut pick = |a: NodeId, b: NodeId| self.graph.op(Op::Select, &[condition, a, b]);
+        let relief = match (x.relief, y.relief) {
+            (None, None) => None,
+            (a, b) => Some(pick(a.unwrap_or(zero), b.unwrap_or(zero))),
+        };
+        let mut images: Vec<_> = Vec::new();
+        for (image, first) in x.images.iter().map(|i| (i, true)).chain(y.images.iter().map(|i| (i, false))) {
+            let weight = image.weight.map(|w| if first { pick(w, zero) } else { pick(zero, w) });
+            images.push(MaterialImage { weight, ..image.clone() });
+        }
         let mut three = |a: [NodeId; 3], b: [NodeId; 3]| {
             let ([a0, a1, a2], [b0, b1, b2]) = (a, b);
             [pick(a0, b0), pick(a1, b1), pick(a2, b2)]
         };
         let material = Material {
             name: format!("{} or {}", x.name, y.name).into(),
+            relief,
+            images: images.into(),
             color: three(x.color, y.color),
             emission: three(x.emission, y.emission),
             roughness: pick(x.roughness, y.roughness),

@@ -12,6 +12,7 @@ mod mesh;
 pub mod physics;
 pub mod repeat;
 mod surroundings;
+mod texture;
 pub mod value;
 
 use crate::analysis::Facts;

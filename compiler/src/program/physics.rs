@@ -51,7 +51,7 @@ impl Elaborator<'_> {
         let seed = self.whole_entry(entry("seed"), env, 0.0, (0.0, 16777216.0), "a whole number from 0 to 16777216");
         let material = match entry("material") {
             Some(expr) => self.expression(expr, env).and_then(|value| match self.coerce(value, &Type::Material, expr.span, env)? {
-                Value::Material(id) => Ok(self.graph.materials.get(id.0 as usize).map(crate::graph::Material::nodes)),
+                Value::Material(id) => Ok(self.graph.materials.get(id.0 as usize).map(crate::graph::Material::look)),
                 _ => Err(Stop),
             }),
             None => Ok(None),

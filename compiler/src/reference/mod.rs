@@ -11,14 +11,15 @@ pub mod vector;
 use crate::compiled::{Camera, Compiled, Frame, Live};
 use crate::emit::tracer::Tracer;
 use crate::evaluate::{Tape, TooLarge};
-use crate::graph::{Function, NodeId};
-use crate::images::{Cube, Images};
+use crate::graph::{Function, NodeId, Slot};
+use crate::functions::Surface;
+use crate::images::{Images, Texture, TextureKind, sides};
 use camera::Basis;
 use march::{Look, Ray, Scene, at_points, march};
 use shade::{Leaving, Seen, Shading, SurfaceValues};
 use std::cell::Cell;
 use std::sync::Arc;
-use vector::{Vec3, add, along, length, mul, scale, sub, unit};
+use vector::{Vec3, add, along, dot, length, mul, scale, sub, unit};
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -117,8 +118,9 @@ pub struct Reference {
     both: Tape,
     gradient: Option<Tape>,
     surface: Tape,
-    /// What stands for the sky, where images do.
-    cube: Option<Arc<Cube>>,
+    /// What lies on the surface, where anything does: [`Surface::layer_nodes`].
+    layers: Option<(Surface, Tape)>,
+    images: Images,
 }
 
 impl Reference {
@@ -133,22 +135,27 @@ impl Reference {
         let tape = |roots: &[NodeId]| Tape::new(&compiled.graph, functions, roots, live, LIMIT);
         let slopes: Option<Vec<NodeId>> = (0..3).map(|i| own(Function::Gradient(i))).collect();
         let s = &functions.surface;
-        let [r, g, b] = s.color;
-        let [er, eg, eb] = s.emission;
         Ok(Self {
             field: tape(&[field])?,
             bound: tape(&[bound])?,
             distance: tape(&[distance])?,
             both: tape(&[bound, distance])?,
             gradient: slopes.map(|slopes| tape(&slopes)).transpose()?,
-            surface: tape(&[r, g, b, er, eg, eb, s.roughness, s.metallic, s.reflectivity])?,
-            cube: None,
+            surface: tape(&s.look())?,
+            layers: s.is_layered().then(|| tape(&s.layer_nodes()).map(|tape| (s.clone(), tape))).transpose()?,
+            images: Images {
+                environment: None,
+                textures: s.textures().into_iter().map(|(_, kind)| Arc::new(Texture::missing(kind))).collect(),
+            },
         })
     }
 
     /// The same with the images that the scene names.
     pub fn with_images(mut self, images: &Images) -> Self {
-        self.cube = images.environment.clone();
+        self.images.environment = images.environment.clone();
+        if images.textures.len() == self.images.textures.len() {
+            self.images.textures = images.textures.clone();
+        }
         self
     }
 
@@ -325,6 +332,46 @@ impl Reference {
         all
     }
 
+    /// Places with what lies on them: how they answer light, their normals leant as their relief says.
+    fn dressed(&self, places: &[Seen], footprint: f64) -> (Vec<Seen>, Vec<SurfaceValues>) {
+        let mut surfaces = self.surfaces(places);
+        let mut dressed = places.to_vec();
+        let Some((surface, tape)) = &self.layers else { return (dressed, surfaces) };
+        let textures = surface.textures();
+        let points: Vec<Vec3> = places.iter().map(|s| s.point).collect();
+        let normals: Vec<Vec3> = places.iter().map(|s| s.normal).collect();
+        at_points(tape, &points, &normals, |i, values| {
+            let (Some(seen), Some(values_of)) = (dressed.get_mut(i), surfaces.get_mut(i)) else { return };
+            let three = |at: usize| [0, 1, 2].map(|i| values.get(at + i).copied().unwrap_or(0.0));
+            let first = if surface.relief.is_some() { 3 } else { 0 };
+            let mut rise = if first == 3 { three(0) } else { [0.0; 3] };
+            for (at, layer) in (first..).step_by(16).zip(&surface.layers) {
+                let (weight, point) = (three(at), three(at + 3));
+                let axes = [three(at + 6), three(at + 9), three(at + 12)];
+                let kind = TextureKind::of(layer.slot);
+                let texture = textures.iter().position(|t| *t == (layer.image, kind)).and_then(|t| self.images.textures.get(t));
+                let Some(texture) = texture.filter(|_| weight != [0.0; 3]) else { continue };
+                let shares = sides(axes, seen.normal, values.get(at + 15).copied().unwrap_or(1.0));
+                let size = footprint * seen.t * axes.iter().map(|a| length(*a)).fold(0.0, f64::max);
+                let color = |texture: &Texture| mul(weight, texture.lay(point, shares, size));
+                match layer.slot {
+                    Slot::Color => values_of.color = add(values_of.color, color(texture)),
+                    Slot::Roughness => values_of.roughness += color(texture)[1],
+                    Slot::Metallic => values_of.metallic += color(texture)[2],
+                    Slot::Relief => {
+                        let own = texture.rise(point, shares, size);
+                        let along = axes.iter().zip(own).fold([0.0; 3], |sum, (axis, g)| add(sum, scale(*axis, g)));
+                        rise = add(rise, mul(weight, along));
+                    }
+                }
+            }
+            let n = seen.normal;
+            let aside = sub(rise, scale(n, dot(rise, n)));
+            seen.normal = unit(sub(n, aside)).unwrap_or(n);
+        });
+        (dressed, surfaces)
+    }
+
     /// A part of a picture of `size` pixels: for each pixel, row by row from the top, the colour as a screen wants it (red, green, blue,
     /// sRGB-encoded, 0 to 1), and how far the surface is, below 0 where there is none.
     pub fn tile(
@@ -348,7 +395,7 @@ impl Reference {
         area: Area,
         offset: (f64, f64),
     ) -> Vec<[f32; 4]> {
-        let shading = Shading::of(frame, self.cube.clone());
+        let shading = Shading::of(frame, self.images.environment.clone());
         let basis = Basis::of(camera);
         let mut pixels = vec![[0.0; 4]; area.width as usize * area.height as usize];
         for top in (0..area.height).step_by(BLOCK as usize) {
@@ -442,8 +489,10 @@ impl Reference {
         for bounce in 0..=frame.reflections {
             let mut rays: Vec<Ray> = Vec::new();
             let mut of: Vec<(usize, Vec3, f64)> = Vec::new();
-            let seen: Vec<Seen> = met.iter().map(|(.., seen)| *seen).collect();
-            for ((pixel, weight, seen), leaving) in met.iter().zip(self.leaving(frame, shading, &seen, footprint)) {
+            let plain: Vec<Seen> = met.iter().map(|(.., seen)| *seen).collect();
+            let (seen, surfaces) = self.dressed(&plain, footprint);
+            let leaving = self.leaving(frame, shading, &seen, &surfaces, footprint);
+            for (((pixel, weight, _), seen), leaving) in met.iter().zip(&seen).zip(leaving) {
                 let Some(light) = lights.get_mut(*pixel) else { continue };
                 // What the eye itself sees is lost below.
                 let lost = if bounce == 0 { 0.0 } else { shading.lost(seen) };
@@ -479,8 +528,7 @@ impl Reference {
     }
 
     /// What leaves places toward where they are seen from.
-    fn leaving(&self, frame: &Frame, shading: &Shading, places: &[Seen], footprint: f64) -> Vec<Leaving> {
-        let surfaces = self.surfaces(places);
+    fn leaving(&self, frame: &Frame, shading: &Shading, places: &[Seen], surfaces: &[SurfaceValues], footprint: f64) -> Vec<Leaving> {
         let (reach, strength) = frame.ambient_occlusion;
         let occlusion = self.occlusion(places, reach, strength);
         let mut lit = vec![vec![1.0; shading.lamps.len()]; places.len()];
@@ -506,7 +554,7 @@ impl Reference {
                 }
             }
         }
-        let all = places.iter().zip(&surfaces).zip(occlusion.iter().zip(&lit));
+        let all = places.iter().zip(surfaces).zip(occlusion.iter().zip(&lit));
         all.map(|((seen, surface), (&occlusion, lit))| shading.leaving(seen, surface, occlusion, lit)).collect()
     }
 }
