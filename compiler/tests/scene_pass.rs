@@ -21,6 +21,7 @@ const OCCLUSION: [&str; 2] = [
     include_str!("../../runtime/src/passes/scene/occlusion.wgsl"),
     include_str!("../../runtime/src/passes/scene/no_occlusion.wgsl"),
 ];
+const MET: &str = include_str!("../../runtime/src/passes/layers/none.wgsl");
 const SHADED: &str = include_str!("../../runtime/src/passes/scene/view_shaded.wgsl");
 const OTHERS: [&str; 3] = [
     include_str!("../../runtime/src/passes/scene/view_normals.wgsl"),
@@ -53,7 +54,7 @@ fn every_combination_of_sections_is_valid() {
         for shadow in SHADOW {
             for occlusion in OCCLUSION {
                 for (sky, reflections) in SKY.iter().flat_map(|sky| REFLECTIONS.map(|r| (sky, r))) {
-                    validate(&[STUB, BASE, sky, LIGHT, reflections, shadow, occlusion, SHADED, output]);
+                    validate(&[STUB, BASE, sky, LIGHT, reflections, shadow, occlusion, MET, SHADED, output]);
                 }
             }
         }

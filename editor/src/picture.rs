@@ -207,6 +207,7 @@ mod gpu {
             let mut assets = Assets::new();
             let broken = assets.load(&files::FileLoader, compiled, &|_, _, _| {});
             picture.show_meshes(&assets.meshes(compiled))?;
+            picture.show_images(assets.images());
             Ok(Self { gpu, picture, balls: None, broken })
         }
 

@@ -1,20 +1,25 @@
 //! The images that a scene names: found, decoded, and made into what the shading reads. What can't be had is said with its place in the
 //! text, and the rest of the scene goes on.
 
+use crate::passes::layers::MOST_TEXTURES;
 use image::{DynamicImage, ImageReader, Limits};
+use std::collections::HashMap;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
 use std::io::Cursor;
 use std::sync::Arc;
 use surefoot_compiler::compiled::{Compiled, Loader};
 use surefoot_compiler::diagnostic::{Code, Diagnostic};
-use surefoot_compiler::images::{Bitmap, Cube, EnvironmentFile, EnvironmentKind, FACES, Images};
+use surefoot_compiler::images::{Bitmap, Cube, EnvironmentFile, EnvironmentKind, FACES, Images, Texture, TextureKind};
 use surefoot_compiler::source::Span;
 
 /// The longest side of an image, in pixels.
 pub const LONGEST_SIDE: u32 = 16_384;
 /// What an image may take once it is decoded, in bytes.
 pub const MOST_BYTES: u64 = 512 << 20;
+
+/// The largest file that is read, in bytes.
+pub const LARGEST_FILE: u64 = 128 << 20;
 
 /// The endings of files that are tried where a name has none, in their order.
 const ENDINGS: [&str; 4] = ["png", "jpg", "jpeg", "hdr"];
@@ -32,6 +37,8 @@ pub struct Loaded {
 #[derive(Debug, Default)]
 pub struct Gallery {
     environment: Option<(u64, Arc<Cube>)>,
+    /// By the hash of the bytes and what is made of them.
+    textures: HashMap<(u64, TextureKind), Arc<Texture>>,
 }
 
 impl Gallery {
@@ -49,7 +56,39 @@ impl Gallery {
                 Err(found) => loaded.diagnostics.extend(found),
             }
         }
+        let surface = &compiled.functions.surface;
+        let mut kept = HashMap::new();
+        for (i, (image, kind)) in surface.textures().into_iter().enumerate() {
+            let Some(file) = compiled.graph.images.get(image as usize) else { continue };
+            let texture = match self.texture(&file.path, kind, loader) {
+                _ if i >= MOST_TEXTURES => Err(format!("`{}` is one image too many: a scene may have {MOST_TEXTURES}", file.path)),
+                made => made,
+            };
+            loaded.images.textures.push(match texture {
+                Ok((hash, texture)) => {
+                    kept.insert((hash, kind), texture.clone());
+                    texture
+                }
+                Err(words) => {
+                    loaded.diagnostics.push(bad_image(file.span, words));
+                    Arc::new(Texture::missing(kind))
+                }
+            });
+        }
+        self.textures = kept;
         loaded
+    }
+
+    fn texture(&self, path: &str, kind: TextureKind, loader: &dyn Loader) -> Result<(u64, Arc<Texture>), String> {
+        let bytes = loader.read_up_to(path, LARGEST_FILE).map_err(|why| unreadable(path, &why))?;
+        let mut hasher = DefaultHasher::new();
+        bytes.hash(&mut hasher);
+        let hash = hasher.finish();
+        if let Some(known) = self.textures.get(&(hash, kind)) {
+            return Ok((hash, known.clone()));
+        }
+        let bitmap = decode(&bytes, kind == TextureKind::Color).map_err(|why| format!("`{path}` is no image that can be shown: {why}"))?;
+        Ok((hash, Arc::new(Texture::new(&bitmap, kind))))
     }
 
     fn environment(&mut self, wanted: &EnvironmentFile, loader: &dyn Loader) -> Result<Arc<Cube>, Vec<Diagnostic>> {
@@ -57,7 +96,7 @@ impl Gallery {
         let bad = |words: String| bad_image(file.span, words);
         let files: Vec<(String, Vec<u8>)> = match kind {
             EnvironmentKind::Equirect => {
-                let bytes = loader.read(&file.path).map_err(|why| vec![bad(unreadable(&file.path, &why))])?;
+                let bytes = loader.read_up_to(&file.path, LARGEST_FILE).map_err(|why| vec![bad(unreadable(&file.path, &why))])?;
                 vec![(file.path.clone(), bytes)]
             }
             EnvironmentKind::Cubemap => faces(&file.path, loader).map_err(|words| words.into_iter().map(bad).collect::<Vec<_>>())?,
@@ -71,7 +110,7 @@ impl Gallery {
         let mut bitmaps = Vec::new();
         let mut wrong = Vec::new();
         for (path, bytes) in &files {
-            match decode(bytes) {
+            match decode(bytes, true) {
                 Ok(bitmap) => bitmaps.push(bitmap),
                 Err(why) => wrong.push(bad(format!("`{path}` is no image that can be shown: {why}"))),
             }
@@ -106,7 +145,7 @@ fn faces(folder: &str, loader: &dyn Loader) -> Result<Vec<(String, Vec<u8>)>, Ve
         let mut why = String::new();
         let file = ENDINGS.iter().find_map(|ending| {
             let path = format!("{folder}/{face}.{ending}");
-            let bytes = loader.read(&path).map_err(|error| why = error).ok()?;
+            let bytes = loader.read_up_to(&path, LARGEST_FILE).map_err(|error| why = error).ok()?;
             Some((path, bytes))
         });
         match file {
@@ -125,12 +164,13 @@ fn bad_image(span: Span, words: String) -> Diagnostic {
     Diagnostic::new(Code::BadImage, span, words, "write the name of a PNG, JPEG or HDR image, relative to the file that names it")
 }
 
-/// The image in some bytes, in linear light. What it is, is seen from the bytes and not from a name.
+/// The image in some bytes: in linear light, or its numbers as they stand there, 0 to 1. What it is, is seen from the bytes and not from a
+/// name.
 ///
 /// # Errors
 ///
 /// Says in plain words what is wrong: no image, a broken one, or one larger than [`LONGEST_SIDE`] or [`MOST_BYTES`].
-pub fn decode(bytes: &[u8]) -> Result<Bitmap, String> {
+pub fn decode(bytes: &[u8], as_light: bool) -> Result<Bitmap, String> {
     let reader = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string());
     let format = reader()?.format().ok_or("it is neither PNG, JPEG nor HDR")?;
     let (width, height) = reader()?.into_dimensions().map_err(|e| words(&e))?;
@@ -150,20 +190,20 @@ pub fn decode(bytes: &[u8]) -> Result<Bitmap, String> {
     reader.limits(limits);
     let image = reader.decode().map_err(|e| words(&e))?;
     // Light is stored as it is, pictures as a screen wants them.
-    let is_light = format == image::ImageFormat::Hdr;
-    Ok(linear(&image, is_light))
+    Ok(linear(&image, as_light && format != image::ImageFormat::Hdr))
 }
 
-fn linear(image: &DynamicImage, is_light: bool) -> Bitmap {
+/// The pixels of an image; `encoded` says that they are as a screen wants them.
+fn linear(image: &DynamicImage, encoded: bool) -> Bitmap {
     let (width, height) = (image.width() as usize, image.height() as usize);
     let plain = |c: f32| if c.is_finite() { c.max(0.0) } else { 0.0 };
     let texels = match image {
         DynamicImage::ImageRgb8(_) | DynamicImage::ImageRgba8(_) | DynamicImage::ImageLuma8(_) | DynamicImage::ImageLumaA8(_) => {
-            let table: Vec<f32> = (0..=255).map(|i| decoded(i as f32 / 255.0)).collect();
+            let table: Vec<f32> = (0..=255).map(|i| i as f32 / 255.0).map(|c| if encoded { decoded(c) } else { c }).collect();
             image.to_rgb8().pixels().map(|p| p.0.map(|c| table[usize::from(c)])).collect()
         }
         _ => {
-            let curve = |c: f32| if is_light { plain(c) } else { decoded(plain(c)) };
+            let curve = |c: f32| if encoded { decoded(plain(c)) } else { plain(c) };
             image.to_rgb32f().pixels().map(|p| p.0.map(curve)).collect()
         }
     };

@@ -294,7 +294,7 @@ fn what_a_scene_does_not_need_is_not_compiled() {
         let compiled = compile(&loader, "a.sdf", &Options::default()).compiled.expect(&text);
         let features = Features::of(&compiled, ViewMode::Shaded);
         assert_eq!((features.shadows, features.occlusion), (shadows, occlusion), "{text}");
-        let pass = features.wgsl();
+        let pass = features.wgsl(&compiled);
         assert_eq!(pass.contains("sf_shadow"), shadows, "{text}");
         assert_eq!(pass.contains("sf_occlusion"), occlusion, "{text}");
         let picture = Picture::prepare(&gpu, &compiled, FORMAT, ViewMode::Shaded).unwrap();
@@ -305,7 +305,7 @@ fn what_a_scene_does_not_need_is_not_compiled() {
         for mode in [ViewMode::Normals, ViewMode::Steps, ViewMode::Depth] {
             let features = Features::of(&compiled, mode);
             assert!(!features.shadows && !features.occlusion);
-            assert!(!features.wgsl().contains("sf_surface"));
+            assert!(!features.wgsl(&compiled).contains("sf_surface"));
         }
     }
 }

@@ -35,7 +35,7 @@ impl Elaborator<'_> {
         let scale = self.mesh_scale(entry("scale"), env);
         let look = match entry("material") {
             Some(expr) => self.expression(expr, env).and_then(|value| match self.coerce(value, &Type::Material, expr.span, env)? {
-                Value::Material(id) => Ok(self.graph.materials.get(id.0 as usize).map(Material::nodes)),
+                Value::Material(id) => Ok(self.graph.materials.get(id.0 as usize).map(Material::look)),
                 _ => Err(Stop),
             }),
             None => Ok(None),

@@ -302,6 +302,7 @@ impl Worker {
         let picture = self.rehearsal.prepare(gpu, |gpu| {
             let mut picture = Picture::prepare(gpu, compiled, *format, mode)?;
             picture.show_meshes(&meshes)?;
+            picture.show_images(self.assets.images());
             headless::warm_up(gpu, &mut picture, compiled, *format)?;
             Ok(picture)
         })?;

@@ -1,17 +1,21 @@
 //! The meshes of a scene, read once and kept while their files stay as they are.
 
 use super::Mesh;
+use crate::images::Gallery;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 use surefoot_compiler::compiled::{Compiled, Loader};
 use surefoot_compiler::diagnostic::{Code, Diagnostic};
+use surefoot_compiler::images::Images;
 
 /// What was read for a scene, by the names of the files.
 #[derive(Debug, Default)]
 pub struct Assets {
     meshes: BTreeMap<String, Kept>,
+    gallery: Gallery,
+    images: Images,
 }
 
 /// A file that was read.
@@ -96,7 +100,15 @@ impl Assets {
                 ));
             }
         }
+        let loaded = self.gallery.load(compiled, loader);
+        self.images = loaded.images;
+        diagnostics.extend(loaded.diagnostics);
         diagnostics
+    }
+
+    /// The images of the scene that was loaded.
+    pub fn images(&self) -> &Images {
+        &self.images
     }
 
     /// The meshes of a scene that was loaded, in the order of the text; none where a file is broken.

@@ -50,8 +50,9 @@ impl BallsPipeline {
         shadows: Option<&wgpu::BindGroupLayout>,
     ) -> Result<Self, String> {
         let label = "surefoot balls, picture";
+        let shading = features.shading(compiled);
         let mut sections = vec![compiled.module.code()];
-        sections.extend(features.shading());
+        sections.extend(shading.iter().map(|s| &**s));
         sections.push(include_str!("../physics/ball.wgsl"));
         sections.push(include_str!("balls/balls.wgsl"));
         sections.push(match features.view {

@@ -82,8 +82,9 @@ impl MeshesPipeline {
         shadows: Option<&wgpu::BindGroupLayout>,
     ) -> Result<Self, String> {
         let label = "surefoot meshes";
+        let shading = features.shading(compiled);
         let mut sections = vec![compiled.module.code()];
-        sections.extend(features.shading());
+        sections.extend(shading.iter().map(|s| &**s));
         sections.push(include_str!("meshes/place.wgsl"));
         sections.push(include_str!("meshes/vertex.wgsl"));
         sections.push(include_str!("meshes/mesh.wgsl"));

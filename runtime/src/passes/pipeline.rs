@@ -42,7 +42,7 @@ impl ScenePipeline {
         let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let module_size = u64::from(compiled.module.uniform_size);
         let key = PipelineKey {
-            wgsl: format!("{}\n{}", compiled.module.code(), features.wgsl()),
+            wgsl: format!("{}\n{}", compiled.module.code(), features.wgsl(compiled)),
             constants: Vec::new(),
             format: Some(format),
             entries: ["vertex", "fragment"],
@@ -75,7 +75,7 @@ impl ScenePipeline {
             Ok(Self {
                 pipeline,
                 module: UniformBlock::new(gpu, label, &module_layout, module_size),
-                scene: SceneGroup::new(gpu, features, scene_layout),
+                scene: SceneGroup::new(gpu, features, compiled, scene_layout),
                 features,
                 srgb_target: format.is_srgb() || format == LINEAR,
                 fresh: false,
@@ -121,10 +121,7 @@ impl ScenePipeline {
 
     /// Shows the images that the scene names, as far as they could be read.
     pub fn show_images(&mut self, gpu: &Gpu, images: &Images) {
-        if let Some(cube) = images.environment.as_ref().filter(|_| self.features.environment) {
-            self.scene.show(gpu, cube);
-            self.fresh = true;
-        }
+        self.fresh |= self.scene.show(gpu, images);
     }
 
     /// What draws the balls, where the scene has some.

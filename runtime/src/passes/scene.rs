@@ -1,7 +1,9 @@
 //! The pass that draws the field: one triangle over the screen. Its text is a list of sections, of which only those stand in the
 //! module that the scene and the view need; its uniforms are filled from a [`Frame`].
 
+use super::layers::{self, MOST_TEXTURES};
 use bytemuck::{Pod, Zeroable};
+use std::borrow::Cow;
 use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, Shadow};
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::shade::{self, MAX_LIGHTS};
@@ -25,6 +27,8 @@ pub struct Features {
     pub environment: bool,
     /// Whether mirrored rays are followed through the field.
     pub reflections: bool,
+    /// Textures that lie on the surface.
+    pub textures: u32,
     /// Whether balls are drawn.
     pub balls: bool,
     /// Whether meshes are drawn.
@@ -55,6 +59,7 @@ impl Features {
             shadows: shaded && thrown && !off,
             occlusion: shaded && !blocks.ambient_occlusion.is_some_and(nothing),
             environment: shaded && blocks.environment.is_some(),
+            textures: if shaded { compiled.functions.surface.textures().len().min(MOST_TEXTURES) as u32 } else { 0 },
             reflections: shaded && blocks.reflections.is_some_and(|n| constant(n) != Some(0.0)),
             // Not where the steps of rays are shown.
             balls: compiled.has_balls() && view != ViewMode::Steps,
@@ -93,9 +98,11 @@ impl Features {
     }
 
     /// What every pass that shades has: the view, and light where it is shown.
-    pub(super) fn shading(&self) -> Vec<&'static str> {
+    pub(super) fn shading(&self, compiled: &Compiled) -> Vec<Cow<'static, str>> {
         let mut sections = vec![include_str!("scene/base.wgsl")];
+        let mut met = Vec::new();
         if self.view == ViewMode::Shaded {
+            met = layers::text(&compiled.functions.surface);
             sections.push(match self.environment {
                 true => include_str!("scene/sky_images.wgsl"),
                 false => include_str!("scene/sky_gradient.wgsl"),
@@ -117,19 +124,20 @@ impl Features {
                 false => include_str!("scene/no_occlusion.wgsl"),
             });
         }
-        sections
+        sections.into_iter().map(Cow::Borrowed).chain(met).collect()
     }
 
-    /// The pass's text, to stand after the emitted module. Entry points: `vertex`, `fragment`; uniforms: group 1, binding 0.
-    pub fn wgsl(&self) -> String {
-        let mut sections = self.shading();
-        sections.push(match self.view {
+    /// The pass's text, to stand after the scene's module. Entry points: `vertex`, `fragment`; uniforms: group 1, binding 0.
+    pub fn wgsl(&self, compiled: &Compiled) -> String {
+        let mut sections = self.shading(compiled);
+        let mut push = |text: &'static str| sections.push(text.into());
+        push(match self.view {
             ViewMode::Shaded => include_str!("scene/view_shaded.wgsl"),
             ViewMode::Normals => include_str!("scene/view_normals.wgsl"),
             ViewMode::Steps => include_str!("scene/view_steps.wgsl"),
             ViewMode::Depth => include_str!("scene/view_depth.wgsl"),
         });
-        sections.push(match self.depth() {
+        push(match self.depth() {
             true if self.meshes_first => include_str!("scene/color_behind.wgsl"),
             true => include_str!("scene/color_and_depth.wgsl"),
             false => include_str!("scene/color.wgsl"),

@@ -1,6 +1,8 @@
 //! What the end-to-end tests share.
 #![allow(dead_code)]
 
+pub mod alike;
+
 use std::path::{Path, PathBuf};
 use surefoot_compiler::compiled::{Compiled, Export, Loader, Options};
 use surefoot_compiler::reference_text::{CHAPTERS, entries};

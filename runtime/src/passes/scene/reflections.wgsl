@@ -42,10 +42,10 @@ fn scene_shade(p: vec3f, n: vec3f, direction: vec3f, t: f32, surface: sf_Surface
         at = origin + hit.t * mirror;
         toward = mirror;
         way = hit.t;
-        normal = scene_normal(at, toward);
-        let met = sf_surface(at, normal);
-        answer = scene_answer(met);
-        emission = met.emission;
+        let met = scene_met(at, scene_normal(at, toward), way);
+        normal = met.normal;
+        answer = scene_answer(met.surface);
+        emission = met.surface.emission;
         let lost = scene_lost(at, way);
         light += weight * lost * scene_sky(toward);
         weight *= 1.0 - lost;

@@ -6,6 +6,7 @@ fn scene_pixel(direction: vec3f, reach: f32) -> ScenePixel {
     }
     let p = scene.eye + hit.t * direction;
     let n = scene_normal(p, direction);
-    let light = scene_shade(p, n, direction, hit.t, sf_surface(p, n));
+    let met = scene_met(p, n, hit.t);
+    let light = scene_shade(p, met.normal, direction, hit.t, met.surface);
     return ScenePixel(scene_develop(scene_haze(light, p, direction, hit.t)), hit.t);
 }

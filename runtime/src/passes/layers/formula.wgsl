@@ -1,0 +1,2 @@
+// The relief that formulas say.
+    rise += layers.relief;

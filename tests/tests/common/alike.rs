@@ -1,0 +1,66 @@
+//! Scenes of files in memory, drawn on both machines.
+
+use image::{ColorType, ImageEncoder};
+use rayon::prelude::*;
+use surefoot_compiler::compiled::{Compiled, Options};
+use surefoot_compiler::images::Images;
+use surefoot_compiler::reference::{Area, Reference, View};
+use surefoot_compiler::{MemoryLoader, compile, diagnostic};
+use surefoot_runtime::headless::{self, FORMAT, Pixels, Shot};
+use surefoot_runtime::images::{Gallery, Loaded};
+use surefoot_runtime::{Gpu, Picture, ViewMode};
+
+/// The scene of some files, whose own is `main.sdf`, with its images.
+pub fn scene(files: &MemoryLoader) -> (Compiled, Loaded) {
+    let outcome = compile(files, "main.sdf", &Options::default());
+    let words = diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
+    let compiled = outcome.compiled.unwrap_or_else(|| panic!("{words}"));
+    let loaded = Gallery::new().load(&compiled, files);
+    (compiled, loaded)
+}
+
+/// The picture of the GPU.
+pub fn on_the_gpu(gpu: &Gpu, compiled: &Compiled, images: &Images, shot: &Shot) -> Pixels {
+    let mut picture = Picture::prepare(gpu, compiled, FORMAT, ViewMode::Shaded).unwrap();
+    picture.show_images(images);
+    headless::render_with(gpu, &mut picture, compiled, &compiled.live(), shot).unwrap()
+}
+
+/// The picture in 64 bits.
+pub fn on_the_processor(compiled: &Compiled, images: &Images, size: (u32, u32)) -> Pixels {
+    let live = compiled.live();
+    let reference = Reference::new(compiled, &live).unwrap().with_images(images);
+    let frame = compiled.frame(&live);
+    let camera = frame.cameras[0].1;
+    let bands: Vec<Vec<[f32; 4]>> = (0..size.1)
+        .into_par_iter()
+        .step_by(12)
+        .map(|top| {
+            let area = Area { left: 0, top, width: size.0, height: 12.min(size.1 - top) };
+            reference.tile(&frame, &camera, size, View::Shaded, area)
+        })
+        .collect();
+    let byte = |c: f32| (255.0 * c.clamp(0.0, 1.0)).round() as u8;
+    let rgba = bands.iter().flatten().flat_map(|&[r, g, b, _]| [byte(r), byte(g), byte(b), 255]);
+    Pixels { width: size.0, height: size.1, rgba: rgba.collect() }
+}
+
+/// The share of pixels of which a channel is off by more than two of 255.
+pub fn share_off(a: &Pixels, b: &Pixels) -> f64 {
+    let off = a.rgba.chunks(4).zip(b.rgba.chunks(4)).filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 2));
+    off.count() as f64 / f64::from(a.width * a.height)
+}
+
+/// Keeps a picture for a person to look at.
+pub fn save(name: &str, pixels: &Pixels) {
+    let file = super::pictures().join(format!("alike-{name}.png"));
+    image::save_buffer(file, &pixels.rgba, pixels.width, pixels.height, ColorType::Rgba8).unwrap();
+}
+
+/// The bytes of a PNG of so many pixels, by their places.
+pub fn png(width: u32, height: u32, color: impl Fn(u32, u32) -> [u8; 3]) -> Vec<u8> {
+    let pixels: Vec<u8> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).flat_map(|(x, y)| color(x, y)).collect();
+    let mut bytes = Vec::new();
+    image::codecs::png::PngEncoder::new(&mut bytes).write_image(&pixels, width, height, image::ExtendedColorType::Rgb8).unwrap();
+    bytes
+}
