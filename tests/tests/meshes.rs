@@ -227,7 +227,7 @@ fn a_frame_is_what_its_scene_needs() {
         let mut picture = prepare(&gpu, &compiled, &assets, ViewMode::Shaded);
         let kinds: Vec<PassKind> = picture.passes().iter().map(|pass| pass.kind).collect();
         assert_eq!(kinds, wanted, "{text}");
-        let wgsl = surefoot_runtime::passes::scene::Features::of(&compiled, ViewMode::Shaded).wgsl();
+        let wgsl = surefoot_runtime::passes::scene::Features::of(&compiled, ViewMode::Shaded).wgsl(&compiled);
         assert_eq!(wgsl.contains("shadow_maps"), wanted.contains(&Shadows), "{text}");
         assert_eq!(wgsl.contains("frag_depth"), wanted.contains(&Meshes) || wanted.contains(&Balls), "{text}");
         assert_eq!(wgsl.contains("@group(3)"), wanted.contains(&Shadows), "{text}");
