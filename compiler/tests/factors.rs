@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
-use surefoot_compiler::graph::Proof;
+use surefoot_compiler::evaluate::Tape;
+use surefoot_compiler::graph::{Function, Proof};
+use surefoot_compiler::verify::Random;
 use surefoot_compiler::{Compiled, Loader, Memory, MemoryLoader, Options, compile, compile_remembering};
 
 /// Formulas that no search within an edit's budget brings to within a fifth of what is true, and why.
@@ -91,6 +93,9 @@ fn a_warped_drawing_is_as_steep_as_its_own_size_makes_it() {
         ("star(5, 1, 0.5).extrude(0.4).bend(x, y, 0.5)", 1.6),
         ("star(5, 1, 0.45).extrude(2).rotate(x, 90deg).translate(0, 1, 0).taper(y, 0, 2, 0.25)", 11.0),
         ("star(5, 1, 0).loft(circle(1), 1)", 3.2),
+        // Far from its axis a twisted distance is no steeper than near it, so a blend with what is wide is as steep as the column.
+        ("smooth_union(box(1, 2, 1).round(0.1).twist(y, 2), box(6, 0.3, 6), 0.3)", 2.0),
+        ("smooth_union(box(1, 2, 0.4).translate(0.5, 0, 0).bend(x, y, 0.5), box(6, 0.3, 6), 0.3)", 1.8),
         ("smooth_union(box(2, 0.5, 0.5), cylinder(0.25, 2.2), 0.3).twist(y, 1.5)", 2.35),
     ] {
         let scene = scene(&format!("scene = {text}\n"));
@@ -98,6 +103,34 @@ fn a_warped_drawing_is_as_steep_as_its_own_size_makes_it() {
         for index in 0..scene.graph.factors.len() {
             assert!(scene.sampled_factor(index, 2048) <= scene.graph.factors[index].lipschitz, "{text}");
         }
+    }
+}
+
+/// Differences of the field itself, near and far, against a factor that is that of all space.
+#[test]
+fn far_from_its_axis_a_turned_distance_is_no_steeper() {
+    for (text, factor) in [
+        ("cylinder(0.3, 1).rotate(z, 40deg).round(0.1).translate(0.4, 0, 0).twist(y, 3)", 4.0),
+        ("smooth_union(box(1, 2, 1).round(0.1).twist(y, 2), box(6, 0.3, 6), 0.3)", 0.0),
+        ("smooth_union(box(1, 2, 0.4).translate(0.5, 0, 0).bend(x, y, 0.5), box(6, 0.3, 6), 0.3)", 0.0),
+        ("smooth_union(octahedron(1).translate(0.3, 0, 0.2).twist(y, 4), sphere(0.5), 0.2)", 0.0),
+    ] {
+        let scene = scene(&format!("scene = {text}\n"));
+        let factor = if factor > 0.0 { factor } else { scene.summary.factor };
+        let root = scene.functions.formulas[&(scene.root, Function::Field)];
+        let tape = Tape::new(&scene.graph, &scene.functions, &[root], &scene.live(), 1_000_000).unwrap();
+        let mut random = Random(9);
+        let mut points = Vec::new();
+        for _ in 0..20_000 {
+            let p = random.within(6.0);
+            let d = random.direction();
+            points.extend([p, [0, 1, 2].map(|i| p[i] + 1e-5 * d[i])]);
+        }
+        let mut values = Vec::new();
+        tape.evaluator().at(&points, &[], |_, value| values.push(value[0]));
+        let steepest = values.chunks(2).map(|v| (v[1] - v[0]).abs() / 1e-5).fold(0.0, f64::max);
+        println!("{steepest:.4} of {factor:.4}: {text}");
+        assert!(steepest <= factor * (1.0 + 1e-4), "{text}: {steepest} over {factor}");
     }
 }
 

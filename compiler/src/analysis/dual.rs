@@ -377,7 +377,11 @@ pub fn run(
             Step::Call(shape, args) => {
                 let of = gather(args);
                 let norm = map_norm(tape, &values, args.get(..3).unwrap_or(args));
-                call(facts, graph, *shape, &of, norm)
+                let dual = call(facts, graph, *shape, &of, norm);
+                match super::turned::turned_norm(facts, graph, tape, *shape, args, &values) {
+                    Some(most) if most < dual.norm => dual.limited(most),
+                    _ => dual,
+                }
             }
         };
         values.push(match branches {

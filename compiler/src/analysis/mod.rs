@@ -14,6 +14,7 @@ pub mod region;
 pub mod search;
 pub mod steep;
 pub mod tape;
+mod turned;
 
 use crate::graph::algebra::Intervals;
 use crate::graph::interval::Interval;

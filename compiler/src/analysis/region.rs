@@ -281,7 +281,7 @@ impl Facts {
 }
 
 /// By how much a coordinate is moved, where it is only moved.
-fn shift_along(graph: &Graph, coordinate: NodeId, axis: usize) -> Option<f64> {
+pub(super) fn shift_along(graph: &Graph, coordinate: NodeId, axis: usize) -> Option<f64> {
     let is_coordinate = |id: NodeId| {
         matches!(graph.node(id), Node::Leaf(Leaf::P(i)) if usize::from(*i) == axis)
     };
