@@ -188,6 +188,35 @@ fn the_hash_is_the_same_to_the_last_bit() {
     }
 }
 
+/// Far out no digit is lost near the eye: the module's origin is there, and the way from a place is taken from it.
+#[test]
+fn what_is_far_out_is_as_exact_as_what_is_near() {
+    for text in [
+        "scene = sphere(1).translate(100000, 100000, -100000)",
+        "scene = plane(y).translate(100000, 100000, -100000)",
+        "scene = smooth_union(box(1).rotate(x, 30deg), sphere(0.6).translate(0.5, 0, 0), 0.2).translate(100000, 100000, -100000)",
+    ] {
+        let far = scene(text);
+        let near = scene(&text.replace(".translate(100000, 100000, -100000)", ""));
+        assert!(far.module.wgsl.contains("4e-7 * (length(p) + 1.0)"), "{text}");
+        let value = |scene: &Compiled, origin: [f64; 3], p: [f64; 3]| {
+            let (module, _) = emit::validate(&scene.module.wgsl).unwrap();
+            let mut machine = Machine::new(&module, &scene.uniform_bytes(&scene.live(), origin));
+            machine.narrow = true;
+            machine.call("sf_field", &[Value::vec3(p)]).f()
+        };
+        for p in points(50, 3.0) {
+            // The eye stands a little off.
+            let eye = [100_003.0, 100_002.0, -99_996.0];
+            let [a, b] = [value(&far, eye, [p[0] - 3.0, p[1] - 2.0, p[2] - 4.0]), value(&near, [0.0; 3], p)];
+            assert!((a - b).abs() < 4e-6, "{text} at {p:?}: {a}, not {b}");
+        }
+    }
+    // Where the point itself is read too, rays end as rounding has it.
+    let both = scene("scene = sphere(1).translate(100000, 0, 0) | sphere(1)");
+    assert!(both.module.wgsl.contains("length(p + sf_uniforms.origin)"));
+}
+
 #[test]
 fn rays_go_as_the_reference_goes() {
     let scene = scene(

@@ -125,6 +125,7 @@ pub fn emit(
         helpers: Helpers::default(),
         numbers: FxHashMap::default(),
         room: Room::default(),
+        reads_scene: false,
     };
     let mut texts = String::with_capacity(24 * graph.len().min(100_000));
     let mut body = Body::with_capacity(graph.len());
@@ -279,7 +280,10 @@ fn export_functions(
     for &export in exports {
         let _ = writeln!(text, "\n// {}", library::purpose(export));
         if let Some(function) = library::function(export) {
-            text.push_str(&prefixed(&function, prefix));
+            // Where only ways from places far out are read, rounding grows with the distance from the eye and not from the scene's middle.
+            let near = function.replace("length(p + sf_uniforms.origin)", "length(p)");
+            let function = if context.reads_scene { &*function } else { &*near };
+            text.push_str(&prefixed(function, prefix));
             continue;
         }
         let _ = writeln!(text, "fn {} {{", prefixed(library::signature(export), prefix));

@@ -36,6 +36,8 @@ pub struct Context<'a> {
     pub numbers: FxHashMap<u32, String>,
     /// Room that each function is written with.
     pub room: Room,
+    /// Whether the point of the scene is read as it is, and not only as the way from a place far out.
+    pub reads_scene: bool,
 }
 
 /// What is written of a function so far. It is kept for the next one's sake, empty.
@@ -77,6 +79,10 @@ impl Text {
         self.start as usize..(self.start + self.length) as usize
     }
 }
+
+/// From a place further out than this the way is taken from the module's origin first, of which no digit is lost: near the eye both are near it,
+/// and the point of the scene is not.
+const FAR_OUT: f64 = 64.0;
 
 /// A nested expression longer than this is split.
 const LONGEST: u32 = 78;
@@ -122,6 +128,13 @@ pub fn write(
             if let Some(state) = writer.states.get_mut(vector as usize) {
                 state.taken_apart = true;
             }
+        }
+    }
+    for &id in &order {
+        let code = writer.body.code(id);
+        let reads = writer.body.arguments(id).iter().any(|&a| writer.of_scene(a).is_some());
+        if reads && !matches!(code, Code::Component(_)) && !writer.is_far_out(code, writer.body.arguments(id)) {
+            writer.context.reads_scene = true;
         }
     }
     for &id in &order {
@@ -537,9 +550,45 @@ impl Writer<'_, '_> {
         9
     }
 
+    /// Of the scene's point, and of a component of it, what stands after its name.
+    fn of_scene(&self, id: ExprId) -> Option<&'static str> {
+        match self.body.code(id) {
+            Code::Scene => Some(""),
+            Code::Component(i) if self.body.code(self.argument(id, 0)) == Code::Scene => Some(component_name(i)),
+            _ => None,
+        }
+    }
+
+    /// Whether an expression is the way of the scene's point from a place that is far out.
+    fn is_far_out(&self, code: Code, args: &[ExprId]) -> bool {
+        let (Code::Op(op) | Code::VectorOp(op, _), &[a, b]) = (code, args) else { return false };
+        let far = |id: ExprId| self.as_number(id).is_some_and(|c| c.abs() > FAR_OUT);
+        let constant = |id: ExprId| self.as_number(id).is_some();
+        let place = match self.body.code(b) {
+            Code::Vector(_) => {
+                let parts = self.body.arguments(b);
+                parts.iter().all(|p| constant(*p)) && parts.iter().any(|p| far(*p))
+            }
+            _ => far(b),
+        };
+        matches!(op, Op::Add | Op::Sub) && place && self.of_scene(a).is_some()
+    }
+
     /// `a op b` for the four operators of numbers.
-    fn infix(&mut self, op: Op, args: &[ExprId]) -> u8 {
+    fn infix(&mut self, code: Code, op: Op, args: &[ExprId]) -> u8 {
         let &[mut a, mut b] = args else { return 0 };
+        if let Some(component) = self.of_scene(a).filter(|_| self.is_far_out(code, args)) {
+            self.put("p");
+            self.put(component);
+            self.put(" + (");
+            self.scratch.push_str(&self.context.uniform_name);
+            self.put(".origin");
+            self.put(component);
+            self.put(if op == Op::Add { " + " } else { " - " });
+            self.put_number(b, 9);
+            self.put(")");
+            return 6;
+        }
         if op == Op::Mul && self.as_number(b).is_some_and(|c| c < 0.0) {
             (a, b) = (b, a);
         }
@@ -572,8 +621,8 @@ impl Writer<'_, '_> {
         let argument = |i: usize| args.get(i).copied().unwrap_or(id);
         let a = argument(0);
         match op {
-            Op::Add | Op::Sub | Op::Mul => return self.infix(op, args),
-            Op::Div if self.is_safe_below(argument(1)) => return self.infix(op, args),
+            Op::Add | Op::Sub | Op::Mul => return self.infix(self.body.code(id), op, args),
+            Op::Div if self.is_safe_below(argument(1)) => return self.infix(self.body.code(id), op, args),
             Op::Div if self.body.components(id) == 3 => {
                 self.context.helpers.need("div3");
                 self.scratch.push_str(self.context.prefix);
