@@ -233,6 +233,9 @@ pub struct Module {
     pub operations: (usize, usize),
     /// What was left out of the module, and why.
     pub skipped: Vec<String>,
+    /// Whether rounding grows with the distance from the module's own origin alone: all that it reads of the scene's point are ways from
+    /// places far out.
+    pub near: bool,
 }
 
 impl Module {

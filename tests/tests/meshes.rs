@@ -287,3 +287,27 @@ fn both_orders_draw_the_same() {
         save(&format!("order-{name}"), &before);
     }
 }
+
+/// Far from the origin a scene has the light and the shadows that it has at it.
+#[test]
+fn the_light_is_the_same_far_out() {
+    let gpu = gpu();
+    let draw = |far: f64| {
+        let at = |p: Vec3| format!("({}, {}, {})", far + p[0], far + p[1], p[2] - far);
+        let text = format!(
+            "scene = (plane(y) | box(0.6, 2, 0.6).translate(1.4, 1, 0.8)).translate{}\nmesh m \"ball.obj\" {{ translate: {} }}\n\
+             light sun {{ direction: (-1, -1.2, -0.5), shadow: soft(12) }}\ncamera {{ eye: {}, target: {} }}\nrender {{ extent: 1e6, max_distance: 100 }}\n",
+            at([0.0; 3]), at([0.0, 0.5, 0.0]), at([-2.0, 4.0, 5.0]), at([0.0, 0.5, 0.0])
+        );
+        let (compiled, assets) = scene(&text);
+        let mut picture = prepare(&gpu, &compiled, &assets, ViewMode::Shaded);
+        let pixels = headless::render_with(&gpu, &mut picture, &compiled, &compiled.live(), &Shot::new(SIZE.0, SIZE.1)).unwrap();
+        save(&format!("far-{far}"), &pixels);
+        pixels
+    };
+    let (near, far) = (draw(0.0), draw(1e5));
+    let apart = |(a, b): &(&[u8], &[u8])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 3);
+    let differ = near.rgba.chunks_exact(4).zip(far.rgba.chunks_exact(4)).filter(apart).count();
+    println!("{differ} pixels differ");
+    assert!(differ * 100 < (SIZE.0 * SIZE.1) as usize, "{differ} pixels differ");
+}

@@ -165,6 +165,7 @@ pub fn emit(
         layers_struct(prefix, &functions.surface, &mut wgsl);
     }
     wgsl.push_str(&texts);
+    let near = !context.reads_scene;
     Ok(Module {
         wgsl,
         exports,
@@ -173,6 +174,7 @@ pub fn emit(
         uniform_size: size,
         operations,
         skipped,
+        near,
     })
 }
 

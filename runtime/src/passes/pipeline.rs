@@ -99,7 +99,8 @@ impl ScenePipeline {
         let frame = compiled.frame(live);
         let origin = origin(compiled, view);
         let View { camera, size, corner } = *view;
-        let uniforms = SceneUniforms::new(&frame, &camera, origin, size, corner, self.srgb_target);
+        let uniforms = SceneUniforms::new(&frame, &camera, origin, size, corner, self.srgb_target)
+            .rounded_near(compiled.module.near);
         let module = self.module.write(queue, &compiled.uniform_bytes(live, origin));
         let scene = self.scene.write(queue, &uniforms);
         let placed = if self.meshes.is_some() { compiled.meshes(live) } else { Vec::new() };

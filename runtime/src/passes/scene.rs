@@ -195,12 +195,18 @@ uniforms! {
         size: [f32; 2],
         srgb_target: u32,
         reflections: u32,
-        padding: [f32; 2],
+        rounding: f32,
+        padding: f32,
         lights: [SceneLight; MAX_LIGHTS],
     }
 }
 
 impl SceneUniforms {
+    /// The same for a module that loses no digit far from the scene's middle, where it is such a one.
+    pub fn rounded_near(self, near: bool) -> Self {
+        Self { rounding: if near { 0.0 } else { 1.0 }, ..self }
+    }
+
     /// `origin` is the scene's point at which the module's `p` is zero; `size` is that of the whole picture and `corner` its upper left
     /// corner on the target, both in pixels; `srgb_target` says that the target itself encodes linear colours.
     pub fn new(
@@ -245,7 +251,8 @@ impl SceneUniforms {
             size,
             srgb_target: u32::from(srgb_target),
             reflections: frame.reflections,
-            padding: [0.0; 2],
+            rounding: 1.0,
+            padding: 0.0,
             lights,
         }
     }

@@ -44,7 +44,9 @@ struct SceneUniforms {
     srgb_target: u32,
     // A mirrored ray is followed at most so often.
     reflections: u32,
-    padding: vec2f,
+    // 1 where rounding grows with the distance from the scene's middle, 0 where with that from the eye alone.
+    rounding: f32,
+    padding: f32,
     lights: array<SceneLight, 16>,
 }
 

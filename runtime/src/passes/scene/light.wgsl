@@ -98,7 +98,7 @@ fn scene_local(p: vec3f, n: vec3f, direction: vec3f, t: f32, answer: SceneAnswer
 
 // How far off a surface rays start that leave it: half a pixel, or what rounding takes.
 fn scene_off(p: vec3f, t: f32) -> f32 {
-    return max(0.5 * scene.footprint * t, 12e-6 * (length(p - scene.center) + 1.0));
+    return max(0.5 * scene.footprint * t, 12e-6 * (length(p - scene.rounding * scene.center) + 1.0));
 }
 
 // How much of a surface is lost in the air: near the ends of the scene it goes over into the sky, so that an endless plane has no rim.
