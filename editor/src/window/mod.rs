@@ -100,6 +100,7 @@ impl App {
         for command in self.world.hear() {
             apply(&mut self.session, &mut self.world, command);
         }
+        self.session.said.loading = self.world.loading();
         self.world.lend_edits(&mut self.session);
         let uncaught = self.uncaught.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(error) = uncaught {

@@ -83,6 +83,8 @@ pub struct Said {
     pub failure: Option<String>,
     /// What went wrong when the picture was drawn.
     pub drawing: Option<String>,
+    /// Which mesh is being read, and how many there are.
+    pub loading: Option<String>,
     /// How long the newest text took.
     pub times: Times,
     /// Whether the scene that is drawn changes with time.

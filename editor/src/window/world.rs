@@ -102,6 +102,11 @@ impl World {
         texts.chain(updates).collect()
     }
 
+    /// Which mesh is being read just now.
+    pub fn loading(&self) -> Option<String> {
+        self.live.loading()
+    }
+
     /// Gives the compiler what was edited, after a pause.
     pub fn lend_edits(&self, session: &mut Session) {
         for document in &mut session.documents.all {

@@ -176,9 +176,10 @@ impl Worker {
         loop {
             let texts = self.shared.lock().texts.clone();
             let recorder = Recorder::new(self.setup.loader.clone(), texts);
-            let shared = &self.shared;
+            let (shared, wake) = (&self.shared, &self.setup.wake);
             let broken = self.assets.load(&recorder, compiled, &|file, i, of| {
                 shared.lock().loading = Some(format!("{file}, mesh {} of {of}", i + 1));
+                wake();
             });
             self.shared.lock().loading = None;
             self.read = Some(recorder);

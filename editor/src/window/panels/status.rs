@@ -27,6 +27,9 @@ pub fn show(ui: &mut Ui, session: &Session) {
             };
             entry(ui, "", &format!("{width} × {height}"), part);
         }
+        if let Some(loading) = &session.said.loading {
+            entry(ui, "reading", loading, "on another thread; the last picture stays until it is there");
+        }
         let times = &session.said.times;
         if times.compile > Duration::ZERO {
             entry(ui, "compiled in", &milliseconds(times.compile), "the compiler alone");
