@@ -1,5 +1,7 @@
 //! What the compiler hands over: a module of WGSL, what a host must write into its uniform block, and the scene around it.
 
+pub use crate::emit::table::Tables;
+
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::functions::{Functions, Summary};
 use crate::graph::algebra::Reals;
@@ -12,6 +14,7 @@ use crate::reference::shade;
 use crate::source::{Sources, Span};
 use crate::syntax::ast::Type;
 use std::rc::Rc;
+use std::sync::{Arc, OnceLock};
 
 /// Functions that a module can hold, in the order in which they are emitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -236,12 +239,41 @@ pub struct Module {
     /// Whether rounding grows with the distance from the module's own origin alone: all that it reads of the scene's point are ways from
     /// places far out.
     pub near: bool,
+    /// The unions of many operands, which are tables; none in most modules.
+    pub tables: Option<Arc<ModuleTables>>,
+}
+
+/// The tables of a module, and how a device reads them.
+#[derive(Debug)]
+pub struct ModuleTables {
+    /// What the tables hold.
+    pub tables: Tables,
+    /// [`Module::code`], but the tables are storage buffers at the bindings after the uniform block's: `array<vec4f>`, which holds
+    /// [`Tables::rows`], and `array<u32>`, which holds [`ModuleTables::lists`].
+    code: String,
+    lists: OnceLock<Vec<u32>>,
+}
+
+impl ModuleTables {
+    /// `code`: the module with buffers.
+    pub(crate) fn new(tables: Tables, code: String) -> Self {
+        Self { tables, code, lists: OnceLock::new() }
+    }
+
+    /// What the second buffer holds: near a point only what matters there is looked at. Found when it is first asked for, which may take a
+    /// tenth of a second.
+    pub fn lists(&self) -> &[u32] {
+        self.lists.get_or_init(|| crate::cells::lists(&self.tables, true))
+    }
 }
 
 impl Module {
-    /// The text below the comment at its head, which names places in the source: what a device is given, and what two modules must share
-    /// to be the same to it.
+    /// The text for a device of our own: without the comment at its head, which names places in the source, and with tables as buffers
+    /// ([`ModuleTables`]).
     pub fn code(&self) -> &str {
+        if let Some(tables) = &self.tables {
+            return &tables.code;
+        }
         let head: usize = self.wgsl.split_inclusive('\n').take_while(|line| line.starts_with("//")).map(str::len).sum();
         self.wgsl.get(head..).unwrap_or(&self.wgsl)
     }

@@ -1,6 +1,7 @@
 //! From the text of a signed distance field to proven WGSL.
 
 pub mod analysis;
+pub mod cells;
 pub mod certify;
 pub mod compiled;
 pub mod diagnostic;

@@ -8,6 +8,7 @@ pub mod headless;
 pub mod images;
 pub mod live;
 pub mod mesh;
+mod module;
 pub mod passes;
 pub mod physics;
 pub mod stage;

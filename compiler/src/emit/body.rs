@@ -48,6 +48,12 @@ pub enum Code {
     Surface,
     /// The struct of what lies on it from its fields.
     Layers,
+    /// The value so far of a union, or its gradient and value: so many components.
+    Value(u8),
+    /// The value of a union that was set aside.
+    Aside(u8),
+    /// A piece of a table's row: four numbers.
+    Row(u32),
 }
 
 impl Code {
@@ -70,6 +76,9 @@ impl Code {
             Code::Splat(n) => (13, u64::from(n)),
             Code::Surface => (14, 0),
             Code::Layers => (15, 0),
+            Code::Value(n) => (18, u64::from(n)),
+            Code::Aside(n) => (16, u64::from(n)),
+            Code::Row(piece) => (17, u64::from(piece)),
         };
         kind << 40 | detail
     }
@@ -261,6 +270,8 @@ impl Body {
     pub fn components(&self, id: ExprId) -> u8 {
         match self.code(id) {
             Code::Point(n) | Code::Vector(n) | Code::Swizzle(n, _) | Code::Uniform(_, n) => n,
+            Code::Value(n) | Code::Aside(n) => n,
+            Code::Row(_) => 4,
             Code::VectorOp(_, n) | Code::Splat(n) => n,
             Code::World | Code::Scene | Code::Normal => 3,
             Code::Call(_) => 4,

@@ -17,7 +17,7 @@ pub struct Piece {
 }
 
 /// Helpers, in the order in which they are emitted. The place is the helper's bit in [`Helpers`].
-pub const HELPERS: [Piece; 7] = [
+pub const HELPERS: [Piece; 8] = [
     Piece { name: "square", text: "\
 fn sf_square(a: f32) -> f32 {
   return a * a;
@@ -92,6 +92,31 @@ fn sf_clip(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> vec2f {
   }
   let reach = sqrt(rest);
   return vec2f(max(t_min, middle - reach), min(t_max, middle + reach));
+}
+" },
+    Piece { name: "span", text: "\
+// Where the list of what matters near p begins and ends, of the union whose head stands there: boxes about a center, each twice as wide as
+// the one before, are cut into cells, and beyond the last one everything matters.
+fn sf_span(head: u32, p: vec3f) -> vec2u {
+  let center = vec3f(bitcast<f32>(sf_lists[head + 4u]), bitcast<f32>(sf_lists[head + 5u]), bitcast<f32>(sf_lists[head + 6u]));
+  let scale = vec3f(bitcast<f32>(sf_lists[head + 7u]), bitcast<f32>(sf_lists[head + 8u]), bitcast<f32>(sf_lists[head + 9u]));
+  let at = (p - center) * scale;
+  let far = max(max(abs(at.x), abs(at.y)), abs(at.z));
+  let level = u32(max(ceil(log2(clamp(far, 1.0, 1e9))), 0.0));
+  if level >= sf_lists[head + 2u] {
+    return vec2u(sf_lists[head], sf_lists[head + 1u]);
+  }
+  var counts = vec3u(sf_lists[head + 10u], sf_lists[head + 11u], sf_lists[head + 12u]);
+  var first = sf_lists[head + 3u];
+  if level > 0u {
+    let outer = sf_lists[head + 13u];
+    first += counts.x * counts.y * counts.z + (level - 1u) * outer * outer * outer;
+    counts = vec3u(outer);
+  }
+  let place = max((at * exp2(-f32(level)) * 0.5 + 0.5) * vec3f(counts), vec3f(0.0));
+  let cell = min(vec3u(place), counts - 1u);
+  let index = sf_lists[head + 14u] + 2u * (first + (cell.z * counts.y + cell.y) * counts.x + cell.x);
+  return vec2u(sf_lists[index], sf_lists[index + 1u]);
 }
 " },
 ];

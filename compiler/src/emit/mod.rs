@@ -9,6 +9,7 @@ mod header;
 mod library;
 mod names;
 mod plan;
+pub mod table;
 pub mod tracer;
 mod translate;
 mod uniforms;
@@ -20,7 +21,7 @@ mod tests;
 
 pub use translate::{Target, translate, validate};
 
-use crate::compiled::{Export, Live, Module, Options, Parameter, SceneBlocks, UniformSource};
+use crate::compiled::{Export, Live, Module, ModuleTables, Options, Parameter, SceneBlocks, UniformSource};
 use crate::functions::{Functions, Surface};
 use crate::graph::kernel::Terms;
 use crate::graph::{Function, Graph, NodeId, ShapeId, WORLD};
@@ -33,6 +34,8 @@ use rustc_hash::FxHashMap;
 use std::borrow::Cow;
 use std::fmt;
 use std::fmt::Write;
+use std::sync::Arc;
+use table::Tables;
 use uniforms::Candidates;
 use write::{Context, Room};
 
@@ -87,7 +90,8 @@ pub fn emit(
 ) -> Result<Module, EmitError> {
     let prefix = &options.prefix;
     check_prefix(prefix)?;
-    let mut plans = Plans::new(graph, functions);
+    let tables = Tables::new(graph, functions);
+    let mut plans = Plans::new(graph, functions, &tables);
     let mut skipped = Vec::new();
     let exports = exports(options, &plans, root, &mut skipped);
 
@@ -126,6 +130,7 @@ pub fn emit(
         numbers: FxHashMap::default(),
         room: Room::default(),
         reads_scene: false,
+        tables: &tables,
     };
     let mut texts = String::with_capacity(24 * graph.len().min(100_000));
     let mut body = Body::with_capacity(graph.len());
@@ -160,21 +165,32 @@ pub fn emit(
         extent: blocks.extent,
     };
     let mut wgsl = header::write(&facts);
-    declarations(&context, &facts, &mut wgsl);
-    if layered {
-        layers_struct(prefix, &functions.surface, &mut wgsl);
-    }
+    let declared = |buffers: bool, text: &mut String| {
+        declarations(&context, &facts, buffers, text);
+        if layered {
+            layers_struct(prefix, &functions.surface, text);
+        }
+    };
+    declared(false, &mut wgsl);
     wgsl.push_str(&texts);
     let near = !context.reads_scene;
+    let buffered = context.has_tables().then(|| {
+        let mut code = String::with_capacity(texts.len() + 4096);
+        declared(true, &mut code);
+        code.push_str(&texts);
+        code
+    });
+    let uniform_name = if fields.is_empty() { String::new() } else { context.uniform_name };
     Ok(Module {
         wgsl,
         exports,
-        uniform_name: if fields.is_empty() { String::new() } else { context.uniform_name },
+        uniform_name,
         uniforms: fields,
         uniform_size: size,
         operations,
         skipped,
         near,
+        tables: buffered.map(|code| Arc::new(ModuleTables::new(tables, code))),
     })
 }
 
@@ -183,7 +199,7 @@ fn reserved_names(prefix: &str) -> Scope {
     let mut names = Scope::default();
     let exports = Export::ALL.iter().map(|e| e.name());
     let helpers = library::HELPERS.iter().map(|h| h.name);
-    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers"];
+    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "table", "lists"];
     for text in exports.chain(helpers).chain(library::STRUCTURES).chain(others) {
         names.reserve(&format!("{prefix}{text}"));
     }
@@ -250,6 +266,13 @@ fn shape_function(
 ) -> Result<(), EmitError> {
     let plans = context.plans;
     let Some(target) = plans.get(id) else { return Ok(()) };
+    if let Some(table) = plans.table(target) {
+        let name = context.functions.get(&id).cloned().unwrap_or_default();
+        let gradient = target.group == Group::Gradient;
+        let count = table::write(context, table, gradient, &name, body, text)?;
+        context.operations.insert(id, count);
+        return Ok(());
+    }
     let dimensions = context.graph.shape(target.shape).map_or(3, |s| s.dimensions);
     body.clear();
     let (space, arguments) = own_space(body, dimensions, &target.plan.variables);
@@ -318,8 +341,8 @@ fn export_functions(
     Ok((count(Export::Field), count(Export::Bound)))
 }
 
-/// Writes the uniform block, structs, constants and helpers.
-fn declarations(context: &Context, facts: &header::Facts, wgsl: &mut String) {
+/// Writes the uniform block, structs, constants and helpers. `buffers`: whether tables are buffers, and not text.
+fn declarations(context: &Context, facts: &header::Facts, buffers: bool, wgsl: &mut String) {
     let prefix = context.prefix;
     if !facts.fields.is_empty() {
         let _ = write!(wgsl, "\nstruct {prefix}Uniforms {{\n");
@@ -334,6 +357,12 @@ fn declarations(context: &Context, facts: &header::Facts, wgsl: &mut String) {
             "}}\n\n@group({group}) @binding({binding}) var<uniform> {name}: {prefix}Uniforms;\n"
         );
     }
+    if context.has_tables() {
+        match buffers {
+            true => table::declare_buffers(prefix, facts.options.group, facts.options.binding, wgsl),
+            false => table::declare_text(context, wgsl),
+        }
+    }
     for text in facts.exports.iter().filter_map(|e| library::structure(*e)) {
         let _ = write!(wgsl, "\n{}", prefixed(text, prefix));
     }
@@ -341,7 +370,7 @@ fn declarations(context: &Context, facts: &header::Facts, wgsl: &mut String) {
         let extent = (facts.extent as f32).clamp(f32::MIN_POSITIVE, 1e18);
         let _ = write!(wgsl, "\nconst {prefix}extent: f32 = {extent:?};\n");
     }
-    for piece in context.helpers.pieces() {
+    for piece in context.helpers.pieces().filter(|p| buffers || p.name != "span") {
         let _ = write!(wgsl, "\n{}", prefixed(piece.text, prefix));
     }
 }

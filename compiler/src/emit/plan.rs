@@ -1,6 +1,7 @@
 //! Which formulas are needed, which of them become functions of the module, and in which order.
 
 use super::EmitError;
+use super::table::{Table, Tables};
 use crate::functions::Functions;
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId};
@@ -42,6 +43,15 @@ impl Group {
                 Function::Gradient(2),
                 Function::Field,
             ],
+        }
+    }
+
+    /// The value among them.
+    pub fn value(self) -> Function {
+        match self {
+            Group::Field | Group::Gradient => Function::Field,
+            Group::Bound => Function::Bound,
+            Group::Distance => Function::Distance,
         }
     }
 
@@ -176,6 +186,7 @@ const MANY: u32 = 24;
 pub struct Plans<'a> {
     graph: &'a Graph,
     functions: &'a Functions,
+    tables: &'a Tables,
     /// The functions, callers and callees mixed.
     pub targets: Vec<Target>,
     /// For each shape and group the target, if there is one.
@@ -189,11 +200,11 @@ pub struct Plans<'a> {
 
 impl<'a> Plans<'a> {
     /// No function yet.
-    pub fn new(graph: &'a Graph, functions: &'a Functions) -> Self {
+    pub fn new(graph: &'a Graph, functions: &'a Functions, tables: &'a Tables) -> Self {
         let seen = vec![(0, 0); graph.len()];
         let shapes = graph.shapes().len();
         let (targets, index, nodes) = (Vec::with_capacity(shapes), vec![[None; 4]; shapes], Vec::new());
-        Self { graph, functions, targets, index, seen, round: 0, nodes }
+        Self { graph, functions, tables, targets, index, seen, round: 0, nodes }
     }
 
     /// Whether a shape has the formulas of a group.
@@ -229,6 +240,12 @@ impl<'a> Plans<'a> {
         *self.index.get(shape.0 as usize)?.get(group as usize)?
     }
 
+    /// The table that a target is computed from, where it is a union of many.
+    pub fn table(&self, target: &Target) -> Option<&'a Table> {
+        let table = self.tables.get((target.shape, target.group.value()))?;
+        (target.group != Group::Gradient || table.gradient).then_some(table)
+    }
+
     /// The gradient of a shape, where the module needs it.
     pub fn gradient(&self, shape: ShapeId) -> Option<TargetId> {
         self.known(shape, Group::Gradient)
@@ -255,6 +272,10 @@ impl<'a> Plans<'a> {
         let mut at = 0;
         while let Some(target) = self.targets.get(at) {
             let (shape, group) = (target.shape, target.group);
+            at += 1;
+            if self.table(target).is_some() {
+                continue;
+            }
             let mut formulas = [NodeId::default(); 4];
             for (slot, &function) in formulas.iter_mut().zip(group.functions()) {
                 let formula = self.functions.formulas.get(&(shape, function));
@@ -264,10 +285,9 @@ impl<'a> Plans<'a> {
             let variables =
                 self.graph.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
             let plan = self.plan(formulas, variables);
-            if let Some(target) = self.targets.get_mut(at) {
+            if let Some(target) = self.targets.get_mut(at - 1) {
                 target.plan = plan;
             }
-            at += 1;
         }
         let order = self.callees_first()?;
         self.decide(&order, roots, surfaces);
@@ -341,11 +361,12 @@ impl<'a> Plans<'a> {
                 let callee = self.targets.get(callee as usize);
                 size = size.saturating_add(callee.map_or(0, |c| if c.stands_alone { 1 } else { c.size }));
             }
+            let tabled = self.table(target).is_some();
             let name = graph.shape(target.shape).and_then(|s| s.name.as_deref());
             let named = name.is_some_and(|n| same_name.get(n).is_some_and(|c| c.0 <= MANY));
             if let Some(target) = self.targets.get_mut(id as usize) {
                 target.size = size;
-                target.stands_alone = named && !is_root(id);
+                target.stands_alone = named && !is_root(id) || tabled;
             }
         }
         let called = surfaces.flat_map(|s| s.calls_after(0)).map(|(_, id)| (id, 1));

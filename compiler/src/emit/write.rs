@@ -4,6 +4,7 @@ use super::body::{Body, Code, ExprId};
 use super::library::{Helpers, helper_of};
 use super::names::{Scope, identifier};
 use super::plan::{Plans, TargetId, split_axis};
+use super::table::Tables;
 use super::uniforms::Candidates;
 use crate::graph::Graph;
 use crate::graph::interval::Interval;
@@ -38,6 +39,15 @@ pub struct Context<'a> {
     pub room: Room,
     /// Whether the point of the scene is read as it is, and not only as the way from a place far out.
     pub reads_scene: bool,
+    /// The unions that are tables.
+    pub tables: &'a Tables,
+}
+
+impl Context<'_> {
+    /// Whether a function that is written reads a table.
+    pub fn has_tables(&self) -> bool {
+        self.functions.keys().filter_map(|id| self.plans.get(*id)).any(|t| self.plans.table(t).is_some())
+    }
 }
 
 /// What is written of a function so far. It is kept for the next one's sake, empty.
@@ -218,6 +228,9 @@ impl Writer<'_, '_> {
                     | Code::Normal
                     | Code::Variable(_)
                     | Code::Uniform(..)
+                    | Code::Value(_)
+                    | Code::Aside(_)
+                    | Code::Row(_)
                     | Code::Component(_)
                     | Code::Swizzle(..)
             ),
@@ -493,6 +506,18 @@ impl Writer<'_, '_> {
                 if let Some(field) = self.context.uniforms.get(index) {
                     self.scratch.push_str(&field.name);
                 }
+                9
+            }
+            Code::Value(_) => {
+                self.put("d");
+                9
+            }
+            Code::Aside(_) => {
+                self.put("aside");
+                9
+            }
+            Code::Row(piece) => {
+                let _ = write!(self.scratch, "r{piece}");
                 9
             }
             Code::Component(i) => {

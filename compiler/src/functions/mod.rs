@@ -9,6 +9,7 @@ mod distance;
 mod domains;
 mod jumps;
 mod surface;
+pub mod unions;
 
 use crate::analysis::search::{Search, Target};
 use crate::analysis::{Box3, Domain, Facts};
@@ -30,6 +31,8 @@ pub struct Functions {
     pub surface: Surface,
     /// What each of [`Graph::factors`] was found from; none for one that is measured.
     pub searches: Vec<Option<Search>>,
+    /// Unions of many operands, by the function that each one is.
+    pub unions: FxHashMap<unions::Of, unions::Union>,
 }
 
 /// How the surface at a point answers light.
@@ -268,6 +271,7 @@ pub fn build(
             functions.extend(builder.calls(&[formula]));
         }
     }
+    builder.built.unions = unions::find(builder.graph, builder.facts, &builder.built);
     let summary = builder.summary();
     (builder.built, summary, builder.diagnostics)
 }

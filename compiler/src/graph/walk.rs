@@ -2,7 +2,10 @@
 
 use super::algebra::Algebra;
 use super::{Function, Graph, Leaf, Node, NodeId, ShapeId};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// So many nodes are looked for in a list faster than in a set.
+const FEW: usize = 48;
 
 impl Graph {
     /// Every node that the roots need, arguments before the nodes that use them, each once. Calls are not entered.
@@ -13,6 +16,9 @@ impl Graph {
     /// The same without the arguments that are not `wanted`.
     fn needed(&self, roots: &[NodeId], wanted: impl Fn(NodeId) -> bool) -> Vec<NodeId> {
         let Some(last) = roots.iter().map(|r| r.0 as usize).max() else { return Vec::new() };
+        if let Some(few) = self.few(roots, &wanted) {
+            return few;
+        }
         // Arguments have smaller indices, so one pass from the last root down finds all, in order.
         let mut marked = vec![0u64; last / 64 + 1];
         let mark = |marked: &mut [u64], id: NodeId| {
@@ -38,6 +44,41 @@ impl Graph {
             }
         }
         order.reverse();
+        order
+    }
+
+    /// The same where it is a few nodes, in time that does not depend on how large the graph is.
+    fn few(&self, roots: &[NodeId], wanted: impl Fn(NodeId) -> bool) -> Option<Vec<NodeId>> {
+        let mut found: Vec<NodeId> = Vec::with_capacity(FEW);
+        let mut stack = roots.to_vec();
+        while let Some(id) = stack.pop() {
+            if found.contains(&id) {
+                continue;
+            }
+            if found.len() == FEW {
+                return None;
+            }
+            found.push(id);
+            stack.extend(self.arguments(id).iter().filter(|a| wanted(**a)));
+        }
+        // Arguments have smaller indices.
+        found.sort_unstable();
+        Some(found)
+    }
+
+    /// Every node that the value of a root is computed from, in an order in which that can be done: without what claims speak of.
+    pub fn computed(&self, root: NodeId) -> Vec<NodeId> {
+        let mut found: FxHashSet<NodeId> = FxHashSet::default();
+        let mut stack = vec![root];
+        while let Some(id) = stack.pop() {
+            if found.insert(id) {
+                let all = self.arguments(id);
+                let count = if matches!(self.node(id), Node::Claim(..)) { 1 } else { all.len() };
+                stack.extend(all.iter().take(count));
+            }
+        }
+        let mut order: Vec<NodeId> = found.into_iter().collect();
+        order.sort_unstable();
         order
     }
 

@@ -3,7 +3,8 @@
 use super::scene::{Features, ViewMode};
 use super::shadows::BallsNow;
 use super::surroundings;
-use crate::gpu::{Gpu, PipelineKey, storage_layout, uniform_layout};
+use crate::gpu::{Gpu, PipelineKey, storage_layout};
+use crate::module;
 use crate::physics::Physics;
 use bytemuck::{Pod, Zeroable};
 use surefoot_compiler::compiled::{Compiled, Live};
@@ -70,7 +71,7 @@ impl BallsPipeline {
         };
         gpu.catch(|| {
             let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
-            let module = uniform_layout(gpu, "surefoot scene", u64::from(compiled.module.uniform_size), stage);
+            let module = module::layout(gpu, &compiled.module, stage);
             let scene = surroundings::layout(gpu, features);
             let layout = storage_layout(gpu, label, stage, 2);
             let layouts = [Some(&module), Some(&scene), Some(&layout), shadows];

@@ -1,6 +1,7 @@
 //! A module's functions at many points, computed by the GPU as a ray would compute them.
 
-use crate::gpu::{Gpu, UniformBlock, in_and_out_layout, uniform_layout};
+use crate::gpu::{Gpu, in_and_out_layout};
+use crate::module::{self, ModuleGroup};
 use crate::headless;
 use surefoot_compiler::compiled::{Compiled, Export, Live};
 
@@ -33,14 +34,13 @@ pub fn evaluate(
     }
     let label = "surefoot evaluate";
     let stage = wgpu::ShaderStages::COMPUTE;
-    let size = u64::from(compiled.module.uniform_size);
     let wgsl = format!("{}\n{text}", compiled.module.code());
     let program = gpu.catch(|| {
-        let module_layout = uniform_layout(gpu, label, size, stage);
+        let module_layout = module::layout(gpu, &compiled.module, stage);
         let points_layout = in_and_out_layout(gpu, label);
         let layouts = [Some(&module_layout), Some(&points_layout)];
         let pipeline = gpu.compute_pipeline(label, &wgsl, "main", &layouts)?;
-        let mut module = UniformBlock::new(gpu, label, &module_layout, size);
+        let mut module = ModuleGroup::new(gpu, compiled, &module_layout);
         module.write(gpu.queue(), &compiled.uniform_bytes(live, origin));
         Ok::<_, String>(Program { pipeline, points_layout, module })
     })??;
@@ -55,7 +55,7 @@ pub fn evaluate(
 struct Program {
     pipeline: wgpu::ComputePipeline,
     points_layout: wgpu::BindGroupLayout,
-    module: UniformBlock,
+    module: ModuleGroup,
 }
 
 impl Program {

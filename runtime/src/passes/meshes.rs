@@ -2,7 +2,7 @@
 
 use super::scene::{Features, ViewMode};
 use super::surroundings;
-use crate::gpu::{Gpu, PipelineKey, storage_layout, uniform_layout};
+use crate::gpu::{Gpu, PipelineKey, storage_layout};
 use crate::mesh::{Mesh, Vertex};
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
@@ -112,7 +112,7 @@ impl MeshesPipeline {
         let before_key = PipelineKey { wgsl: before.join("\n"), format: None, entries: ["mesh_vertex", "mesh_before"], ..key.clone() };
         gpu.catch(|| {
             let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
-            let module = uniform_layout(gpu, "surefoot scene", u64::from(compiled.module.uniform_size), stage);
+            let module = crate::module::layout(gpu, &compiled.module, stage);
             let scene = surroundings::layout(gpu, features);
             let triangles = Triangles::new(gpu, compiled);
             let layouts = [Some(&module), Some(&scene), Some(&triangles.layout), shadows];

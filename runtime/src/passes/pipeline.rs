@@ -6,7 +6,8 @@ use super::scene::{Features, SceneUniforms};
 use super::shadows::{Moment, Shadows};
 use super::surroundings::{self, SceneGroup};
 use crate::film::LINEAR;
-use crate::gpu::{DEPTH, Gpu, PipelineKey, UniformBlock, uniform_layout};
+use crate::gpu::{DEPTH, Gpu, PipelineKey};
+use crate::module::{self, ModuleGroup};
 use crate::view::View;
 use surefoot_compiler::compiled::{Compiled, Live, UniformSource};
 use surefoot_compiler::images::Images;
@@ -15,7 +16,7 @@ use surefoot_compiler::images::Images;
 #[derive(Debug)]
 pub struct ScenePipeline {
     pipeline: wgpu::RenderPipeline,
-    module: UniformBlock,
+    module: ModuleGroup,
     scene: SceneGroup,
     features: Features,
     srgb_target: bool,
@@ -40,7 +41,6 @@ impl ScenePipeline {
         }
         let label = "surefoot scene";
         let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let module_size = u64::from(compiled.module.uniform_size);
         let key = PipelineKey {
             wgsl: format!("{}\n{}", compiled.module.code(), features.wgsl(compiled)),
             constants: Vec::new(),
@@ -51,7 +51,7 @@ impl ScenePipeline {
             triangles: false,
         };
         gpu.catch(|| {
-            let module_layout = uniform_layout(gpu, label, module_size, stage);
+            let module_layout = module::layout(gpu, &compiled.module, stage);
             let scene_layout = surroundings::layout(gpu, features);
             let shadows = match features.maps() {
                 true => Some(Shadows::new(gpu, compiled, features)?),
@@ -74,7 +74,7 @@ impl ScenePipeline {
             let pipeline = gpu.screen_pipeline(label, key, layouts)?;
             Ok(Self {
                 pipeline,
-                module: UniformBlock::new(gpu, label, &module_layout, module_size),
+                module: ModuleGroup::new(gpu, compiled, &module_layout),
                 scene: SceneGroup::new(gpu, features, compiled, scene_layout),
                 features,
                 srgb_target: format.is_srgb() || format == LINEAR,

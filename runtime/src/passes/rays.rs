@@ -2,6 +2,7 @@
 
 use crate::gpu::{Gpu, UniformBlock, in_and_out_layout, uniform_layout};
 use crate::headless;
+use crate::module::{self, ModuleGroup};
 use bytemuck::{Pod, Zeroable};
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::{Compiled, Live};
@@ -62,7 +63,7 @@ pub struct RayPicture {
 pub struct Rays<'g> {
     gpu: &'g Gpu,
     pipeline: wgpu::ComputePipeline,
-    module: UniformBlock,
+    module: ModuleGroup,
     settings: UniformBlock,
     group: wgpu::BindGroup,
     output: wgpu::Buffer,
@@ -93,7 +94,6 @@ impl<'g> Rays<'g> {
         }
         let label = "surefoot rays";
         let stage = wgpu::ShaderStages::COMPUTE;
-        let bytes = u64::from(compiled.module.uniform_size);
         let mut own = format!("{text}\n{}", include_str!("rays/main.wgsl").replace("TRACE", name));
         if count {
             for (function, component) in FUNCTIONS.iter().zip(["x", "y", "z"]) {
@@ -105,12 +105,12 @@ impl<'g> Rays<'g> {
         let wgsl = format!("{}\n{own}", compiled.module.code());
         let device = gpu.device();
         gpu.catch(|| {
-            let module_layout = uniform_layout(gpu, label, bytes, stage);
+            let module_layout = module::layout(gpu, &compiled.module, stage);
             let rays_layout = in_and_out_layout(gpu, label);
             let settings_layout = uniform_layout(gpu, label, 16, stage);
             let layouts = [Some(&module_layout), Some(&rays_layout), Some(&settings_layout)];
             let pipeline = gpu.compute_pipeline(label, &wgsl, "main", &layouts)?;
-            let mut module = UniformBlock::new(gpu, label, &module_layout, bytes);
+            let mut module = ModuleGroup::new(gpu, compiled, &module_layout);
             module.write(gpu.queue(), &compiled.uniform_bytes(live, [0.0; 3]));
             let mut settings = UniformBlock::new(gpu, label, &settings_layout, 16);
             settings.write(gpu.queue(), bytemuck::bytes_of(&[picture.footprint, 0.0, 0.0, 0.0]));

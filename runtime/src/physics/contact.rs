@@ -2,8 +2,12 @@
 
 use super::buffers::Layout;
 use crate::gpu::Gpu;
+use crate::module;
 use surefoot_compiler::compiled::{Compiled, Export, Live};
 use surefoot_compiler::physics::MOST_SUBSTEPS;
+
+/// Bindings of the module's uniform block as it is now, and as it was before. Those between are the tables'.
+const BLOCKS: [u32; 2] = [0, 3];
 
 /// The code of a scene's contact with balls, and the values that it reads at the moments of a step.
 #[derive(Debug)]
@@ -32,7 +36,7 @@ impl Contact {
         let moving = compiled.field_moves() && size > 0;
         let wgsl = wgsl(compiled, moving);
         gpu.catch(|| {
-            let fields = fields_layout(gpu, size, moving);
+            let fields = fields_layout(gpu, compiled, moving);
             let balls = Layout::new(gpu);
             let layouts = [Some(&fields), Some(balls.balls())];
             let pipeline = gpu.compute_pipeline("surefoot contact", &wgsl, "travel", &layouts)?;
@@ -55,7 +59,11 @@ impl Contact {
                 });
                 Some(wgpu::BindGroupEntry { binding, resource })
             };
-            let entries: Vec<_> = (0..1 + u32::from(moving)).filter_map(block).collect();
+            let mut entries: Vec<_> = BLOCKS.into_iter().take(1 + usize::from(moving)).filter_map(block).collect();
+            let tables = module::tables(gpu, &compiled.module);
+            for (binding, buffer) in (1..).zip(tables.iter().flatten()) {
+                entries.push(wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+            }
             let group = gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("surefoot contact"),
                 layout: &fields,
@@ -110,7 +118,8 @@ fn wgsl(compiled: &Compiled, moving: bool) -> String {
         let declared = code.lines().find(|line| line.contains("var<uniform>")).map(str::to_owned);
         if let Some((declared, ty)) = declared.as_ref().and_then(|d| Some((d, d.rsplit(": ").next()?.trim_end_matches(';')))) {
             let three = format!(
-                "@group(0) @binding(0) var<uniform> field_now: {ty};\n@group(0) @binding(1) var<uniform> field_before: {ty};\nvar<private> {name}: {ty};"
+                "@group(0) @binding(0) var<uniform> field_now: {ty};\n@group(0) @binding({}) var<uniform> field_before: {ty};\nvar<private> {name}: {ty};",
+                BLOCKS[1]
             );
             code = code.replace(declared.as_str(), &three);
         }
@@ -119,10 +128,12 @@ fn wgsl(compiled: &Compiled, moving: bool) -> String {
     [code.as_str(), include_str!("ball.wgsl"), include_str!("state.wgsl"), changes, include_str!("travel.wgsl")].join("\n")
 }
 
-fn fields_layout(gpu: &Gpu, size: u64, moving: bool) -> wgpu::BindGroupLayout {
+fn fields_layout(gpu: &Gpu, compiled: &Compiled, moving: bool) -> wgpu::BindGroupLayout {
+    let size = u64::from(compiled.module.uniform_size);
+    let stage = wgpu::ShaderStages::COMPUTE;
     let entry = |binding| wgpu::BindGroupLayoutEntry {
         binding,
-        visibility: wgpu::ShaderStages::COMPUTE,
+        visibility: stage,
         ty: wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
             has_dynamic_offset: true,
@@ -130,9 +141,13 @@ fn fields_layout(gpu: &Gpu, size: u64, moving: bool) -> wgpu::BindGroupLayout {
         },
         count: None,
     };
-    let entries: Vec<_> = (0..1 + u32::from(moving)).map(entry).collect();
+    let blocks = if size == 0 { 0 } else { 1 + usize::from(moving) };
+    let mut entries: Vec<_> = BLOCKS.into_iter().take(blocks).map(entry).collect();
+    if compiled.module.tables.is_some() {
+        entries.extend(module::table_entries(stage));
+    }
     gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: Some("surefoot contact"),
-        entries: if size == 0 { &[] } else { &entries },
+        entries: &entries,
     })
 }

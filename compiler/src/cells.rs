@@ -1,0 +1,358 @@
+//! Which operands of a large union matter where: space is cut into cells, and each has a list of its own.
+//!
+//! In a cell of radius R about c an operand of Lipschitz constant L has values between f(c) - L R and f(c) + L R. One whose least value is above
+//! the least of all greatest values, by more than blends reach, does not matter there. Lists are found from those of the block around, so most
+//! of a thousand operands are looked at in few blocks. The field that a list gives is the field that the whole list gives.
+
+use crate::emit::table::{Action, CLASS_SHIFT, Class, HEAD, Number, PUSH, Table, Tables, narrow};
+use crate::functions::unions::Operand;
+use crate::graph::kernel::{self, Op};
+use rustc_hash::FxHashMap;
+
+/// Lanes of one walk over a form.
+const LANES: usize = 16;
+/// Cells for each operand in the innermost box.
+const CELLS: f64 = 16.0;
+/// Cells in the innermost box.
+const MOST_CELLS: f64 = 262_144.0;
+/// Cells along an axis of the innermost box.
+const MOST_ALONG: f64 = 128.0;
+/// Cells along each axis of the boxes around it.
+const OUTER: usize = 12;
+/// Boxes, each twice as wide as the one before.
+const LEVELS: usize = 6;
+/// What 32 bits may lose of a value, for each unit of the coordinates.
+const ROUNDING: f64 = 4e-6;
+
+/// What a module's `sf_lists` holds: for each table a head, the whole list, and the lists of its cells. `cells`: whether there are cells; without
+/// them the whole lists count everywhere.
+///
+/// The head: first and last entry of the whole list; levels; the first cell of level 0; the center; one over half the innermost box's sides; the
+/// cells along its axes; those along an axis of other levels; where the cells' spans begin.
+pub fn lists(tables: &Tables, cells: bool) -> Vec<u32> {
+    let mut lists = vec![0; HEAD as usize * tables.tables.len()];
+    let mut ordered: Vec<&Table> = tables.tables.values().collect();
+    ordered.sort_unstable_by_key(|t| t.index);
+    for table in ordered {
+        let first = lists.len() as u32;
+        lists.extend_from_slice(&table.entries);
+        let mut head = [0u32; HEAD as usize];
+        head[0] = first;
+        head[1] = lists.len() as u32;
+        if let Some(grid) = Grid::of(table).filter(|_| cells) {
+            let spans = grid.spans(table, tables, &mut lists);
+            head[2] = LEVELS as u32;
+            let [x, y, z] = grid.center.map(|c| (c as f32).to_bits());
+            let [a, b, c] = grid.half.map(|h| (1.0 / h as f32).to_bits());
+            let [i, j, k] = grid.counts.map(|n| n as u32);
+            let found = [x, y, z, a, b, c, i, j, k, OUTER as u32, lists.len() as u32];
+            for (slot, value) in head.iter_mut().skip(4).zip(found) {
+                *slot = value;
+            }
+            lists.extend(spans.iter().flat_map(|s| [s.0, s.1]));
+        }
+        let at = (HEAD * table.index) as usize;
+        if let Some(slot) = lists.get_mut(at..at + HEAD as usize) {
+            slot.copy_from_slice(&head);
+        }
+    }
+    lists
+}
+
+/// The boxes about a union.
+struct Grid {
+    center: [f64; 3],
+    half: [f64; 3],
+    counts: [usize; 3],
+}
+
+impl Grid {
+    /// None where cells would say nothing: an operand is live, or nothing is known of where the operands are.
+    fn of(table: &Table) -> Option<Self> {
+        if table.classes.iter().any(|c| !is_still(c)) {
+            return None;
+        }
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
+        let mut count = 0.0;
+        let bounded = |o: &&Operand| o.region.is_finite() && !o.region.is_empty();
+        for operand in table.operands.iter().flatten().filter(bounded) {
+            count += 1.0;
+            for ((low, high), side) in low.iter_mut().zip(&mut high).zip(&operand.region.0) {
+                *low = low.min(side.lo);
+                *high = high.max(side.hi);
+            }
+        }
+        if count == 0.0 {
+            return None;
+        }
+        let size = [0, 1, 2].map(|i| high[i] - low[i]);
+        let longest = size.iter().fold(1e-3, |a: f64, b| a.max(*b));
+        // Room for blends, and no side is nothing.
+        let grown = size.map(|s| 1.02 * s.max(0.02 * longest) + 0.5 * table.reach);
+        let cells = (CELLS * count).clamp(64.0, MOST_CELLS);
+        let side = (grown[0] * grown[1] * grown[2] / cells).cbrt();
+        let counts = grown.map(|g| (g / side).ceil().clamp(1.0, MOST_ALONG) as usize);
+        let center = [0, 1, 2].map(|i| f64::from((0.5 * (low[i] + high[i])) as f32));
+        Some(Self { center, half: grown.map(|g| 0.5 * g), counts })
+    }
+
+    /// The span of each cell's list: those of the innermost box, x first, then those of the others.
+    fn spans(&self, table: &Table, tables: &Tables, lists: &mut Vec<u32>) -> Vec<(u32, u32)> {
+        let all: Vec<u32> = (0..table.entries.len() as u32).collect();
+        let mut finder = Finder { table, evaluator: Evaluator::new(table, tables), lists, known: FxHashMap::default() };
+        let mut spans = Vec::new();
+        for level in 0..LEVELS {
+            let counts = if level == 0 { self.counts } else { [OUTER; 3] };
+            let first = spans.len();
+            spans.resize(first + counts.iter().product::<usize>(), (0, 0));
+            let scale = f64::from(1u32 << level);
+            let half = self.half.map(|h| h * scale);
+            let cell = [0, 1, 2].map(|i| 2.0 * half[i] / counts[i] as f64);
+            let low = [0, 1, 2].map(|i| self.center[i] - half[i]);
+            let level = Level { low, cell, counts, inner: (level > 0).then_some((self.center, half.map(|h| 0.5 * h))) };
+            let slots = spans.get_mut(first..).unwrap_or_default();
+            finder.block(&level, [0; 3], counts, &all, slots);
+        }
+        spans
+    }
+}
+
+/// A box in cells.
+struct Level {
+    low: [f64; 3],
+    cell: [f64; 3],
+    counts: [usize; 3],
+    /// Center and half sides of the box that another level answers for.
+    inner: Option<([f64; 3], [f64; 3])>,
+}
+
+struct Finder<'a> {
+    table: &'a Table,
+    evaluator: Evaluator<'a>,
+    lists: &'a mut Vec<u32>,
+    known: FxHashMap<Vec<u32>, (u32, u32)>,
+}
+
+impl Finder<'_> {
+    /// Finds the lists of a block of cells. `steps`: what matters around it.
+    fn block(&mut self, level: &Level, first: [usize; 3], size: [usize; 3], steps: &[u32], spans: &mut [(u32, u32)]) {
+        let half = [0, 1, 2].map(|i| 0.5 * level.cell[i] * size[i] as f64);
+        let center = [0, 1, 2].map(|i| level.low[i] + level.cell[i] * first[i] as f64 + half[i]);
+        // A hair of each cell belongs to its neighbours too, as 32 bits see it.
+        if let Some((middle, inside)) = level.inner
+            && (0..3).all(|i| (center[i] - middle[i]).abs() + half[i] < 0.999 * inside[i])
+        {
+            return;
+        }
+        let radius = 1.001 * half.iter().map(|h| h * h).sum::<f64>().sqrt();
+        let reach = center.iter().fold(0.0, |m: f64, c| m.max(c.abs())) + radius;
+        let kept = self.matter(steps, center, radius, ROUNDING * reach);
+        let longest = (0..3).max_by(|&a, &b| (size[a] > 1, half[a]).partial_cmp(&(size[b] > 1, half[b])).unwrap_or(std::cmp::Ordering::Equal));
+        match longest.filter(|&i| size[i] > 1) {
+            None => {
+                let at = (first[2] * level.counts[1] + first[1]) * level.counts[0] + first[0];
+                let span = self.list(&kept);
+                if let Some(slot) = spans.get_mut(at) {
+                    *slot = span;
+                }
+            }
+            Some(axis) => {
+                let left = size[axis] / 2;
+                let (mut a, mut b, mut start) = (size, size, first);
+                a[axis] = left;
+                b[axis] = size[axis] - left;
+                start[axis] += left;
+                self.block(level, first, a, &kept, spans);
+                self.block(level, start, b, &kept, spans);
+            }
+        }
+    }
+
+    fn list(&mut self, steps: &[u32]) -> (u32, u32) {
+        let entries: Vec<u32> = steps.iter().filter_map(|&s| self.table.entries.get(s as usize).copied()).collect();
+        if let Some(&span) = self.known.get(&entries) {
+            return span;
+        }
+        let first = self.lists.len() as u32;
+        self.lists.extend_from_slice(&entries);
+        let span = (first, self.lists.len() as u32);
+        self.known.insert(entries, span);
+        span
+    }
+
+    /// The steps that matter in a ball.
+    fn matter(&mut self, steps: &[u32], center: [f64; 3], radius: f64, slack: f64) -> Vec<u32> {
+        let values = self.evaluator.values(steps, center);
+        let steep = |step: u32| self.table.operands.get(step as usize).and_then(|o| *o).map_or(f64::INFINITY, |o| o.steepness);
+        let mut least = f64::INFINITY;
+        for (&step, &value) in steps.iter().zip(&values) {
+            least = least.min(value + steep(step) * radius);
+        }
+        let limit = least + self.table.reach + slack;
+        let mut kept: Vec<u32> = Vec::new();
+        // For each value set aside: where it was, and whether it is nothing, so that it need not be set aside.
+        let mut aside: Vec<(usize, bool)> = Vec::new();
+        let mut fresh = true;
+        for (&step, &value) in steps.iter().zip(&values) {
+            let class = self.table.entries.get(step as usize).map_or(PUSH, |e| e >> CLASS_SHIFT);
+            if class == PUSH {
+                aside.push((kept.len(), fresh));
+                if !fresh {
+                    kept.push(step);
+                }
+                fresh = true;
+            } else if self.table.classes.get(class as usize).is_some_and(|c| c.pops) {
+                let Some((at, nothing)) = aside.pop() else { continue };
+                if nothing {
+                    continue;
+                }
+                // What came of it: nothing, or something to join.
+                if fresh {
+                    kept.truncate(at);
+                } else {
+                    kept.push(step);
+                }
+                fresh = false;
+            } else if value - steep(step) * radius <= limit || !value.is_finite() {
+                kept.push(step);
+                fresh = false;
+            }
+        }
+        kept
+    }
+}
+
+/// Whether the operands of a class are the same at all times.
+fn is_still(class: &Class) -> bool {
+    let live = |a: &Action| matches!(a, Action::Time | Action::Parameter(_) | Action::Factor(_));
+    let form = &class.filled.form;
+    let end = form.operand.map_or(0, |o| o as usize + 1);
+    form.steps.iter().take(end).all(|s| !live(&s.action))
+}
+
+/// Computes operands at a point, many at once.
+struct Evaluator<'a> {
+    table: &'a Table,
+    tables: &'a Tables,
+    /// For each class the steps of its form that its operand needs.
+    needed: Vec<Vec<u32>>,
+    registers: Vec<[f64; LANES]>,
+}
+
+impl<'a> Evaluator<'a> {
+    fn new(table: &'a Table, tables: &'a Tables) -> Self {
+        let needed = table.classes.iter().map(|class| {
+            let form = &class.filled.form;
+            let Some(operand) = form.operand else { return Vec::new() };
+            let mut wanted = vec![false; operand as usize + 1];
+            if let Some(last) = wanted.last_mut() {
+                *last = true;
+            }
+            for i in (0..wanted.len()).rev() {
+                let step = form.steps.get(i).filter(|_| wanted.get(i) == Some(&true));
+                if let Some((step, Action::Op(op))) = step.map(|s| (s, s.action)) {
+                    for &a in step.arguments.iter().take(op.row().arity.into()) {
+                        if let Some(slot) = wanted.get_mut(a as usize) {
+                            *slot = true;
+                        }
+                    }
+                }
+            }
+            (0..wanted.len() as u32).filter(|&i| wanted.get(i as usize) == Some(&true)).collect()
+        });
+        let longest = table.classes.iter().map(|c| c.filled.form.steps.len()).max().unwrap_or(0);
+        Self { table, tables, needed: needed.collect(), registers: vec![[0.0; LANES]; longest] }
+    }
+
+    /// The values of steps at a point; of those without an operand, infinity.
+    fn values(&mut self, steps: &[u32], point: [f64; 3]) -> Vec<f64> {
+        let mut values = vec![f64::INFINITY; steps.len()];
+        let mut by_class: Vec<Vec<(usize, u32)>> = vec![Vec::new(); self.table.classes.len()];
+        for (at, &step) in steps.iter().enumerate() {
+            let entry = self.table.entries.get(step as usize).copied().unwrap_or(u32::MAX);
+            if let Some(list) = by_class.get_mut((entry >> CLASS_SHIFT) as usize) {
+                list.push((at, entry & ((1 << CLASS_SHIFT) - 1)));
+            }
+        }
+        for (class, members) in by_class.iter().enumerate() {
+            let Some(known) = self.table.classes.get(class).filter(|c| !c.pops) else { continue };
+            for chunk in members.chunks(LANES) {
+                let result = self.run(class, known, chunk, point);
+                for (&(at, _), value) in chunk.iter().zip(result) {
+                    if let Some(slot) = values.get_mut(at) {
+                        *slot = value;
+                    }
+                }
+            }
+        }
+        values
+    }
+
+    fn run(&mut self, index: usize, class: &Class, rows: &[(usize, u32)], point: [f64; 3]) -> [f64; LANES] {
+        let form = &class.filled.form;
+        let all = &self.tables.rows;
+        for &at in self.needed.get(index).map_or(&[][..], Vec::as_slice) {
+            let Some(step) = form.steps.get(at as usize) else { continue };
+            let of = |i: usize| step.arguments.get(i).and_then(|&a| self.registers.get(a as usize)).copied().unwrap_or([0.0; LANES]);
+            let value = match step.action {
+                Action::Number(i) => match class.numbers.get(i as usize) {
+                    Some(Number::Column(c)) => {
+                        let mut lanes = [0.0; LANES];
+                        for (lane, (_, row)) in lanes.iter_mut().zip(rows) {
+                            let piece = all.get(row.wrapping_add(c / 4) as usize);
+                            *lane = piece.and_then(|p| p.get((c % 4) as usize)).copied().map_or(0.0, f64::from);
+                        }
+                        lanes
+                    }
+                    Some(Number::Same(number)) => [f64::from(narrow(*number)); LANES],
+                    None => [0.0; LANES],
+                },
+                Action::Point(i) => [point.get(usize::from(i)).copied().unwrap_or(0.0); LANES],
+                Action::Op(op) => lanes(op, of(0), of(1), of(2), of(3)),
+                Action::Time | Action::Parameter(_) | Action::Factor(_) | Action::Older(_) | Action::Newer(_) => [0.0; LANES],
+            };
+            if let Some(slot) = self.registers.get_mut(at as usize) {
+                *slot = value;
+            }
+        }
+        form.operand.and_then(|o| self.registers.get(o as usize)).copied().unwrap_or([f64::INFINITY; LANES])
+    }
+}
+
+/// An operation on each lane; those that are frequent as loops that a compiler makes wide.
+fn lanes(op: Op, a: [f64; LANES], b: [f64; LANES], c: [f64; LANES], d: [f64; LANES]) -> [f64; LANES] {
+    let two = |f: fn(f64, f64) -> f64| {
+        let mut out = [0.0; LANES];
+        for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
+            *out = f(a, b);
+        }
+        out
+    };
+    match op {
+        Op::Add => two(|a, b| a + b),
+        Op::Sub => two(|a, b| a - b),
+        Op::Mul => two(|a, b| a * b),
+        Op::Min => two(f64::min),
+        Op::Max => two(f64::max),
+        Op::Abs => a.map(f64::abs),
+        Op::Neg => a.map(|a| -a),
+        Op::Square => a.map(|a| a * a),
+        Op::Length3 => {
+            let mut out = two(|a, b| a * a + b * b);
+            for (out, c) in out.iter_mut().zip(c) {
+                *out = (*out + c * c).sqrt();
+            }
+            out
+        }
+        _ => {
+            let mut out = [0.0; LANES];
+            let arguments = a.iter().zip(&b).zip(c.iter().zip(&d));
+            for (out, ((a, b), (c, d))) in out.iter_mut().zip(arguments) {
+                let all = [*a, *b, *c, *d];
+                *out = kernel::value(op, all.get(..op.row().arity.into()).unwrap_or(&all));
+            }
+            out
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! A formula with its numbers taken out, so that copies that differ in numbers alone have one text.
+
+use crate::functions::Functions;
+use crate::functions::unions::{Join, Of, Operand};
+use crate::graph::kernel::Op;
+use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId};
+use rustc_hash::FxHashMap;
+
+/// What a step of a form does. Its arguments are earlier steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Action {
+    /// The number with this index.
+    Number(u32),
+    /// A coordinate of the point.
+    Point(u8),
+    /// Seconds.
+    Time,
+    /// A component of a parameter.
+    Parameter(u32),
+    /// A factor's multiple.
+    Factor(u32),
+    /// The older of two values that are joined: component 0, 1, 2 of its gradient, or 3, the value itself.
+    Older(u8),
+    /// The newer of two.
+    Newer(u8),
+    /// An operation.
+    Op(Op),
+}
+
+/// A step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct FormStep {
+    /// What is done.
+    pub action: Action,
+    /// With which steps; zeros beyond those that the operation takes.
+    pub arguments: [u32; 4],
+}
+
+/// A formula without its numbers.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Form {
+    /// In an order in which they can be computed.
+    pub steps: Vec<FormStep>,
+    /// The operand's value alone, where there is an operand.
+    pub operand: Option<u32>,
+    /// The steps that are the results: the value, or the gradient and the value.
+    pub results: Vec<u32>,
+    /// The points of the spaces on the way.
+    pub points: Vec<[u32; 3]>,
+}
+
+/// A form with its numbers and, for those steps that have one, the nodes that name them.
+#[derive(Clone, Debug, Default)]
+pub struct Filled {
+    /// The form.
+    pub form: Form,
+    /// Its numbers.
+    pub numbers: Vec<f64>,
+    /// A node for each step.
+    pub names: Vec<Option<NodeId>>,
+}
+
+/// A body of more steps is a function of its own, called by text that is written out.
+const LONGEST: usize = 600;
+/// So deep a body may call.
+const DEEPEST: usize = 48;
+
+/// Forms of functions.
+pub struct Former<'a> {
+    graph: &'a Graph,
+    functions: &'a Functions,
+    filled: Filled,
+    /// What is computed of each space: a shape at a point.
+    frames: FxHashMap<(ShapeId, [u32; 3]), FxHashMap<NodeId, u32>>,
+}
+
+/// The gradient and the value, or the value alone.
+pub fn components(of: Of, gradient: bool) -> Vec<Of> {
+    let slopes = (0..3).map(|i| (of.0, Function::Gradient(i))).filter(|_| gradient);
+    slopes.chain([of]).collect()
+}
+
+impl<'a> Former<'a> {
+    /// For functions of a graph.
+    pub fn new(graph: &'a Graph, functions: &'a Functions) -> Self {
+        Self { graph, functions, filled: Filled::default(), frames: FxHashMap::default() }
+    }
+
+    /// A step of a union: an operand that is joined, or a join of what is there. None where it can't be had.
+    pub fn step(mut self, operand: Option<Operand>, join: Join, gradient: bool) -> Option<Filled> {
+        let point = [0, 1, 2].map(|i| self.push(Action::Point(i), &[], None));
+        let mut newer: Vec<u32> = Vec::new();
+        match operand {
+            Some(operand) => {
+                for of in components(operand.of, gradient) {
+                    newer.push(self.open(of, point, &FxHashMap::default(), 0)?);
+                }
+                self.filled.form.operand = newer.last().copied();
+            }
+            None => {
+                let first = if gradient { 0 } else { 3 };
+                newer.extend((first..4).map(|i| self.push(Action::Newer(i), &[], None)));
+            }
+        }
+        let first = if gradient { 0 } else { 3 };
+        let older: Vec<u32> = (first..4).map(|i| self.push(Action::Older(i), &[], None)).collect();
+        let mut known = FxHashMap::default();
+        for (of, steps) in join.operands.iter().zip([&older, &newer]) {
+            known.extend(components(*of, gradient).into_iter().zip(steps.iter().copied()));
+        }
+        let all = components(join.of, gradient);
+        self.filled.form.results = all.into_iter().map(|of| self.open(of, point, &known, 0)).collect::<Option<Vec<u32>>>()?;
+        Some(self.filled)
+    }
+
+    fn push(&mut self, action: Action, of: &[u32], name: Option<NodeId>) -> u32 {
+        let mut arguments = [0; 4];
+        for (slot, step) in arguments.iter_mut().zip(of) {
+            *slot = *step;
+        }
+        self.filled.form.steps.push(FormStep { action, arguments });
+        self.filled.names.push(name);
+        self.filled.form.steps.len() as u32 - 1
+    }
+
+    /// The value of a function at a point. `known`: the functions that are there already.
+    fn open(&mut self, of: Of, point: [u32; 3], known: &FxHashMap<Of, u32>, depth: usize) -> Option<u32> {
+        let root = *self.functions.formulas.get(&of)?;
+        let shape = self.graph.shape(of.0)?;
+        if depth > DEEPEST || shape.dimensions == 0 || !shape.variables.is_empty() {
+            return None;
+        }
+        let key = (of.0, point);
+        let mut frame = match self.frames.remove(&key) {
+            Some(frame) => frame,
+            None => {
+                self.filled.form.points.push(point);
+                FxHashMap::default()
+            }
+        };
+        for id in self.graph.computed(root) {
+            if frame.contains_key(&id) {
+                continue;
+            }
+            if self.filled.form.steps.len() > LONGEST {
+                return None;
+            }
+            let name = self.graph.node_name(id).map(|_| id);
+            let step = match self.graph.node(id) {
+                // Each use has a number of its own: two that are alike in one copy may differ in another.
+                Node::Constant(_) => continue,
+                Node::Leaf(Leaf::P(i)) => *point.get(usize::from(*i))?,
+                Node::Leaf(Leaf::Time) => self.push(Action::Time, &[], name),
+                Node::Leaf(Leaf::Parameter(i)) => self.push(Action::Parameter(*i), &[], name),
+                Node::Leaf(Leaf::Normal(_) | Leaf::Variable(_)) => return None,
+                Node::Factor(i) => self.push(Action::Factor(*i), &[], name),
+                Node::Claim(args, _) => self.argument(&frame, *args.first()?)?,
+                Node::Op(op, args) => {
+                    let args = args.iter().map(|a| self.argument(&frame, *a)).collect::<Option<Vec<u32>>>()?;
+                    self.push(Action::Op(*op), &args, name)
+                }
+                Node::Call(inner, function, args) => match known.get(&(*inner, *function)) {
+                    Some(&step) => step,
+                    None => {
+                        let at: Option<Vec<u32>> = args.iter().map(|a| self.argument(&frame, *a)).collect();
+                        let at = <[u32; 3]>::try_from(at?).ok()?;
+                        // A function may call another of the same shape at the same point.
+                        self.frames.insert(key, frame);
+                        let step = self.open((*inner, *function), at, known, depth + 1)?;
+                        frame = self.frames.remove(&key).unwrap_or_default();
+                        step
+                    }
+                },
+            };
+            frame.insert(id, step);
+        }
+        let result = self.argument(&frame, root);
+        self.frames.insert(key, frame);
+        result
+    }
+
+    fn argument(&mut self, frame: &FxHashMap<NodeId, u32>, node: NodeId) -> Option<u32> {
+        if let Node::Constant(bits) = self.graph.node(node) {
+            let index = self.filled.numbers.len() as u32;
+            self.filled.numbers.push(f64::from_bits(*bits));
+            return Some(self.push(Action::Number(index), &[], self.graph.node_name(node).map(|_| node)));
+        }
+        frame.get(&node).copied()
+    }
+}

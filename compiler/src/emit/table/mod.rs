@@ -1,0 +1,209 @@
+//! Unions of many as tables: copies that differ in numbers alone are rows, and a loop goes through a list of them.
+
+mod form;
+mod text;
+
+use crate::functions::Functions;
+use crate::functions::unions::{Of, Operand, Step, Union};
+use crate::graph::{Function, Graph};
+use form::{Filled, Former};
+use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
+
+pub use form::{Action, Form};
+pub use text::{HEAD, declare_buffers, declare_text, write};
+
+/// An entry of a list is its class and, below that, its row.
+pub const CLASS_SHIFT: u32 = 24;
+/// The class of [`Step::Push`].
+pub const PUSH: u32 = 255;
+/// No more classes, else the loop is a list of its own.
+const MOST_CLASSES: usize = 24;
+/// So many rows a class on average, at least: else the text is as short without the table.
+const FEWEST_ROWS: usize = 4;
+/// The row of what has no number of its own.
+const NO_ROW: u32 = 0;
+
+/// What many steps of a union have in common.
+#[derive(Clone, Debug)]
+pub struct Class {
+    /// How they are computed.
+    pub filled: Filled,
+    /// Where each of the form's numbers stands.
+    pub numbers: Vec<Number>,
+    /// Whether the step joins what was set aside, not an operand.
+    pub pops: bool,
+}
+
+/// Where a number of a class stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Number {
+    /// It is the same in all rows.
+    Same(f64),
+    /// In this column of the row.
+    Column(u32),
+}
+
+/// A union as classes and a list.
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// The classes.
+    pub classes: Vec<Class>,
+    /// An entry for each of the union's steps.
+    pub entries: Vec<u32>,
+    /// Whether the forms give the gradient too.
+    pub gradient: bool,
+    /// How many values are set aside at once.
+    pub depth: usize,
+    /// An operand does not matter where another one is smaller by more.
+    pub reach: f64,
+    /// What each step joins; none where that is no operand.
+    pub operands: Vec<Option<Operand>>,
+    /// Which of all tables it is.
+    pub index: u32,
+}
+
+/// All tables of a module.
+#[derive(Clone, Debug, Default)]
+pub struct Tables {
+    /// By the function that each one is.
+    pub tables: BTreeMap<Of, Table>,
+    /// The rows of all, four numbers in a piece.
+    pub rows: Vec<[f32; 4]>,
+}
+
+impl Tables {
+    /// The tables of all unions that are worth one.
+    pub fn new(graph: &Graph, functions: &Functions) -> Self {
+        let mut tables = Self::default();
+        let mut unions: Vec<(&Of, &Union)> = functions.unions.iter().collect();
+        unions.sort_unstable_by_key(|(of, _)| **of);
+        for (of, union) in unions {
+            let gradients = |of: Of| functions.formulas.contains_key(&(of.0, Function::Gradient(0)));
+            let gradient = of.1 == Function::Field && union.functions().all(gradients);
+            if let Some(mut table) = tables.table(graph, functions, union, gradient) {
+                table.index = tables.tables.len() as u32;
+                tables.tables.insert(*of, table);
+            }
+        }
+        tables
+    }
+
+    fn table(&mut self, graph: &Graph, functions: &Functions, union: &Union, gradient: bool) -> Option<Table> {
+        // The class of each step, and the numbers of the rows of each class.
+        let mut classes: Vec<(Class, Vec<Vec<f64>>)> = Vec::new();
+        let mut known: FxHashMap<(Form, bool), usize> = FxHashMap::default();
+        let mut places: Vec<Option<(usize, usize)>> = Vec::with_capacity(union.steps.len());
+        let mut operands = Vec::with_capacity(union.steps.len());
+        for step in &union.steps {
+            let (operand, join) = match *step {
+                Step::Push => {
+                    places.push(None);
+                    operands.push(None);
+                    continue;
+                }
+                Step::Operand(operand, join) => (Some(operand), join),
+                Step::Pop(join) => (None, join),
+            };
+            let Filled { form, numbers, names } = Former::new(graph, functions).step(operand, join, gradient)?;
+            let key = (form, operand.is_none());
+            let class = match known.get(&key) {
+                Some(&class) => class,
+                None => {
+                    let filled = Filled { form: key.0.clone(), numbers: Vec::new(), names };
+                    let class = Class { filled, numbers: Vec::new(), pops: key.1 };
+                    classes.push((class, Vec::new()));
+                    known.insert(key, classes.len() - 1);
+                    classes.len() - 1
+                }
+            };
+            if classes.len() > MOST_CLASSES {
+                return None;
+            }
+            let (_, rows) = classes.get_mut(class)?;
+            places.push(Some((class, rows.len())));
+            operands.push(operand);
+            rows.push(numbers);
+        }
+        if classes.len() * FEWEST_ROWS > union.steps.len() {
+            return None;
+        }
+        let mut firsts = Vec::new();
+        for (class, rows) in &mut classes {
+            firsts.push(self.fill(class, rows));
+        }
+        let entry = |place: &Option<(usize, usize)>| match place {
+            None => Some(PUSH << CLASS_SHIFT),
+            Some((class, row)) => {
+                let (first, width) = *firsts.get(*class)?;
+                let row = if width == 0 { NO_ROW } else { first + width * *row as u32 };
+                (row < 1 << CLASS_SHIFT).then_some((*class as u32) << CLASS_SHIFT | row)
+            }
+        };
+        let entries = places.iter().map(entry).collect::<Option<Vec<u32>>>()?;
+        let classes = classes.into_iter().map(|(class, _)| class).collect();
+        Some(Table { classes, entries, gradient, depth: union.depth, reach: union.reach, operands, index: 0 })
+    }
+
+    /// Adds the rows of a class and says where its numbers stand. The answer: its first piece, and the pieces of a row.
+    fn fill(&mut self, class: &mut Class, rows: &[Vec<f64>]) -> (u32, u32) {
+        let count = rows.first().map_or(0, Vec::len);
+        let column = |i: usize| rows.iter().map(move |row| row.get(i).copied().unwrap_or(0.0));
+        // Columns that are there, by a number of the form that stands in them.
+        let mut columns: Vec<usize> = Vec::new();
+        for i in 0..count {
+            let first = column(i).next().unwrap_or(0.0);
+            let number = if column(i).all(|c| c == first) {
+                Number::Same(first)
+            } else {
+                let known = columns.iter().position(|&j| column(i).eq(column(j)));
+                Number::Column(known.unwrap_or_else(|| {
+                    columns.push(i);
+                    columns.len() - 1
+                }) as u32)
+            };
+            class.numbers.push(number);
+        }
+        let first = self.rows.len() as u32;
+        let width = columns.len().div_ceil(4);
+        for row in rows {
+            for piece in 0..width {
+                let number = |i: usize| {
+                    let at = columns.get(4 * piece + i).and_then(|&at| row.get(at));
+                    at.map_or(0.0, |&c| narrow(c))
+                };
+                self.rows.push([0, 1, 2, 3].map(number));
+            }
+        }
+        (first, width as u32)
+    }
+
+    /// The table that computes a function, if there is one.
+    pub fn get(&self, of: Of) -> Option<&Table> {
+        self.tables.get(&of)
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.tables.is_empty()
+    }
+}
+
+/// A number as the text of a module would hold it.
+pub fn narrow(number: f64) -> f32 {
+    let limit = f64::from(f32::MAX);
+    let number = number.clamp(-limit, limit) as f32;
+    if number.is_normal() { number } else { 0.0 }
+}
+
+impl Union {
+    /// The functions of which it is made.
+    fn functions(&self) -> impl Iterator<Item = Of> + '_ {
+        let of = |step: &Step| match step {
+            Step::Operand(operand, join) => [Some(operand.of), Some(join.of)],
+            Step::Push => [None, None],
+            Step::Pop(join) => [None, Some(join.of)],
+        };
+        self.steps.iter().flat_map(of).flatten()
+    }
+}

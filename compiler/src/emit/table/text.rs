@@ -1,0 +1,200 @@
+//! The text of tables: a function for each class, and the loop.
+
+use super::{Action, CLASS_SHIFT, Class, Number, PUSH, Table, Tables};
+use crate::emit::EmitError;
+use crate::emit::body::{Body, Code, ExprId, Outside, Read};
+use crate::emit::write::{self, Context};
+use crate::graph::FAR;
+use crate::graph::kernel::Terms;
+use std::fmt::Write;
+
+/// Numbers in a union's head, which stands at the beginning of the lists.
+pub const HEAD: u32 = 16;
+
+/// Writes the function `name` of a union: its value, or its gradient and value. The answer: operations of one evaluation of all operands.
+pub fn write(
+    context: &mut Context,
+    table: &Table,
+    gradient: bool,
+    name: &str,
+    body: &mut Body,
+    text: &mut String,
+) -> Result<usize, EmitError> {
+    let ty = if gradient { "vec4f" } else { "f32" };
+    let mut names = Vec::new();
+    let mut operations = Vec::new();
+    for (i, class) in table.classes.iter().enumerate() {
+        let name = context.module.give(&format!("{name}_{}", i + 1));
+        let arguments = arguments(class, ty);
+        let _ = writeln!(text, "\nfn {name}({}) -> {ty} {{", arguments.join(", "));
+        body.clear();
+        let result = open(context, class, gradient, body)?;
+        let columns = class.numbers.iter().filter_map(|n| match n {
+            Number::Column(c) => Some(*c / 4 + 1),
+            Number::Same(_) => None,
+        });
+        let pieces = columns.max().unwrap_or(0);
+        let prefix = context.prefix;
+        let mut words: Vec<String> = ["p", "d", "aside", "row"].map(str::to_owned).to_vec();
+        for piece in 0..pieces {
+            let at = if piece == 0 { "row".to_owned() } else { format!("row + {piece}u") };
+            let _ = writeln!(text, "  let r{piece} = {prefix}table[{at}];");
+            words.push(format!("r{piece}"));
+        }
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        operations.push(write::write(context, body, result, &words, text));
+        text.push_str("}\n");
+        names.push(name);
+    }
+    let p = context.prefix;
+    let far = match gradient {
+        false => format!("{FAR:?}"),
+        true => format!("vec4f(0.0, 0.0, 0.0, {FAR:?})"),
+    };
+    context.helpers.need("span");
+    let span = format!("{p}span({}u, p)", HEAD * table.index);
+    let _ = write!(text, "\nfn {name}(p: vec3f) -> {ty} {{\n  let span = {span};\n  var d = {far};\n");
+    if table.depth > 0 {
+        let _ = write!(text, "  var waiting: array<{ty}, {}>;\n  var top = 0u;\n", table.depth);
+    }
+    let _ = write!(text, "  for (var i = span.x; i < span.y; i += 1u) {{\n    let step = {p}lists[i];\n");
+    let _ = writeln!(text, "    let row = step & {}u;", (1u32 << CLASS_SHIFT) - 1);
+    let call = |i: usize| {
+        let Some((class, name)) = table.classes.get(i).zip(names.get(i)) else { return String::new() };
+        let row = if class.numbers.iter().any(|n| matches!(n, Number::Column(_))) { ", row" } else { "" };
+        match class.pops {
+            true => format!("top -= 1u;\n        d = {name}(d, waiting[top]{row});"),
+            false => format!("d = {name}(p, d{row});"),
+        }
+    };
+    if table.classes.len() == 1 && table.depth == 0 {
+        let _ = writeln!(text, "    {}", call(0));
+    } else {
+        let _ = writeln!(text, "    switch step >> {CLASS_SHIFT}u {{");
+        for i in 0..table.classes.len() {
+            let _ = write!(text, "      case {i}u: {{\n        {}\n      }}\n", call(i));
+        }
+        if table.depth > 0 {
+            let _ = write!(text, "      case {PUSH}u: {{\n        waiting[top] = d;\n        top += 1u;\n        d = {far};\n      }}\n");
+        }
+        text.push_str("      default: {}\n    }\n");
+    }
+    text.push_str("  }\n  return d;\n}\n");
+    let count = |entry: &u32| operations.get((entry >> CLASS_SHIFT) as usize).copied().unwrap_or(0);
+    Ok(table.entries.iter().map(count).sum())
+}
+
+fn arguments(class: &Class, ty: &str) -> Vec<String> {
+    let mut arguments = Vec::new();
+    if class.pops {
+        arguments.extend([format!("d: {ty}"), format!("aside: {ty}")]);
+    } else {
+        arguments.extend(["p: vec3f".to_owned(), format!("d: {ty}")]);
+    }
+    if class.numbers.iter().any(|n| matches!(n, Number::Column(_))) {
+        arguments.push("row: u32".to_owned());
+    }
+    arguments
+}
+
+/// The expressions of a class.
+fn open(context: &Context, class: &Class, gradient: bool, body: &mut Body) -> Result<ExprId, EmitError> {
+    let form = &class.filled.form;
+    let whole = if gradient { 4 } else { 1 };
+    let outside = |body: &mut Body, read: Read| {
+        let (field, components, i) = context.uniforms.uniform(read)?;
+        let all = body.add(Code::Uniform(field, components), &[]);
+        Ok(if components == 1 { all } else { body.component(all, i) })
+    };
+    // What is joined, or its component. In the value's own function there is none but the value.
+    let joined = |body: &mut Body, code: Code, i: u8| {
+        let all = body.add(code, &[]);
+        match (gradient, i) {
+            (true, i) => body.component(all, i),
+            (false, 3) => all,
+            (false, _) => body.constant(0.0),
+        }
+    };
+    let (older, newer) = match class.pops {
+        true => (Code::Aside(whole), Code::Value(whole)),
+        false => (Code::Value(whole), Code::Constant(0)),
+    };
+    let mut values: Vec<ExprId> = Vec::with_capacity(form.steps.len());
+    let mut points = form.points.iter().peekable();
+    for (at, step) in form.steps.iter().enumerate() {
+        let of = |i: u32| values.get(i as usize).copied().unwrap_or(0);
+        let value = match step.action {
+            Action::Number(i) => match class.numbers.get(i as usize) {
+                Some(Number::Column(c)) => {
+                    let piece = body.add(Code::Row(c / 4), &[]);
+                    body.component(piece, (c % 4) as u8)
+                }
+                Some(Number::Same(number)) => body.constant(*number),
+                None => body.constant(0.0),
+            },
+            Action::Point(i) => {
+                let p = body.add(Code::Point(3), &[]);
+                body.component(p, i)
+            }
+            Action::Time => outside(body, Read::Time)?,
+            Action::Parameter(i) => outside(body, Read::Parameter(i))?,
+            Action::Factor(i) => outside(body, Read::Factor(i))?,
+            Action::Older(i) => joined(body, older, i),
+            Action::Newer(i) => joined(body, newer, i),
+            Action::Op(op) => {
+                let arguments = step.arguments.map(of);
+                body.op(op, arguments.get(..op.row().arity.into()).unwrap_or(&arguments))
+            }
+        };
+        body.name(value, class.filled.names.get(at).copied().flatten());
+        values.push(value);
+        // The reader sees where each shape has its own space.
+        while let Some(point) = points.peek().filter(|p| p.iter().all(|&i| i as usize <= at)) {
+            let parts = point.map(|i| values.get(i as usize).copied().unwrap_or(0));
+            body.prefer(Some(&parts));
+            points.next();
+        }
+    }
+    let results: Vec<ExprId> = form.results.iter().map(|&i| values.get(i as usize).copied().unwrap_or(0)).collect();
+    Ok(match (gradient, &results[..]) {
+        (true, [_, _, _, _]) => body.gradient(&results),
+        _ => results.last().copied().unwrap_or(0),
+    })
+}
+
+/// Declares the tables as buffers.
+pub fn declare_buffers(prefix: &str, group: u32, binding: u32, wgsl: &mut String) {
+    for (i, (name, ty)) in [("table", "vec4f"), ("lists", "u32")].into_iter().enumerate() {
+        let binding = binding as usize + 1 + i;
+        let _ = write!(wgsl, "\n@group({group}) @binding({binding}) var<storage, read> {prefix}{name}: array<{ty}>;\n");
+    }
+}
+
+/// Declares the tables as text, so that the module needs nothing else.
+pub fn declare_text(context: &Context, wgsl: &mut String) {
+    let p = context.prefix;
+    let Tables { rows, tables } = context.tables;
+    let _ = write!(wgsl, "\n// The numbers of what differs in numbers alone.\nconst {p}table = array<vec4f, {}>(\n", rows.len().max(1));
+    for [x, y, z, w] in rows {
+        let _ = writeln!(wgsl, "  vec4f({x:?}, {y:?}, {z:?}, {w:?}),");
+    }
+    if rows.is_empty() {
+        wgsl.push_str("  vec4f(0.0),\n");
+    }
+    let mut all: Vec<&Table> = tables.values().collect();
+    all.sort_unstable_by_key(|t| t.index);
+    let entries: Vec<u32> = all.iter().flat_map(|t| t.entries.iter().copied()).collect();
+    let _ = write!(wgsl, ");\n\n// What is united, one after the other: what is done, and below that its row.\nconst {p}lists = array<u32, {}>(\n", entries.len());
+    for line in entries.chunks(12) {
+        let words: Vec<String> = line.iter().map(|e| format!("{e}u")).collect();
+        let _ = writeln!(wgsl, "  {},", words.join(", "));
+    }
+    let _ = write!(wgsl, ");\n\n// Where the list of a union begins and ends.\nfn {p}span(head: u32, p: vec3f) -> vec2u {{\n  switch head {{\n");
+    let mut first = 0;
+    for table in all {
+        let end = first + table.entries.len();
+        let _ = writeln!(wgsl, "    case {}u: {{ return vec2u({first}u, {end}u); }}", HEAD * table.index);
+        first = end;
+    }
+    wgsl.push_str("    default: { return vec2u(0u, 0u); }\n  }\n}\n");
+}
