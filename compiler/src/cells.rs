@@ -4,23 +4,16 @@
 //! the least of all greatest values, by more than blends reach, does not matter there. Lists are found from those of the block around, so most
 //! of a thousand operands are looked at in few blocks. The field that a list gives is the field that the whole list gives.
 
-use crate::emit::table::{Action, CLASS_SHIFT, Class, HEAD, Number, PUSH, Table, Tables, narrow};
-use crate::functions::unions::Operand;
+use crate::emit::table::{Action, CLASS_SHIFT, Class, Grid, HEAD, Number, PUSH, Table, Tables, narrow};
 use crate::graph::kernel::{self, Op};
 use rustc_hash::FxHashMap;
 
 /// Lanes of one walk over a form.
 const LANES: usize = 16;
-/// Cells for each operand in the innermost box.
-const CELLS: f64 = 16.0;
-/// Cells in the innermost box.
-const MOST_CELLS: f64 = 262_144.0;
-/// Cells along an axis of the innermost box.
-const MOST_ALONG: f64 = 128.0;
 /// Cells along each axis of the boxes around it.
-const OUTER: usize = 12;
+const OUTER: usize = 8;
 /// Boxes, each twice as wide as the one before.
-const LEVELS: usize = 6;
+const LEVELS: usize = 4;
 /// What 32 bits may lose of a value, for each unit of the coordinates.
 const ROUNDING: f64 = 4e-6;
 
@@ -39,8 +32,9 @@ pub fn lists(tables: &Tables, cells: bool) -> Vec<u32> {
         let mut head = [0u32; HEAD as usize];
         head[0] = first;
         head[1] = lists.len() as u32;
-        if let Some(grid) = Grid::of(table).filter(|_| cells) {
-            let spans = grid.spans(table, tables, &mut lists);
+        let still = table.classes.iter().all(is_still);
+        if let Some(grid) = Grid::around(&table.operands, table.reach).filter(|_| cells && still) {
+            let spans = spans(&grid, table, tables, &mut lists);
             head[2] = LEVELS as u32;
             let [x, y, z] = grid.center.map(|c| (c as f32).to_bits());
             let [a, b, c] = grid.half.map(|h| (1.0 / h as f32).to_bits());
@@ -59,63 +53,24 @@ pub fn lists(tables: &Tables, cells: bool) -> Vec<u32> {
     lists
 }
 
-/// The boxes about a union.
-struct Grid {
-    center: [f64; 3],
-    half: [f64; 3],
-    counts: [usize; 3],
-}
-
-impl Grid {
-    /// None where cells would say nothing: an operand is live, or nothing is known of where the operands are.
-    fn of(table: &Table) -> Option<Self> {
-        if table.classes.iter().any(|c| !is_still(c)) {
-            return None;
-        }
-        let mut low = [f64::INFINITY; 3];
-        let mut high = [f64::NEG_INFINITY; 3];
-        let mut count = 0.0;
-        let bounded = |o: &&Operand| o.region.is_finite() && !o.region.is_empty();
-        for operand in table.operands.iter().flatten().filter(bounded) {
-            count += 1.0;
-            for ((low, high), side) in low.iter_mut().zip(&mut high).zip(&operand.region.0) {
-                *low = low.min(side.lo);
-                *high = high.max(side.hi);
-            }
-        }
-        if count == 0.0 {
-            return None;
-        }
-        let size = [0, 1, 2].map(|i| high[i] - low[i]);
-        let longest = size.iter().fold(1e-3, |a: f64, b| a.max(*b));
-        // Room for blends, and no side is nothing.
-        let grown = size.map(|s| 1.02 * s.max(0.02 * longest) + 0.5 * table.reach);
-        let cells = (CELLS * count).clamp(64.0, MOST_CELLS);
-        let side = (grown[0] * grown[1] * grown[2] / cells).cbrt();
-        let counts = grown.map(|g| (g / side).ceil().clamp(1.0, MOST_ALONG) as usize);
-        let center = [0, 1, 2].map(|i| f64::from((0.5 * (low[i] + high[i])) as f32));
-        Some(Self { center, half: grown.map(|g| 0.5 * g), counts })
+/// The span of each cell's list: those of the innermost box, x first, then those of the others.
+fn spans(grid: &Grid, table: &Table, tables: &Tables, lists: &mut Vec<u32>) -> Vec<(u32, u32)> {
+    let all: Vec<u32> = (0..table.entries.len() as u32).collect();
+    let mut finder = Finder { table, evaluator: Evaluator::new(table, tables), lists, known: FxHashMap::default() };
+    let mut spans = Vec::new();
+    for level in 0..LEVELS {
+        let counts = if level == 0 { grid.counts } else { [OUTER; 3] };
+        let first = spans.len();
+        spans.resize(first + counts.iter().product::<usize>(), (0, 0));
+        let scale = f64::from(1u32 << level);
+        let half = grid.half.map(|h| h * scale);
+        let cell = [0, 1, 2].map(|i| 2.0 * half[i] / counts[i] as f64);
+        let low = [0, 1, 2].map(|i| grid.center[i] - half[i]);
+        let level = Level { low, cell, counts, inner: (level > 0).then_some((grid.center, half.map(|h| 0.5 * h))) };
+        let slots = spans.get_mut(first..).unwrap_or_default();
+        finder.block(&level, [0; 3], counts, &all, slots);
     }
-
-    /// The span of each cell's list: those of the innermost box, x first, then those of the others.
-    fn spans(&self, table: &Table, tables: &Tables, lists: &mut Vec<u32>) -> Vec<(u32, u32)> {
-        let all: Vec<u32> = (0..table.entries.len() as u32).collect();
-        let mut finder = Finder { table, evaluator: Evaluator::new(table, tables), lists, known: FxHashMap::default() };
-        let mut spans = Vec::new();
-        for level in 0..LEVELS {
-            let counts = if level == 0 { self.counts } else { [OUTER; 3] };
-            let first = spans.len();
-            spans.resize(first + counts.iter().product::<usize>(), (0, 0));
-            let scale = f64::from(1u32 << level);
-            let half = self.half.map(|h| h * scale);
-            let cell = [0, 1, 2].map(|i| 2.0 * half[i] / counts[i] as f64);
-            let low = [0, 1, 2].map(|i| self.center[i] - half[i]);
-            let level = Level { low, cell, counts, inner: (level > 0).then_some((self.center, half.map(|h| 0.5 * h))) };
-            let slots = spans.get_mut(first..).unwrap_or_default();
-            finder.block(&level, [0; 3], counts, &all, slots);
-        }
-        spans
-    }
+    spans
 }
 
 /// A box in cells.

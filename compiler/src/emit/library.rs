@@ -17,7 +17,7 @@ pub struct Piece {
 }
 
 /// Helpers, in the order in which they are emitted. The place is the helper's bit in [`Helpers`].
-pub const HELPERS: [Piece; 8] = [
+pub const HELPERS: [Piece; 9] = [
     Piece { name: "square", text: "\
 fn sf_square(a: f32) -> f32 {
   return a * a;
@@ -92,6 +92,16 @@ fn sf_clip(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> vec2f {
   }
   let reach = sqrt(rest);
   return vec2f(max(t_min, middle - reach), min(t_max, middle + reach));
+}
+" },
+    Piece { name: "away", text: "\
+// How far the solid of a union is at least, beyond the box about its own; within, 0.
+fn sf_away(row: u32, p: vec3f) -> f32 {
+  let q = abs(p - sf_table[row].xyz);
+  if all(q <= sf_table[row + 2u].xyz) {
+    return 0.0;
+  }
+  return length(max(q - sf_table[row + 1u].xyz, vec3f(0.0)));
 }
 " },
     Piece { name: "span", text: "\
@@ -223,10 +233,11 @@ struct sf_Surface {
 /// Names of structs, which nothing else may take.
 pub const STRUCTURES: [&str; 3] = ["Hit", "Contact", "Surface"];
 
-/// The text of an exported function that is the same for every scene.
-pub fn function(export: Export) -> Option<Cow<'static, str>> {
+/// The text of an exported function that is the same for every scene. `one`: whether the bound is the distance.
+pub fn function(export: Export, one: bool) -> Option<Cow<'static, str>> {
     match export {
         Export::Trace => Some(Tracer::DEFAULT.wgsl().into()),
+        Export::Shadow if one => Some(SHADOW.replace("sf_distance(p)", "free").into()),
         Export::Shadow => Some(SHADOW.into()),
         Export::Collision => Some(COLLISION.into()),
         Export::Occlusion => Some(OCCLUSION.into()),
@@ -250,7 +261,8 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
     if free <= tolerance {
       return 0.0;
     }
-    if softness > 0.0 {
+    // The distance is no less than the bound: it is looked at where it can matter.
+    if softness > 0.0 && softness * free < lit * max(t, tolerance) {
       lit = min(lit, softness * sf_distance(p) / max(t, tolerance));
       if lit < 0.002 {
         return 0.0;

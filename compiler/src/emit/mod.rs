@@ -273,6 +273,14 @@ fn shape_function(
         context.operations.insert(id, count);
         return Ok(());
     }
+    let callee = target.plan.callees().next().and_then(|c| context.functions.get(&c).cloned());
+    if let (Some(table), Some(field)) = (plans.region(target), callee) {
+        let name = context.functions.get(&id).cloned().unwrap_or_default();
+        table::write_region(context, table, &field, &name, text);
+        let count = target.plan.callees().filter_map(|c| context.operations.get(&c)).sum();
+        context.operations.insert(id, count);
+        return Ok(());
+    }
     let dimensions = context.graph.shape(target.shape).map_or(3, |s| s.dimensions);
     body.clear();
     let (space, arguments) = own_space(body, dimensions, &target.plan.variables);
@@ -302,9 +310,11 @@ fn export_functions(
 ) -> Result<(usize, usize), EmitError> {
     let (graph, plans, prefix) = (context.graph, context.plans, context.prefix);
     let mut written: Vec<(TargetId, Export, usize)> = Vec::new();
+    let target_of = |export| roots.iter().find(|r| r.0 == export).map(|r| r.1);
+    let one = target_of(Export::Bound) == target_of(Export::Distance);
     for &export in exports {
         let _ = writeln!(text, "\n// {}", library::purpose(export));
-        if let Some(function) = library::function(export) {
+        if let Some(function) = library::function(export, one) {
             // Where only ways from places far out are read, rounding grows with the distance from the eye and not from the scene's middle.
             let near = function.replace("length(p + sf_uniforms.origin)", "length(p)");
             let function = if context.reads_scene { &*function } else { &*near };
@@ -312,7 +322,7 @@ fn export_functions(
             continue;
         }
         let _ = writeln!(text, "fn {} {{", prefixed(library::signature(export), prefix));
-        let target = roots.iter().find(|r| r.0 == export).map(|r| r.1);
+        let target = target_of(export);
         let same = written.iter().find(|w| Some(w.0) == target).copied();
         let count = if let Some((_, other, count)) = same {
             let _ = writeln!(text, "  return {prefix}{}(p);", other.name());

@@ -145,6 +145,11 @@ impl Plan {
         })
     }
 
+    /// The targets that it calls.
+    pub fn callees(&self) -> impl Iterator<Item = TargetId> + '_ {
+        self.calls_after(0).map(|(_, id)| id)
+    }
+
     /// Steps that compute something.
     fn work(&self) -> u64 {
         self.steps.iter().filter(|s| matches!(s.action, Action::Op(_))).count() as u64
@@ -246,6 +251,16 @@ impl<'a> Plans<'a> {
         (target.group != Group::Gradient || table.gradient).then_some(table)
     }
 
+    /// The table of a union behind whose region a bound stands: beyond that the distance to the region is enough.
+    pub fn region(&self, target: &Target) -> Option<&'a Table> {
+        (target.group == Group::Bound && self.table(target).is_none()).then(|| self.region_of(target.shape))?
+    }
+
+    /// The table of a shape's field, where the shape lies in a region.
+    fn region_of(&self, shape: ShapeId) -> Option<&'a Table> {
+        self.tables.get((shape, Function::Field)).filter(|t| t.region.is_some())
+    }
+
     /// The gradient of a shape, where the module needs it.
     pub fn gradient(&self, shape: ShapeId) -> Option<TargetId> {
         self.known(shape, Group::Gradient)
@@ -274,6 +289,17 @@ impl<'a> Plans<'a> {
             let (shape, group) = (target.shape, target.group);
             at += 1;
             if self.table(target).is_some() {
+                continue;
+            }
+            if self.region(target).is_some() {
+                let field = self.target(shape, Group::Field);
+                let mut plan = Plan::default();
+                let point = [0, 1, 2].map(|i| plan.push(Action::Leaf(Leaf::P(i)), [], None));
+                let call = plan.push(Action::Call(field), point, None);
+                plan.results.push(call);
+                if let Some(target) = self.targets.get_mut(at - 1) {
+                    target.plan = plan;
+                }
                 continue;
             }
             let mut formulas = [NodeId::default(); 4];
@@ -361,7 +387,7 @@ impl<'a> Plans<'a> {
                 let callee = self.targets.get(callee as usize);
                 size = size.saturating_add(callee.map_or(0, |c| if c.stands_alone { 1 } else { c.size }));
             }
-            let tabled = self.table(target).is_some();
+            let tabled = self.table(target).is_some() || self.region(target).is_some();
             let name = graph.shape(target.shape).and_then(|s| s.name.as_deref());
             let named = name.is_some_and(|n| same_name.get(n).is_some_and(|c| c.0 <= MANY));
             if let Some(target) = self.targets.get_mut(id as usize) {
@@ -406,7 +432,12 @@ impl<'a> Plans<'a> {
         };
         let Some(own) = formula(first) else { return group };
         for &(function, other) in earlier {
-            if formula(function) == Some(own) || self.passes_on(own, shape, function) {
+            let union = self.functions.unions.get(&(shape, first));
+            let alike = union.is_some_and(|u| u.same == Some(function)) && self.tables.get((shape, function)).is_some();
+            if alike || formula(function) == Some(own) || self.passes_on(own, shape, function) {
+                if group == Group::Bound && self.region_of(shape).is_some() {
+                    return group;
+                }
                 return self.same(shape, other);
             }
         }

@@ -33,6 +33,8 @@ pub struct Union {
     pub reach: f64,
     /// How many values are set aside at once.
     pub depth: usize,
+    /// Another function of the shape that is the same; then nothing else is here.
+    pub same: Option<Function>,
 }
 
 /// A step of a [`Union`].
@@ -59,18 +61,34 @@ pub struct Operand {
 
 /// Two values made one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Join {
-    /// The function whose formula does it.
-    pub of: Of,
-    /// The functions that it calls: of the older value and of the newer one.
-    pub operands: [Of; 2],
+pub enum Join {
+    /// The lesser of the two.
+    Least,
+    /// A blend.
+    Blend {
+        /// The function whose formula does it.
+        of: Of,
+        /// The functions that it calls: of the older value and of the newer one.
+        operands: [Of; 2],
+    },
 }
 
 /// What one function is, as far as unions are concerned.
-#[derive(Clone, Copy, Debug)]
-struct Joint {
-    operands: [Of; 2],
-    reach: f64,
+#[derive(Clone, Debug)]
+enum Joint {
+    /// The least of these.
+    Least(Vec<Of>),
+    /// A blend of two, and its reach.
+    Blend([Of; 2], f64),
+}
+
+impl Joint {
+    fn operands(&self) -> &[Of] {
+        match self {
+            Joint::Least(all) => all,
+            Joint::Blend(two, _) => two,
+        }
+    }
 }
 
 /// Finds the unions among functions: the widest ones, not those inside of others.
@@ -82,22 +100,28 @@ pub fn find(graph: &Graph, facts: &mut Facts, functions: &Functions) -> FxHashMa
     }
     let mut finder = Finder { graph, functions, joints: FxHashMap::default() };
     // What is the same as another function of its shape is computed as that one.
-    let own = |of: &Of| match of.1 {
-        Function::Gradient(_) => false,
-        Function::Field => true,
-        Function::Bound | Function::Distance => {
-            let formula = functions.formulas.get(of);
-            let others = [Function::Field, Function::Bound].into_iter().filter(|f| *f < of.1);
-            others.map(|f| functions.formulas.get(&(of.0, f))).all(|other| other != formula)
-        }
-    };
+    let own = |of: &Of| !matches!(of.1, Function::Gradient(_)) && finder.first(*of) == *of;
     let mut all: Vec<Of> = functions.formulas.keys().copied().filter(own).collect();
     all.sort_unstable();
     let joints: Vec<(Of, Joint)> = all.iter().filter_map(|&of| Some((of, finder.joint(of)?))).collect();
-    let inner: FxHashSet<Of> = joints.iter().flat_map(|(_, j)| j.operands).map(|of| finder.passed_on(of)).collect();
+    let operands = joints.iter().flat_map(|(_, j)| j.operands());
+    let inner: FxHashSet<Of> = operands.map(|of| finder.passed_on(*of)).collect();
     for (of, _) in joints.iter().filter(|(of, _)| !inner.contains(of)) {
         if let Some(union) = finder.union(*of, facts) {
             unions.insert(*of, union);
+        }
+    }
+    // Where all operands are alike, so is the whole.
+    for &(shape, function) in &all {
+        let mut earlier = [Function::Field, Function::Bound].into_iter().filter(|f| *f < function);
+        let alike = |f: &Function| match (unions.get(&(shape, function)), unions.get(&(shape, *f))) {
+            (Some(a), Some(b)) => a.steps == b.steps,
+            _ => false,
+        };
+        if let Some(same) = earlier.find(alike) {
+            if let Some(union) = unions.get_mut(&(shape, function)) {
+                *union = Union { same: Some(same), ..Union::default() };
+            }
         }
     }
     unions
@@ -114,6 +138,28 @@ impl Finder<'_> {
         self.functions.formulas.get(&of).copied()
     }
 
+    /// The first function of the same shape that computes the same.
+    fn first(&self, of: Of) -> Of {
+        self.first_within(of, 64)
+    }
+
+    fn first_within(&self, of: Of, depth: usize) -> Of {
+        let Some(formula) = self.formula(of).filter(|_| depth > 0) else { return of };
+        let alike = |other: &Of| {
+            let Some(own) = self.formula(*other) else { return false };
+            // The same formula, or the same place of functions that are the same.
+            own == formula
+                || match (self.graph.node(formula), self.graph.node(own)) {
+                    (Node::Call(a, f, at), Node::Call(b, g, there)) => {
+                        a == b && at == there && self.first_within((*a, *f), depth - 1) == self.first_within((*b, *g), depth - 1)
+                    }
+                    _ => false,
+                }
+        };
+        let mut others = [Function::Field, Function::Bound].into_iter().map(|f| (of.0, f)).filter(|o| o.1 < of.1);
+        others.find(alike).unwrap_or(of)
+    }
+
     /// The function that this one calls with all that it is given, or itself.
     fn passed_on(&self, mut of: Of) -> Of {
         // Shapes are made of older ones, but a function may call another of its own shape.
@@ -124,7 +170,7 @@ impl Finder<'_> {
             }
             of = (*shape, *function);
         }
-        of
+        self.first(of)
     }
 
     /// Whether a call's arguments are the point itself.
@@ -135,15 +181,34 @@ impl Finder<'_> {
 
     fn joint(&mut self, of: Of) -> Option<Joint> {
         if let Some(known) = self.joints.get(&of) {
-            return *known;
+            return known.clone();
         }
-        let found = self.find_joint(of);
-        self.joints.insert(of, found);
+        let found = self.formula(of).and_then(|formula| self.least(formula).or_else(|| self.blend(formula)));
+        self.joints.insert(of, found.clone());
         found
     }
 
-    fn find_joint(&self, of: Of) -> Option<Joint> {
-        let formula = self.formula(of)?;
+    /// The calls of which a formula is the least.
+    fn least(&self, formula: NodeId) -> Option<Joint> {
+        let mut all = Vec::new();
+        let mut stack = vec![formula];
+        while let Some(node) = stack.pop() {
+            match self.graph.node(node) {
+                Node::Op(Op::Min, args) => stack.extend(args.iter().rev()),
+                Node::Call(shape, function, args) if self.is_here(args) && !matches!(function, Function::Gradient(_)) => {
+                    all.push((*shape, *function));
+                }
+                _ => return None,
+            }
+            if all.len() > MOST {
+                return None;
+            }
+        }
+        (all.len() > 1).then_some(Joint::Least(all))
+    }
+
+    /// The two that a formula blends.
+    fn blend(&self, formula: NodeId) -> Option<Joint> {
         let mut called: Vec<Of> = Vec::new();
         let mut reaches = vec![0.0];
         let nodes = self.graph.reachable(&[formula]);
@@ -178,7 +243,7 @@ impl Finder<'_> {
             };
             one(0) && one(1)
         })?;
-        Some(Joint { operands, reach })
+        Some(Joint::Blend(operands, reach))
     }
 
     /// What a formula is where one of its operands is smaller than the other by more than a reach.
@@ -214,9 +279,9 @@ impl Finder<'_> {
                 counts.insert(of, 1);
                 continue;
             };
-            let inner = joint.operands.map(|o| self.passed_on(o));
+            let inner = joint.operands().iter().map(|o| self.passed_on(*o));
             if ready {
-                let count = inner.iter().map(|o| counts.get(o).copied().unwrap_or(1)).fold(0, usize::saturating_add);
+                let count = inner.map(|o| counts.get(&o).copied().unwrap_or(1)).fold(0, usize::saturating_add);
                 counts.insert(of, count);
             } else {
                 stack.push((of, true));
@@ -233,8 +298,7 @@ impl Finder<'_> {
             Do(Step),
         }
         let mut union = Union::default();
-        let none = Join { of: root, operands: [root; 2] };
-        let mut tasks = vec![Task::Open(root, none, true)];
+        let mut tasks = vec![Task::Open(root, Join::Least, true)];
         let mut depth = 0;
         while let Some(task) = tasks.pop() {
             match task {
@@ -259,16 +323,23 @@ impl Finder<'_> {
                         tasks.extend([Task::Do(Step::Pop(join)), Task::Open(of, join, true), Task::Do(Step::Push)]);
                     }
                     (Some(joint), true) => {
-                        union.reach = union.reach.max(4.0 * joint.reach);
-                        let count = |o: Of| counts.get(&self.passed_on(o)).copied().unwrap_or(1);
-                        let [mut first, mut second] = joint.operands;
-                        // What is larger comes first, so that few values wait.
-                        if count(second) > count(first) {
-                            (first, second) = (second, first);
+                        let count = |o: &Of| counts.get(&self.passed_on(*o)).copied().unwrap_or(1);
+                        // What is largest comes first, so that few values wait.
+                        let mut operands = joint.operands().to_vec();
+                        let largest = (0..operands.len()).rev().max_by_key(|&i| operands.get(i).map_or(0, count)).unwrap_or(0);
+                        if let Some(first) = operands.get_mut(..=largest) {
+                            first.rotate_right(1);
                         }
-                        let join = Join { of, operands: [first, second] };
-                        tasks.push(Task::Open(self.passed_on(second), join, false));
-                        tasks.push(Task::Open(self.passed_on(first), join, true));
+                        let join = match (&joint, &operands[..]) {
+                            (Joint::Blend(_, reach), [first, second]) => {
+                                union.reach = union.reach.max(4.0 * reach);
+                                Join::Blend { of: self.first(of), operands: [*first, *second] }
+                            }
+                            _ => Join::Least,
+                        };
+                        for (i, operand) in operands.iter().enumerate().rev() {
+                            tasks.push(Task::Open(self.passed_on(*operand), join, i == 0));
+                        }
                     }
                 },
             }

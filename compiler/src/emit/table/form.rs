@@ -104,13 +104,32 @@ impl<'a> Former<'a> {
         }
         let first = if gradient { 0 } else { 3 };
         let older: Vec<u32> = (first..4).map(|i| self.push(Action::Older(i), &[], None)).collect();
-        let mut known = FxHashMap::default();
-        for (of, steps) in join.operands.iter().zip([&older, &newer]) {
-            known.extend(components(*of, gradient).into_iter().zip(steps.iter().copied()));
-        }
-        let all = components(join.of, gradient);
-        self.filled.form.results = all.into_iter().map(|of| self.open(of, point, &known, 0)).collect::<Option<Vec<u32>>>()?;
+        self.filled.form.results = match join {
+            Join::Least => self.least(&older, &newer)?,
+            Join::Blend { of, operands } => {
+                let mut known = FxHashMap::default();
+                for (of, steps) in operands.iter().zip([&older, &newer]) {
+                    known.extend(components(*of, gradient).into_iter().zip(steps.iter().copied()));
+                }
+                let all = components(of, gradient);
+                all.into_iter().map(|of| self.open(of, point, &known, 0)).collect::<Option<Vec<u32>>>()?
+            }
+        };
         Some(self.filled)
+    }
+
+    /// The lesser of two values, and its gradient where they have one.
+    fn least(&mut self, older: &[u32], newer: &[u32]) -> Option<Vec<u32>> {
+        let ((&a, slopes), (&b, others)) = (older.split_last()?, newer.split_last()?);
+        let mut results = Vec::with_capacity(4);
+        if !slopes.is_empty() {
+            let is_older = self.push(Action::Op(Op::Le), &[a, b], None);
+            for (&a, &b) in slopes.iter().zip(others) {
+                results.push(self.push(Action::Op(Op::Select), &[is_older, a, b], None));
+            }
+        }
+        results.push(self.push(Action::Op(Op::Min), &[a, b], None));
+        Some(results)
     }
 
     fn push(&mut self, action: Action, of: &[u32], name: Option<NodeId>) -> u32 {

@@ -1,17 +1,19 @@
 //! Unions of many as tables: copies that differ in numbers alone are rows, and a loop goes through a list of them.
 
 mod form;
+mod grid;
 mod text;
 
 use crate::functions::Functions;
-use crate::functions::unions::{Of, Operand, Step, Union};
+use crate::functions::unions::{Join, Of, Operand, Step, Union};
 use crate::graph::{Function, Graph};
 use form::{Filled, Former};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
 pub use form::{Action, Form};
-pub use text::{HEAD, declare_buffers, declare_text, write};
+pub use grid::Grid;
+pub use text::{HEAD, declare_buffers, declare_text, write, write_region};
 
 /// An entry of a list is its class and, below that, its row.
 pub const CLASS_SHIFT: u32 = 24;
@@ -61,6 +63,8 @@ pub struct Table {
     pub operands: Vec<Option<Operand>>,
     /// Which of all tables it is.
     pub index: u32,
+    /// Where the solid lies, if that is known; and the row of [`Tables::rows`] that says so.
+    pub region: Option<(Grid, u32)>,
 }
 
 /// All tables of a module.
@@ -76,7 +80,7 @@ impl Tables {
     /// The tables of all unions that are worth one.
     pub fn new(graph: &Graph, functions: &Functions) -> Self {
         let mut tables = Self::default();
-        let mut unions: Vec<(&Of, &Union)> = functions.unions.iter().collect();
+        let mut unions: Vec<(&Of, &Union)> = functions.unions.iter().filter(|(_, u)| u.same.is_none()).collect();
         unions.sort_unstable_by_key(|(of, _)| **of);
         for (of, union) in unions {
             let gradients = |of: Of| functions.formulas.contains_key(&(of.0, Function::Gradient(0)));
@@ -142,7 +146,12 @@ impl Tables {
         };
         let entries = places.iter().map(entry).collect::<Option<Vec<u32>>>()?;
         let classes = classes.into_iter().map(|(class, _)| class).collect();
-        Some(Table { classes, entries, gradient, depth: union.depth, reach: union.reach, operands, index: 0 })
+        let region = Grid::around(&operands, union.reach).filter(Grid::is_region).map(|grid| {
+            let row = self.rows.len() as u32;
+            self.rows.extend(grid.rows());
+            (grid, row)
+        });
+        Some(Table { classes, entries, gradient, depth: union.depth, reach: union.reach, operands, index: 0, region })
     }
 
     /// Adds the rows of a class and says where its numbers stand. The answer: its first piece, and the pieces of a row.
@@ -199,10 +208,14 @@ pub fn narrow(number: f64) -> f32 {
 impl Union {
     /// The functions of which it is made.
     fn functions(&self) -> impl Iterator<Item = Of> + '_ {
-        let of = |step: &Step| match step {
-            Step::Operand(operand, join) => [Some(operand.of), Some(join.of)],
+        let joined = |join: &Join| match join {
+            Join::Least => None,
+            Join::Blend { of, .. } => Some(*of),
+        };
+        let of = move |step: &Step| match step {
+            Step::Operand(operand, join) => [Some(operand.of), joined(join)],
             Step::Push => [None, None],
-            Step::Pop(join) => [None, Some(join.of)],
+            Step::Pop(join) => [None, joined(join)],
         };
         self.steps.iter().flat_map(of).flatten()
     }

@@ -84,6 +84,17 @@ pub fn write(
     Ok(table.entries.iter().map(count).sum())
 }
 
+/// Writes the bound of a union that lies in a region: `field` is its value.
+pub fn write_region(context: &mut Context, table: &Table, field: &str, name: &str, text: &mut String) {
+    let Some((_, row)) = table.region else { return };
+    context.helpers.need("away");
+    let p = context.prefix;
+    let _ = write!(
+        text,
+        "\nfn {name}(p: vec3f) -> f32 {{\n  let away = {p}away({row}u, p);\n  if away > 0.0 {{\n    return away;\n  }}\n  return {field}(p);\n}}\n"
+    );
+}
+
 fn arguments(class: &Class, ty: &str) -> Vec<String> {
     let mut arguments = Vec::new();
     if class.pops {
