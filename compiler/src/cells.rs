@@ -64,13 +64,18 @@ fn spans(grid: &Grid, table: &Table, tables: &Tables, lists: &mut Vec<u32>) -> V
         spans.resize(first + counts.iter().product::<usize>(), (0, 0));
         let scale = f64::from(1u32 << level);
         let half = grid.half.map(|h| h * scale);
-        let cell = [0, 1, 2].map(|i| 2.0 * half[i] / counts[i] as f64);
-        let low = [0, 1, 2].map(|i| grid.center[i] - half[i]);
+        let cell = with(half, counts.map(|n| n as f64), |h, n| 2.0 * h / n);
+        let low = with(grid.center, half, |c, h| c - h);
         let level = Level { low, cell, counts, inner: (level > 0).then_some((grid.center, half.map(|h| 0.5 * h))) };
         let slots = spans.get_mut(first..).unwrap_or_default();
         finder.block(&level, [0; 3], counts, &all, slots);
     }
     spans
+}
+
+/// An operation on two vectors, component by component.
+fn with([a, b, c]: [f64; 3], [x, y, z]: [f64; 3], f: impl Fn(f64, f64) -> f64) -> [f64; 3] {
+    [f(a, x), f(b, y), f(c, z)]
 }
 
 /// A box in cells.
@@ -92,32 +97,36 @@ struct Finder<'a> {
 impl Finder<'_> {
     /// Finds the lists of a block of cells. `steps`: what matters around it.
     fn block(&mut self, level: &Level, first: [usize; 3], size: [usize; 3], steps: &[u32], spans: &mut [(u32, u32)]) {
-        let half = [0, 1, 2].map(|i| 0.5 * level.cell[i] * size[i] as f64);
-        let center = [0, 1, 2].map(|i| level.low[i] + level.cell[i] * first[i] as f64 + half[i]);
+        let half = with(level.cell, size.map(|n| n as f64), |c, n| 0.5 * c * n);
+        let corner = with(level.cell, first.map(|n| n as f64), |c, n| c * n);
+        let center = with(with(level.low, corner, |a, b| a + b), half, |a, b| a + b);
         // A hair of each cell belongs to its neighbours too, as 32 bits see it.
         if let Some((middle, inside)) = level.inner
-            && (0..3).all(|i| (center[i] - middle[i]).abs() + half[i] < 0.999 * inside[i])
+            && with(with(center, middle, |a, b| (a - b).abs()), half, |a, b| a + b).iter().zip(inside).all(|(far, h)| *far < 0.999 * h)
         {
             return;
         }
         let radius = 1.001 * half.iter().map(|h| h * h).sum::<f64>().sqrt();
         let reach = center.iter().fold(0.0, |m: f64, c| m.max(c.abs())) + radius;
         let kept = self.matter(steps, center, radius, ROUNDING * reach);
-        let longest = (0..3).max_by(|&a, &b| (size[a] > 1, half[a]).partial_cmp(&(size[b] > 1, half[b])).unwrap_or(std::cmp::Ordering::Equal));
-        match longest.filter(|&i| size[i] > 1) {
+        let divisible = (0..3).zip(size).zip(half).filter(|((_, n), _)| *n > 1);
+        match divisible.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
             None => {
-                let at = (first[2] * level.counts[1] + first[1]) * level.counts[0] + first[0];
+                let ([x, y, z], [across, up, _]) = (first, level.counts);
+                let at = (z * up + y) * across + x;
                 let span = self.list(&kept);
                 if let Some(slot) = spans.get_mut(at) {
                     *slot = span;
                 }
             }
-            Some(axis) => {
-                let left = size[axis] / 2;
-                let (mut a, mut b, mut start) = (size, size, first);
-                a[axis] = left;
-                b[axis] = size[axis] - left;
-                start[axis] += left;
+            Some(((axis, count), _)) => {
+                let left = count / 2;
+                let with_axis = |mut v: [usize; 3], value: usize| {
+                    v.get_mut(axis).into_iter().for_each(|slot| *slot = value);
+                    v
+                };
+                let (a, b) = (with_axis(size, left), with_axis(size, count - left));
+                let start = with_axis(first, first.get(axis).map_or(left, |f| f + left));
                 self.block(level, first, a, &kept, spans);
                 self.block(level, start, b, &kept, spans);
             }

@@ -1,6 +1,6 @@
 //! What the compiler hands over: a module of WGSL, what a host must write into its uniform block, and the scene around it.
 
-pub use crate::emit::table::Tables;
+pub use crate::emit::table::{ModuleTables, Tables};
 
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::functions::{Functions, Summary};
@@ -14,7 +14,7 @@ use crate::reference::shade;
 use crate::source::{Sources, Span};
 use crate::syntax::ast::Type;
 use std::rc::Rc;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// Functions that a module can hold, in the order in which they are emitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -243,36 +243,12 @@ pub struct Module {
     pub tables: Option<Arc<ModuleTables>>,
 }
 
-/// The tables of a module, and how a device reads them.
-#[derive(Debug)]
-pub struct ModuleTables {
-    /// What the tables hold.
-    pub tables: Tables,
-    /// [`Module::code`], but the tables are storage buffers at the bindings after the uniform block's: `array<vec4f>`, which holds
-    /// [`Tables::rows`], and `array<u32>`, which holds [`ModuleTables::lists`].
-    code: String,
-    lists: OnceLock<Vec<u32>>,
-}
-
-impl ModuleTables {
-    /// `code`: the module with buffers.
-    pub(crate) fn new(tables: Tables, code: String) -> Self {
-        Self { tables, code, lists: OnceLock::new() }
-    }
-
-    /// What the second buffer holds: near a point only what matters there is looked at. Found when it is first asked for, which may take a
-    /// tenth of a second.
-    pub fn lists(&self) -> &[u32] {
-        self.lists.get_or_init(|| crate::cells::lists(&self.tables, true))
-    }
-}
-
 impl Module {
     /// The text for a device of our own: without the comment at its head, which names places in the source, and with tables as buffers
     /// ([`ModuleTables`]).
     pub fn code(&self) -> &str {
         if let Some(tables) = &self.tables {
-            return &tables.code;
+            return tables.code();
         }
         let head: usize = self.wgsl.split_inclusive('\n').take_while(|line| line.starts_with("//")).map(str::len).sum();
         self.wgsl.get(head..).unwrap_or(&self.wgsl)

@@ -118,10 +118,10 @@ pub fn find(graph: &Graph, facts: &mut Facts, functions: &Functions) -> FxHashMa
             (Some(a), Some(b)) => a.steps == b.steps,
             _ => false,
         };
-        if let Some(same) = earlier.find(alike) {
-            if let Some(union) = unions.get_mut(&(shape, function)) {
-                *union = Union { same: Some(same), ..Union::default() };
-            }
+        if let Some(same) = earlier.find(alike)
+            && let Some(union) = unions.get_mut(&(shape, function))
+        {
+            *union = Union { same: Some(same), ..Union::default() };
         }
     }
     unions
@@ -318,6 +318,10 @@ impl Finder<'_> {
                         let region = value.map_or(Box3::ALL, |v| facts.rough_region(self.graph, v, &domain));
                         let operand = Operand { of, steepness: self.steepness(of, facts), region };
                         union.steps.push(Step::Operand(operand, join));
+                    }
+                    // The least of a value and the least of others is the least of all.
+                    (Some(Joint::Least(all)), false) if join == Join::Least => {
+                        tasks.extend(all.iter().rev().map(|o| Task::Open(self.passed_on(*o), join, false)));
                     }
                     (Some(_), false) => {
                         tasks.extend([Task::Do(Step::Pop(join)), Task::Open(of, join, true), Task::Do(Step::Push)]);

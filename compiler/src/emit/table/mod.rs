@@ -10,6 +10,7 @@ use crate::graph::{Function, Graph};
 use form::{Filled, Former};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 pub use form::{Action, Form};
 pub use grid::Grid;
@@ -195,6 +196,35 @@ impl Tables {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.tables.is_empty()
+    }
+}
+
+/// The tables of a module, and how a device reads them.
+#[derive(Debug)]
+pub struct ModuleTables {
+    /// What the tables hold.
+    pub tables: Tables,
+    /// The module with its tables as storage buffers, at the bindings after the uniform block's: an `array<vec4f>` that holds [`Tables::rows`],
+    /// and an `array<u32>` that holds [`ModuleTables::lists`].
+    code: String,
+    lists: OnceLock<Vec<u32>>,
+}
+
+impl ModuleTables {
+    /// `code`: the module with buffers.
+    pub(crate) fn new(tables: Tables, code: String) -> Self {
+        Self { tables, code, lists: OnceLock::new() }
+    }
+
+    /// The module's text for a device of our own.
+    pub(crate) fn code(&self) -> &str {
+        &self.code
+    }
+
+    /// What the second buffer holds: near a point only what matters there is looked at. Found when it is first asked for, which may take a
+    /// tenth of a second.
+    pub fn lists(&self) -> &[u32] {
+        self.lists.get_or_init(|| crate::cells::lists(&self.tables, true))
     }
 }
 

@@ -1,0 +1,106 @@
+//! Unions of many: their tables and cells give the field that the formulas give, everywhere.
+
+mod common;
+
+use common::gpu;
+use surefoot_compiler::compiled::{Compiled, Export};
+use surefoot_compiler::evaluate::Tape;
+use surefoot_compiler::graph::Function;
+use surefoot_compiler::verify::Random;
+use surefoot_compiler::{MemoryLoader, Options, compile};
+use surefoot_runtime::{Gpu, evaluate};
+
+const POINTS: usize = 20_000;
+
+fn scene(text: &str) -> Compiled {
+    let outcome = compile(&MemoryLoader::new().with("scene.sdf", text), "scene.sdf", &Options::default());
+    assert!(!outcome.has_errors(), "{:?}", outcome.diagnostics);
+    outcome.compiled.unwrap()
+}
+
+fn corpus(name: &str) -> Compiled {
+    let path = format!("{}/corpus/large/{name}.sdf", env!("CARGO_MANIFEST_DIR"));
+    scene(&std::fs::read_to_string(path).unwrap())
+}
+
+/// Points near the origin, farther out, and far beyond all cells.
+fn points(half: f64) -> Vec<[f32; 3]> {
+    let mut random = Random(7);
+    let scales = [1.0, 1.0, 2.0, 30.0];
+    (0..POINTS).map(|i| random.within(half * scales[i % 4]).map(|c| c as f32)).collect()
+}
+
+/// A function's values in 64 bits.
+fn values(compiled: &Compiled, function: Function, points: &[[f32; 3]]) -> Vec<f64> {
+    let formula = compiled.functions.formulas[&(compiled.root, function)];
+    let tape = Tape::new(&compiled.graph, &compiled.functions, &[formula], &compiled.live(), 8_000_000).unwrap();
+    let wide: Vec<[f64; 3]> = points.iter().map(|p| p.map(f64::from)).collect();
+    let mut all = vec![0.0; points.len()];
+    tape.evaluator().at(&wide, &[], |i, values| all[i] = values[0]);
+    all
+}
+
+/// The device's field, distance and gradient are those of the formulas, and its bound is no more than that.
+fn agrees(gpu: &Gpu, compiled: &Compiled, half: f64) {
+    let points = points(half);
+    let live = compiled.live();
+    let field = values(compiled, Function::Field, &points);
+    let bound = values(compiled, Function::Bound, &points);
+    let of = |export| evaluate(gpu, compiled, &live, [0.0; 3], export, &points).unwrap();
+    let gradients: Vec<f32> = of(Export::Gradient).chunks(4).map(|g| g[3]).collect();
+    let found = [of(Export::Field), gradients, of(Export::Distance), of(Export::Bound)];
+    for (i, point) in points.iter().enumerate() {
+        let room = 1e-5 * point.iter().fold(1.0, |m: f64, c| m.max(f64::from(c.abs())));
+        for (name, values) in ["field", "gradient", "distance"].iter().zip(&found) {
+            let off = (f64::from(values[i]) - field[i]).abs();
+            assert!(off < room, "{name} at {point:?}: {} and not {}", values[i], field[i]);
+        }
+        let device = f64::from(found[3][i]);
+        assert!(device < bound[i] + room, "bound at {point:?}: {device} above {}", bound[i]);
+        // A ray outside gets on, and one inside knows that it is.
+        assert!(device > 0.0 || bound[i] < room, "bound at {point:?}: {device} and not {}", bound[i]);
+    }
+}
+
+#[test]
+fn the_device_agrees_with_the_formulas() {
+    let gpu = gpu();
+    for (name, half) in [("spheres", 1.2), ("boxes", 1.4), ("city", 18.0)] {
+        let compiled = corpus(name);
+        assert!(compiled.module.tables.is_some(), "{name} has no table");
+        agrees(&gpu, &compiled, half);
+    }
+}
+
+#[test]
+fn what_moves_is_looked_at_as_a_whole() {
+    let text = "param r = 0.1 in 0.05..0.2
+scene = for i in 0..60 by smooth_union(0.02) {
+  sphere(r).translate(2 * hash(i, 0) - 1, 2 * hash(i, 1) - 1 + 0.1 * sin(time), 2 * hash(i, 2) - 1)
+}";
+    let compiled = scene(text);
+    let tables = compiled.module.tables.as_ref().unwrap();
+    let head = &tables.lists()[..16];
+    assert_eq!((head[1] - head[0], head[2]), (60, 0), "a list of all, and no cells");
+    agrees(&gpu(), &compiled, 1.2);
+}
+
+#[test]
+fn near_a_point_few_operands_matter() {
+    let compiled = corpus("spheres");
+    let tables = compiled.module.tables.as_ref().unwrap();
+    let lists = tables.lists();
+    let head = &lists[..16];
+    let cells = (head[10] * head[11] * head[12]) as usize;
+    let spans = &lists[head[14] as usize..][..2 * cells];
+    let mean = spans.chunks(2).map(|s| f64::from(s[1] - s[0])).sum::<f64>() / cells as f64;
+    assert!(mean < 40.0, "{mean} of 1001 in a list on average");
+}
+
+#[test]
+fn a_number_that_changes_is_the_same_code() {
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/corpus/large/spheres.sdf")).unwrap();
+    let (a, b) = (scene(&text), scene(&text.replace("hash(i, 3)", "hash(i, 4)")));
+    assert_eq!(a.module.code(), b.module.code());
+    assert_ne!(a.module.tables.as_ref().unwrap().tables.rows, b.module.tables.as_ref().unwrap().tables.rows);
+}
