@@ -59,8 +59,8 @@ pub enum Painter {
     /// The graphics adapter.
     #[cfg(feature = "gpu")]
     Gpu(Box<gpu::Painter>),
-    /// The processor, and what the pictures show.
-    Cpu(Mode),
+    /// The processor.
+    Cpu(cpu::Painter),
 }
 
 /// Why there is no painter.
@@ -74,23 +74,25 @@ pub enum NoPainter {
 }
 
 impl Painter {
-    /// A painter on the wanted device, and what a person should know about it.
+    /// A painter on the wanted device, and what a person should know about it. A picture is made of so many samples; left out, of as many as
+    /// are soon drawn.
     pub fn new(
         device: Device,
         compiled: &Compiled,
         mode: Mode,
+        samples: Option<u32>,
     ) -> Result<(Self, Option<String>), NoPainter> {
         if device == Device::Cpu {
             let left_out = [(compiled.has_meshes(), "meshes"), (compiled.has_balls(), "balls")];
             let left_out: Vec<&str> = left_out.into_iter().filter_map(|(has, what)| has.then_some(what)).collect();
             let note = (!left_out.is_empty()).then(|| format!("on the processor a picture leaves out {}", left_out.join(" and ")));
-            return Ok((Self::Cpu(mode), note));
+            return Ok((Self::Cpu(cpu::Painter::new(compiled, mode, samples)), note));
         }
         #[cfg(feature = "gpu")]
         let missing = match surefoot_runtime::Gpu::headless() {
             Ok(gpu) => {
                 let painter =
-                    gpu::Painter::new(gpu, compiled, mode.into()).map_err(NoPainter::Refused)?;
+                    gpu::Painter::new(gpu, compiled, mode, samples).map_err(NoPainter::Refused)?;
                 let note = painter
                     .is_software()
                     .then(|| format!("the adapter is a program: {}", painter.name()));
@@ -100,7 +102,6 @@ impl Painter {
         };
         #[cfg(not(feature = "gpu"))]
         let missing = {
-            let _ = (compiled, mode);
             "this program was built without graphics".to_owned()
         };
         match device {
@@ -108,7 +109,7 @@ impl Painter {
             _ => {
                 let left_out = "such a picture leaves out meshes and balls";
                 Ok((
-                    Self::Cpu(mode),
+                    Self::Cpu(cpu::Painter::new(compiled, mode, samples)),
                     Some(format!("{missing}; drawing on the processor ({left_out})")),
                 ))
             }
@@ -120,7 +121,7 @@ impl Painter {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(painter) => painter.broken(),
-            Self::Cpu(_) => &[],
+            Self::Cpu(painter) => painter.broken(),
         }
     }
 
@@ -151,7 +152,7 @@ impl Painter {
                 progress(1.0);
                 pixels
             }
-            Self::Cpu(mode) => cpu::paint(compiled, live, shot, (*mode).into(), progress),
+            Self::Cpu(painter) => painter.paint(compiled, live, shot, progress),
         }
     }
 }
@@ -164,6 +165,15 @@ pub fn broken_meshes(compiled: &Compiled) -> Vec<Diagnostic> {
     {
         let _ = compiled;
         Vec::new()
+    }
+}
+
+/// So many samples make a picture where nobody says how many: many where they are soon drawn, one where the picture is a measurement.
+fn samples(mode: Mode, quick: bool) -> u32 {
+    match (mode, quick) {
+        (Mode::Shaded, true) => 16,
+        (Mode::Shaded, false) => 4,
+        _ => 1,
     }
 }
 
@@ -181,7 +191,8 @@ pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<()
 mod gpu {
     //! On the graphics adapter.
 
-    use super::{Compiled, Diagnostic, Live, Shot, View, files};
+    use super::{Compiled, Diagnostic, Live, Mode, Shot, files};
+    use surefoot_runtime::film::LINEAR;
     use surefoot_runtime::headless;
     use surefoot_runtime::mesh::Assets;
     use surefoot_runtime::physics::{Physics, STEP};
@@ -193,6 +204,7 @@ mod gpu {
         picture: Picture,
         balls: Option<Balls>,
         broken: Vec<Diagnostic>,
+        samples: u32,
     }
 
     /// The balls at a moment of the scene's clock, which begins with them.
@@ -202,13 +214,15 @@ mod gpu {
     }
 
     impl Painter {
-        pub fn new(gpu: Gpu, compiled: &Compiled, view: View) -> Result<Self, String> {
-            let mut picture = Picture::prepare(&gpu, compiled, headless::FORMAT, view)?;
+        pub fn new(gpu: Gpu, compiled: &Compiled, mode: Mode, samples: Option<u32>) -> Result<Self, String> {
+            let samples = samples.unwrap_or(super::samples(mode, !gpu.is_software()));
+            let format = if samples > 1 { LINEAR } else { headless::FORMAT };
+            let mut picture = Picture::prepare(&gpu, compiled, format, mode.into())?;
             let mut assets = Assets::new();
             let broken = assets.load(&files::FileLoader, compiled, &|_, _, _| {});
             picture.show_meshes(&assets.meshes(compiled))?;
             picture.show_images(assets.images());
-            Ok(Self { gpu, picture, balls: None, broken })
+            Ok(Self { gpu, picture, balls: None, broken, samples })
         }
 
         pub fn broken(&self) -> &[Diagnostic] {
@@ -274,6 +288,7 @@ mod gpu {
             self.show_balls(compiled, live)?;
             let wanted = headless::Shot {
                 camera: Some(shot.camera),
+                samples: self.samples,
                 ..headless::Shot::new(shot.width, shot.height)
             };
             headless::render_with(&self.gpu, &mut self.picture, compiled, live, &wanted)
@@ -285,56 +300,102 @@ mod gpu {
 mod cpu {
     //! On the processor's cores.
 
-    use super::{Compiled, Live, Shot, View};
+    use super::{Compiled, Diagnostic, Live, Mode, Shot};
     use rayon::prelude::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
-    use surefoot_compiler::reference::{Area, Reference};
+    use surefoot_compiler::images::Images;
+    use surefoot_compiler::reference::shade::{decode, encode};
+    use surefoot_compiler::reference::{Area, Reference, sample_offset};
 
     /// Side of the squares that the cores take one after another.
     const TILE: u32 = 32;
 
-    pub fn paint(
-        compiled: &Compiled,
-        live: &Live,
-        shot: &Shot,
-        view: View,
-        progress: &(dyn Fn(f64) + Sync),
-    ) -> Result<Vec<u8>, String> {
-        let scene = Reference::new(compiled, live)
-            .map_err(|_| "the scene has more operations than the processor takes".to_owned())?;
-        let frame = compiled.frame(live);
-        let Shot { width, height, camera } = *shot;
-        let rows = (0..height).step_by(TILE as usize);
-        let areas: Vec<Area> = rows
-            .flat_map(|top| (0..width).step_by(TILE as usize).map(move |left| (left, top)))
-            .map(|(left, top)| Area {
-                left,
-                top,
-                width: TILE.min(width - left),
-                height: TILE.min(height - top),
-            })
-            .collect();
-        let done = AtomicUsize::new(0);
-        let tiles: Vec<Vec<[f32; 4]>> = areas
-            .par_iter()
-            .map(|area| {
-                let tile = scene.tile(&frame, &camera, (width, height), view, *area);
-                let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-                progress(done as f64 / areas.len() as f64);
-                tile
-            })
-            .collect();
-        let mut rgba = vec![255; 4 * width as usize * height as usize];
-        for (area, tile) in areas.iter().zip(tiles) {
-            for (i, [r, g, b, _]) in tile.into_iter().enumerate() {
-                let (x, y) = (i as u32 % area.width + area.left, i as u32 / area.width + area.top);
-                let at = 4 * (y as usize * width as usize + x as usize);
-                let bytes = [r, g, b].map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8);
-                if let Some(pixel) = rgba.get_mut(at..at + 3) {
-                    pixel.copy_from_slice(&bytes);
+    /// What the pictures show, of how many samples, and with which images.
+    pub struct Painter {
+        mode: Mode,
+        samples: u32,
+        images: Images,
+        broken: Vec<Diagnostic>,
+    }
+
+    impl Painter {
+        pub fn new(compiled: &Compiled, mode: Mode, samples: Option<u32>) -> Self {
+            let (images, broken) = images(compiled);
+            Self { mode, samples: samples.unwrap_or(super::samples(mode, false)), images, broken }
+        }
+
+        pub fn broken(&self) -> &[Diagnostic] {
+            &self.broken
+        }
+
+        pub fn paint(
+            &self,
+            compiled: &Compiled,
+            live: &Live,
+            shot: &Shot,
+            progress: &(dyn Fn(f64) + Sync),
+        ) -> Result<Vec<u8>, String> {
+            let scene = Reference::new(compiled, live)
+                .map_err(|_| "the scene has more operations than the processor takes".to_owned())?
+                .with_images(&self.images);
+            let frame = compiled.frame(live);
+            let Shot { width, height, camera } = *shot;
+            let rows = (0..height).step_by(TILE as usize);
+            let areas: Vec<Area> = rows
+                .flat_map(|top| (0..width).step_by(TILE as usize).map(move |left| (left, top)))
+                .map(|(left, top)| Area {
+                    left,
+                    top,
+                    width: TILE.min(width - left),
+                    height: TILE.min(height - top),
+                })
+                .collect();
+            let done = AtomicUsize::new(0);
+            let tiles: Vec<Vec<[f64; 3]>> = areas
+                .par_iter()
+                .map(|area| {
+                    let mut tile = vec![[0.0; 3]; (area.width * area.height) as usize];
+                    for sample in 0..self.samples {
+                        let [x, y] = sample_offset(sample);
+                        let seen = scene.tile_at(&frame, &camera, (width, height), self.mode.into(), *area, (x, y));
+                        for (sum, [r, g, b, _]) in tile.iter_mut().zip(seen) {
+                            // The mean of light, not of what a screen makes of it.
+                            for (sum, c) in sum.iter_mut().zip([r, g, b]) {
+                                *sum += decode(f64::from(c)) / f64::from(self.samples);
+                            }
+                        }
+                    }
+                    let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                    progress(done as f64 / areas.len() as f64);
+                    tile
+                })
+                .collect();
+            let mut rgba = vec![255; 4 * width as usize * height as usize];
+            for (area, tile) in areas.iter().zip(tiles) {
+                for (i, color) in tile.into_iter().enumerate() {
+                    let (x, y) = (i as u32 % area.width + area.left, i as u32 / area.width + area.top);
+                    let at = 4 * (y as usize * width as usize + x as usize);
+                    let bytes = color.map(|c| (encode(c) * 255.0).round() as u8);
+                    if let Some(pixel) = rgba.get_mut(at..at + 3) {
+                        pixel.copy_from_slice(&bytes);
+                    }
                 }
             }
+            Ok(rgba)
         }
-        Ok(rgba)
+    }
+
+    /// The images of a scene, and what is wrong with them. Nothing can be read where the program is built without graphics.
+    fn images(compiled: &Compiled) -> (Images, Vec<Diagnostic>) {
+        #[cfg(feature = "gpu")]
+        {
+            let loaded = surefoot_runtime::images::Gallery::new().load(compiled, &super::files::FileLoader);
+            (loaded.images, loaded.diagnostics)
+        }
+        #[cfg(not(feature = "gpu"))]
+        {
+            let _ = compiled;
+            (Images::default(), Vec::new())
+        }
     }
 }

@@ -283,7 +283,7 @@ fn without_an_adapter_the_processor_draws_unless_graphics_were_asked_for() {
     assert!(!folder.join("a.png").exists());
     let (code, _, err) = render("auto");
     assert_eq!(code, 0, "{err}");
-    assert!(err.contains("processor") && err.contains("triangles and balls"), "{err}");
+    assert!(err.contains("processor") && err.contains("meshes and balls"), "{err}");
     assert!(folder.join("a.png").exists());
 }
 

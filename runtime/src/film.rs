@@ -7,6 +7,7 @@
 use crate::frame::{Picture, depth_attachment};
 use crate::gpu::{Gpu, PipelineKey, UniformBlock, uniform_layout};
 use std::ops::Range;
+use surefoot_compiler::reference::sample_offset;
 
 /// What a picture is drawn on that falls on film: linear, ended by the tone curve. [`Picture::prepare`] is given it.
 pub const LINEAR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -14,12 +15,9 @@ pub const LINEAR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// What means are kept in.
 const MEAN: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// Where in its pixels the picture of a number looks, from their middles: -0.5 to 0.5 across and down. The first looks at the middles; all
-/// of them together cover the pixels evenly (Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
+/// Where in its pixels the picture of a number looks: [`sample_offset`].
 pub fn offset(index: u32) -> [f32; 2] {
-    // One over the plastic number, and its square.
-    const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
-    STEPS.map(|step| ((0.5 + f64::from(index) * step).fract() - 0.5) as f32)
+    sample_offset(index).map(|c| c as f32)
 }
 
 /// A film of some size.

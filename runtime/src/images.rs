@@ -37,8 +37,8 @@ pub struct Loaded {
 #[derive(Debug, Default)]
 pub struct Gallery {
     environment: Option<(u64, Arc<Cube>)>,
-    /// By the hash of the bytes and what is made of them.
-    textures: HashMap<(u64, TextureKind), Arc<Texture>>,
+    /// By the file and what is made of it: the hash of its bytes when it was good, and what was made of them.
+    textures: HashMap<(String, TextureKind), (u64, Arc<Texture>)>,
 }
 
 impl Gallery {
@@ -53,7 +53,11 @@ impl Gallery {
         if let Some(environment) = &compiled.blocks.environment {
             match self.environment(environment, loader) {
                 Ok(cube) => loaded.images.environment = Some(cube),
-                Err(found) => loaded.diagnostics.extend(found),
+                Err(found) => {
+                    loaded.diagnostics.extend(found);
+                    // A sky that was good before stays.
+                    loaded.images.environment = self.environment.as_ref().map(|(_, cube)| cube.clone());
+                }
             }
         }
         let surface = &compiled.functions.surface;
@@ -66,12 +70,19 @@ impl Gallery {
             };
             loaded.images.textures.push(match texture {
                 Ok((hash, texture)) => {
-                    kept.insert((hash, kind), texture.clone());
+                    kept.insert((file.path.clone(), kind), (hash, texture.clone()));
                     texture
                 }
                 Err(words) => {
                     loaded.diagnostics.push(bad_image(file.span, words));
-                    Arc::new(Texture::missing(kind))
+                    // An image that was good before stays.
+                    match self.textures.remove(&(file.path.clone(), kind)) {
+                        Some((hash, texture)) => {
+                            kept.insert((file.path.clone(), kind), (hash, texture.clone()));
+                            texture
+                        }
+                        None => Arc::new(Texture::missing(kind)),
+                    }
                 }
             });
         }
@@ -84,7 +95,8 @@ impl Gallery {
         let mut hasher = DefaultHasher::new();
         bytes.hash(&mut hasher);
         let hash = hasher.finish();
-        if let Some(known) = self.textures.get(&(hash, kind)) {
+        let known = self.textures.get(&(path.to_owned(), kind)).filter(|(known, _)| *known == hash);
+        if let Some((_, known)) = known {
             return Ok((hash, known.clone()));
         }
         let bitmap = decode(&bytes, kind == TextureKind::Color).map_err(|why| format!("`{path}` is no image that can be shown: {why}"))?;

@@ -334,8 +334,7 @@ impl Graph {
                 roots.push(shape.value);
                 let materials = shape.material.iter().chain(shape.paints.iter().map(|(_, m)| m));
                 for m in materials.filter_map(|m| self.materials.get(m.0 as usize)) {
-                    roots.extend(m.color.iter().chain(&m.emission));
-                    roots.extend([m.roughness, m.metallic, m.reflectivity]);
+                    roots.extend(m.nodes());
                 }
                 shapes.extend(shape.paints.iter().map(|(s, _)| *s));
             }

@@ -35,6 +35,14 @@ pub enum View {
     Depth,
 }
 
+/// Where in its pixels the sample of a number looks, from their middles: -0.5 to 0.5 across and down. The first looks at the middles; all of
+/// them together cover the pixels evenly (Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
+pub fn sample_offset(index: u32) -> [f64; 2] {
+    // One over the plastic number, and its square.
+    const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
+    STEPS.map(|step| (0.5 + f64::from(index) * step).fract() - 0.5)
+}
+
 /// A rectangle of a picture's pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Area {
@@ -144,7 +152,7 @@ impl Reference {
             surface: tape(&s.look())?,
             layers: s.is_layered().then(|| tape(&s.layer_nodes()).map(|tape| (s.clone(), tape))).transpose()?,
             images: Images {
-                environment: None,
+                environment: compiled.blocks.environment.as_ref().map(|_| Arc::new(shade::plain_sky())),
                 textures: s.textures().into_iter().map(|(_, kind)| Arc::new(Texture::missing(kind))).collect(),
             },
         })
@@ -152,7 +160,9 @@ impl Reference {
 
     /// The same with the images that the scene names.
     pub fn with_images(mut self, images: &Images) -> Self {
-        self.images.environment = images.environment.clone();
+        if images.environment.is_some() {
+            self.images.environment = images.environment.clone();
+        }
         if images.textures.len() == self.images.textures.len() {
             self.images.textures = images.textures.clone();
         }

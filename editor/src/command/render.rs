@@ -41,6 +41,10 @@ pub struct Args {
     /// What draws it.
     #[arg(long, value_enum, default_value_t)]
     device: Device,
+    /// Look through each pixel at so many places, 1 to 4096, and take their mean. Left out: 16 on a graphics card, 4 where a program or the
+    /// processor draws, and 1 of other views than the shaded.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096), value_name = "N")]
+    samples: Option<u32>,
     /// Say what the frame is made of: its passes with their time, size and reason, and what was left out.
     #[arg(long)]
     explain: bool,
@@ -92,7 +96,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     camera(&compiled.frame(&live), args.camera.as_deref())?;
 
     let (mut painter, note) =
-        Painter::new(args.device, compiled, args.view).map_err(|why| match why {
+        Painter::new(args.device, compiled, args.view, args.samples).map_err(|why| match why {
             NoPainter::NoGraphics(words) => Failure { exit: Exit::NoGraphics, words },
             NoPainter::Refused(words) => {
                 Failure::usage(format!("the graphics adapter refuses the scene: {words}"))
