@@ -4,6 +4,8 @@ mod edits;
 #[cfg(feature = "gpu")]
 mod error;
 mod factors;
+#[cfg(feature = "gpu")]
+mod many;
 
 use super::{Exit, Failure, compile_file, print, show_diagnostics};
 use crate::files::FileLoader;
@@ -15,7 +17,7 @@ use surefoot_compiler::{Loader, MemoryLoader, Options, Outcome, Stage, compile_o
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scenes whose rays are followed by several methods, each judged by certified truth.
-    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules"])]
+    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many"])]
     scenes: Vec<String>,
     #[cfg(feature = "gpu")]
     #[command(flatten)]
@@ -32,6 +34,9 @@ pub struct Args {
     /// The rules of this file: the factor of each beside the certified supremum.
     #[arg(long, value_name = "RULES", conflicts_with_all = ["scenes", "compile", "edits", "factors"])]
     rules: Option<String>,
+    /// Unions of 10 to 10,000 spheres: what they cost with the lists of their cells, and without.
+    #[arg(long, conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules"])]
+    many: bool,
     /// How often.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
     runs: u32,
@@ -45,6 +50,9 @@ type Rows = Vec<(&'static str, Vec<Duration>)>;
 
 /// Measures and prints. Files are read once and then kept, so that the disk is not what is measured.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
+    if args.many {
+        return growing();
+    }
     if let Some(path) = &args.edits {
         return edits::run(path, args.runs);
     }
@@ -82,8 +90,18 @@ fn errors(args: &Args) -> Result<Exit, Failure> {
     error::run(&args.scenes, &args.error, args.json.as_deref())
 }
 
+#[cfg(feature = "gpu")]
+fn growing() -> Result<Exit, Failure> {
+    many::run()
+}
+
 #[cfg(not(feature = "gpu"))]
 fn errors(_: &Args) -> Result<Exit, Failure> {
+    growing()
+}
+
+#[cfg(not(feature = "gpu"))]
+fn growing() -> Result<Exit, Failure> {
     let words = "this program was built without graphics".to_owned();
     Err(Failure { exit: Exit::NoGraphics, words })
 }
