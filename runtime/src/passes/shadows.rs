@@ -239,7 +239,8 @@ impl Shadows {
         let lamps = shade::lamps(moment.frame);
         let (middle, radius) = self.region(moment);
         let balls = moment.balls.filter(|b| b.count > 0);
-        let meshes = moment.triangles.filter(|_| self.features.meshes);
+        // A mesh that is not read yet throws nothing.
+        let meshes = moment.triangles.filter(|t| self.features.meshes && t.shown().next().is_some());
         let queue = self.gpu.queue();
         let mut lights = [ShadowLight { first: -1, ..ShadowLight::zeroed() }; MAX_LIGHTS];
         let mut boxes = [[u32::MAX, u32::MAX, u32::MAX, 0, 0, 0]; MAX_LIGHTS];
