@@ -19,6 +19,9 @@ pub const MANY: usize = 24;
 /// Intervals are rounded outward.
 const WIDER: f64 = 1.0 + 1e-9;
 
+/// So many calls within each other are followed.
+const DEEPEST: usize = 64;
+
 /// No union has more operands.
 const MOST: usize = 1 << 20;
 
@@ -140,30 +143,31 @@ impl Finder<'_> {
 
     /// The first function of the same shape that computes the same.
     fn first(&self, of: Of) -> Of {
-        self.first_within(of, 64)
+        let mut others = [Function::Field, Function::Bound].into_iter().filter(|f| *f < of.1);
+        others.find(|f| self.alike(of.0, of.1, *f)).map_or(of, |f| (of.0, f))
     }
 
-    fn first_within(&self, of: Of, depth: usize) -> Of {
-        let Some(formula) = self.formula(of).filter(|_| depth > 0) else { return of };
-        let alike = |other: &Of| {
-            let Some(own) = self.formula(*other) else { return false };
-            // The same formula, or the same place of functions that are the same.
-            own == formula
-                || match (self.graph.node(formula), self.graph.node(own)) {
-                    (Node::Call(a, f, at), Node::Call(b, g, there)) => {
-                        a == b && at == there && self.first_within((*a, *f), depth - 1) == self.first_within((*b, *g), depth - 1)
-                    }
-                    _ => false,
+    /// Whether two functions of a shape are the same formula, or the same place of two functions that are.
+    fn alike(&self, mut shape: ShapeId, mut one: Function, mut other: Function) -> bool {
+        for _ in 0..DEEPEST {
+            let (Some(a), Some(b)) = (self.formula((shape, one)), self.formula((shape, other))) else { return false };
+            if a == b {
+                return true;
+            }
+            match (self.graph.node(a), self.graph.node(b)) {
+                (Node::Call(s, f, at), Node::Call(t, g, there)) if s == t && at == there => {
+                    (shape, one, other) = (*s, *f, *g);
                 }
-        };
-        let mut others = [Function::Field, Function::Bound].into_iter().map(|f| (of.0, f)).filter(|o| o.1 < of.1);
-        others.find(alike).unwrap_or(of)
+                _ => return false,
+            }
+        }
+        false
     }
 
     /// The function that this one calls with all that it is given, or itself.
     fn passed_on(&self, mut of: Of) -> Of {
         // Shapes are made of older ones, but a function may call another of its own shape.
-        for _ in 0..64 {
+        for _ in 0..DEEPEST {
             let Some(Node::Call(shape, function, args)) = self.formula(of).map(|f| self.graph.node(f)) else { break };
             if !self.is_here(args) {
                 break;
