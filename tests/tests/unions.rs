@@ -104,3 +104,11 @@ fn a_number_that_changes_is_the_same_code() {
     assert_eq!(a.module.code(), b.module.code());
     assert_ne!(a.module.tables.as_ref().unwrap().tables.rows, b.module.tables.as_ref().unwrap().tables.rows);
 }
+
+#[test]
+fn a_blend_of_a_users_own_is_written_out() {
+    // It stands out from its operands by more than any rule for tables allows.
+    let text = "blend sticky(a, b, k: field) = min(a, b) - 10 * max(k - abs(a - b), 0)
+scene = for i in 0..40 by sticky(0.02) { sphere(0.1).translate(2 * hash(i, 0) - 1, 2 * hash(i, 1) - 1, 2 * hash(i, 2) - 1) }";
+    assert!(scene(text).module.tables.is_none());
+}
