@@ -6,6 +6,8 @@ mod check;
 mod compile;
 mod explain;
 mod fmt;
+#[cfg(feature = "gpu")]
+mod page;
 mod reference;
 mod render;
 mod simulate;

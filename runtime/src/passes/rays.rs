@@ -55,6 +55,8 @@ pub struct RayPicture {
     pub size: (u32, u32),
     /// A ray for each pixel, row by row.
     pub rays: Vec<GpuRay>,
+    /// The scene's point from which the origins of the rays are counted; zero where the module can't be moved.
+    pub origin: [f64; 3],
     /// Width of a pixel at distance one.
     pub footprint: f32,
 }
@@ -111,7 +113,7 @@ impl<'g> Rays<'g> {
             let layouts = [Some(&module_layout), Some(&rays_layout), Some(&settings_layout)];
             let pipeline = gpu.compute_pipeline(label, &wgsl, "main", &layouts)?;
             let mut module = ModuleGroup::new(gpu, compiled, &module_layout);
-            module.write(gpu.queue(), &compiled.uniform_bytes(live, [0.0; 3]));
+            module.write(gpu.queue(), &compiled.uniform_bytes(live, picture.origin));
             let mut settings = UniformBlock::new(gpu, label, &settings_layout, 16);
             settings.write(gpu.queue(), bytemuck::bytes_of(&[picture.footprint, 0.0, 0.0, 0.0]));
             use wgpu::BufferUsages as Use;

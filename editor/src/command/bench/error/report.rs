@@ -3,7 +3,7 @@
 use super::methods::METHODS;
 use super::truth::Errors;
 use super::{Args, Row, Scene};
-use crate::command::{Failure, print};
+use crate::command::{Failure, page, print};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -89,7 +89,7 @@ pub fn steps(row: &Row) -> f64 {
     row.errors.steps as f64 / row.errors.rays.max(1) as f64
 }
 
-/// Writes the tables as a page of Markdown.
+/// Writes the tables as the first section of a page of Markdown.
 pub fn write_page(file: &Path, curves: &Path, adapter: &str, args: &Args, scenes: &[Scene]) -> Result<(), Failure> {
     let command = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
     let name = curves.file_name().unwrap_or_default().to_string_lossy();
@@ -110,7 +110,7 @@ pub fn write_page(file: &Path, curves: &Path, adapter: &str, args: &Args, scenes
     text += &format!("\n## All scenes\n\n```\n{}```\n\n## Scene by scene\n\n```\n", summary(scenes, &methods).trim_start());
     text += scenes.iter().map(table).collect::<String>().trim_start();
     text += "```\n";
-    std::fs::write(file, text).map_err(|e| Failure::usage(format!("can't write {}: {e}", file.display())))
+    page::put(file, "bench", &text)
 }
 
 /// Writes all numbers.

@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 use surefoot_compiler::certify::{Hit, Truth};
-use surefoot_compiler::compiled::{Camera, Compiled, Frame, Live};
+use surefoot_compiler::compiled::{Camera, Compiled, Frame, Live, UniformSource};
 use surefoot_compiler::reference::Reference;
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
-use surefoot_compiler::reference::vector::{Vec3, dot, length};
+use surefoot_compiler::reference::vector::{Vec3, dot, length, sub};
 use surefoot_runtime::passes::rays::{GpuRay, RayPicture, Traced};
 
 /// Boxes that one ray may cost.
@@ -96,11 +96,14 @@ impl View {
         let frame = scene.frame(live);
         let basis = Basis::of(camera);
         let places = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
-        // The truth is that of the rays that the GPU gets.
+        // The truth is that of the rays that the GPU gets, and it gets them as the picture does: from the eye on, where that can be.
         let narrow = |v: Vec3| v.map(|c| c as f32);
+        let moves = scene.module.uniforms.iter().any(|u| u.source == UniformSource::Origin);
+        let eye = narrow(camera.eye).map(f64::from);
+        let origin = if moves { eye } else { [0.0; 3] };
         let gpu: Vec<GpuRay> = places
             .map(|at| GpuRay {
-                origin: narrow(camera.eye),
+                origin: narrow(sub(eye, origin)),
                 t_min: 0.0,
                 direction: narrow(basis.direction(at, size)),
                 t_max: frame.max_distance as f32,
@@ -109,7 +112,7 @@ impl View {
         let rays: Vec<Ray> = gpu
             .iter()
             .map(|r| Ray {
-                origin: r.origin.map(f64::from),
+                origin: eye,
                 direction: r.direction.map(f64::from),
                 t_min: f64::from(r.t_min),
                 t_max: f64::from(r.t_max),
@@ -143,7 +146,7 @@ impl View {
             .collect();
         let footprint = basis.footprint(size.1);
         let silhouette = silhouettes(&pixels, size, footprint);
-        let picture = RayPicture { size, rays: gpu, footprint: footprint as f32 };
+        let picture = RayPicture { size, rays: gpu, origin, footprint: footprint as f32 };
         Ok(Self { picture, rays, pixels, silhouette })
     }
 
