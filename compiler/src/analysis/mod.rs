@@ -50,6 +50,8 @@ pub struct Facts {
     unions: u32,
     /// How many more shapes may be sifted for the region at hand.
     sifts: u32,
+    /// How many steps of formulas a closer look at regions has cost so far.
+    closer: u64,
     /// How many steps of a formula one constant may cost.
     pub steps: usize,
     /// Boxes evaluated so far.
@@ -81,6 +83,7 @@ impl Default for Facts {
             entries: 0,
             unions: 0,
             sifts: 0,
+            closer: 0,
             steps: STEPS,
             boxes: 0,
             ran: 0,

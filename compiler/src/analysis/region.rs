@@ -14,6 +14,8 @@ const SLABS: u64 = 160;
 const SIFTED: u32 = 600;
 /// How many steps of formulas the sifting of one region may cost, those of the shapes inside counted in.
 const SIFTED_STEPS: u64 = 1_000_000;
+/// How many steps of formulas the sifting and the cutting of all regions of a scene may cost; then they are only found by carrying back.
+const CLOSER_STEPS: u64 = 8_000_000;
 /// How many shapes inside may be sifted for one region.
 const SIFTS: u32 = 16;
 /// How many unions inside may be looked at part by part for one region.
@@ -46,12 +48,14 @@ impl Facts {
                 break;
             }
         }
-        if region.is_finite() && region.size() > 0.5 * domain.point.size() {
+        let first = self.ran;
+        if self.closer < CLOSER_STEPS && region.is_finite() && region.size() > 0.5 * domain.point.size() {
             region = self.sift(graph, node, domain, region, level);
         }
-        if !region.is_empty() && region.is_finite() {
+        if self.closer < CLOSER_STEPS && !region.is_empty() && region.is_finite() {
             region = self.shave(graph, &tape, domain, region, level);
         }
+        self.closer += self.ran - first;
         self.regions.insert(key, region);
         region
     }
@@ -269,8 +273,10 @@ impl Facts {
             let tape = self.tape(graph, node);
             let mut region = self.contract(graph, &tape, &domain, target);
             let loose = region.size() > 0.5 * domain.point.size();
-            if loose && region.is_finite() && self.sifts > 0 {
+            if loose && region.is_finite() && self.sifts > 0 && self.closer < CLOSER_STEPS {
+                let first = self.ran;
                 region = self.sift(graph, node, &domain, region, level);
+                self.closer += self.ran - first;
             }
             self.regions.insert(key, region);
             return region;
