@@ -1,10 +1,13 @@
 //! Which operands of a large union matter where: space is cut into cells, and each has a list of its own.
 //!
 //! In a cell of radius R about c an operand of Lipschitz constant L has values between f(c) - L R and f(c) + L R. One whose least value is above
-//! the least of all greatest values, by more than blends reach, does not matter there. Lists are found from those of the block around, so most
-//! of a thousand operands are looked at in few blocks. The field that a list gives is the field that the whole list gives.
+//! the least of all greatest values, by more than blends reach, does not matter there. Where it reads parameters or the time, its values are
+//! those over the parameters' ranges and at any time, so a list holds wherever a slider stands. Lists are found from those of the block
+//! around, so most of a thousand operands are looked at in few blocks. The field that a list gives is the field that the whole list gives.
 
 use crate::emit::table::{Action, CLASS_SHIFT, Class, Grid, HEAD, Number, PUSH, Table, Tables, narrow};
+use crate::graph::ANY_TIME;
+use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
 use rustc_hash::FxHashMap;
 
@@ -32,8 +35,7 @@ pub fn lists(tables: &Tables, cells: bool) -> Vec<u32> {
         let mut head = [0u32; HEAD as usize];
         head[0] = first;
         head[1] = lists.len() as u32;
-        let still = table.classes.iter().all(is_still);
-        if let Some(grid) = Grid::around(&table.operands, table.reach).filter(|_| cells && still) {
+        if let Some(grid) = Grid::around(&table.operands, table.reach).filter(|_| cells) {
             let spans = spans(&grid, table, tables, &mut lists);
             head[2] = LEVELS as u32;
             let [x, y, z] = grid.center.map(|c| (c as f32).to_bits());
@@ -150,15 +152,15 @@ impl Finder<'_> {
         let values = self.evaluator.values(steps, center);
         let steep = |step: u32| self.table.operands.get(step as usize).and_then(|o| *o).map_or(f64::INFINITY, |o| o.steepness);
         let mut least = f64::INFINITY;
-        for (&step, &value) in steps.iter().zip(&values) {
-            least = least.min(value + steep(step) * radius);
+        for (&step, value) in steps.iter().zip(&values) {
+            least = least.min(value.hi + steep(step) * radius);
         }
         let limit = least + self.table.reach + slack;
         let mut kept: Vec<u32> = Vec::new();
         // For each value set aside: where it was, and whether it is nothing, so that it need not be set aside.
         let mut aside: Vec<(usize, bool)> = Vec::new();
         let mut fresh = true;
-        for (&step, &value) in steps.iter().zip(&values) {
+        for (&step, value) in steps.iter().zip(&values) {
             let class = self.table.entries.get(step as usize).map_or(PUSH, |e| e >> CLASS_SHIFT);
             if class == PUSH {
                 aside.push((kept.len(), fresh));
@@ -178,7 +180,7 @@ impl Finder<'_> {
                     kept.push(step);
                 }
                 fresh = false;
-            } else if value - steep(step) * radius <= limit || !value.is_finite() {
+            } else if value.lo - steep(step) * radius <= limit || !value.is_finite() {
                 kept.push(step);
                 fresh = false;
             }
@@ -187,13 +189,6 @@ impl Finder<'_> {
     }
 }
 
-/// Whether the operands of a class are the same at all times.
-fn is_still(class: &Class) -> bool {
-    let live = |a: &Action| matches!(a, Action::Time | Action::Parameter(_) | Action::Factor(_));
-    let form = &class.filled.form;
-    let end = form.operand.map_or(0, |o| o as usize + 1);
-    form.steps.iter().take(end).all(|s| !live(&s.action))
-}
 
 /// Computes operands at a point, many at once.
 struct Evaluator<'a> {
@@ -202,6 +197,8 @@ struct Evaluator<'a> {
     /// For each class the steps of its form that its operand needs.
     needed: Vec<Vec<u32>>,
     registers: Vec<[f64; LANES]>,
+    /// The same for operands that read parameters or the time.
+    ranges: Vec<Interval>,
 }
 
 impl<'a> Evaluator<'a> {
@@ -226,12 +223,21 @@ impl<'a> Evaluator<'a> {
             (0..wanted.len() as u32).filter(|&i| wanted.get(i as usize) == Some(&true)).collect()
         });
         let longest = table.classes.iter().map(|c| c.filled.form.steps.len()).max().unwrap_or(0);
-        Self { table, tables, needed: needed.collect(), registers: vec![[0.0; LANES]; longest] }
+        let (registers, ranges) = (vec![[0.0; LANES]; longest], vec![Interval::ALL; longest]);
+        Self { table, tables, needed: needed.collect(), registers, ranges }
+    }
+
+    /// Whether the operands of a class are the same at all times.
+    fn is_still(&self, index: usize, class: &Class) -> bool {
+        let live = |a: Action| matches!(a, Action::Time | Action::Parameter(_) | Action::Factor(_));
+        let steps = &class.filled.form.steps;
+        let needed = self.needed.get(index).map_or(&[][..], Vec::as_slice);
+        needed.iter().all(|&at| !steps.get(at as usize).is_some_and(|s| live(s.action)))
     }
 
     /// The values of steps at a point; of those without an operand, infinity.
-    fn values(&mut self, steps: &[u32], point: [f64; 3]) -> Vec<f64> {
-        let mut values = vec![f64::INFINITY; steps.len()];
+    fn values(&mut self, steps: &[u32], point: [f64; 3]) -> Vec<Interval> {
+        let mut values = vec![Interval::point(f64::INFINITY); steps.len()];
         let mut by_class: Vec<Vec<(usize, u32)>> = vec![Vec::new(); self.table.classes.len()];
         for (at, &step) in steps.iter().enumerate() {
             let entry = self.table.entries.get(step as usize).copied().unwrap_or(u32::MAX);
@@ -241,11 +247,20 @@ impl<'a> Evaluator<'a> {
         }
         for (class, members) in by_class.iter().enumerate() {
             let Some(known) = self.table.classes.get(class).filter(|c| !c.pops) else { continue };
+            if !self.is_still(class, known) {
+                for &(at, row) in members {
+                    let range = self.range(class, known, row, point);
+                    if let Some(slot) = values.get_mut(at) {
+                        *slot = range;
+                    }
+                }
+                continue;
+            }
             for chunk in members.chunks(LANES) {
                 let result = self.run(class, known, chunk, point);
                 for (&(at, _), value) in chunk.iter().zip(result) {
                     if let Some(slot) = values.get_mut(at) {
-                        *slot = value;
+                        *slot = Interval::point(value);
                     }
                 }
             }
@@ -253,23 +268,57 @@ impl<'a> Evaluator<'a> {
         values
     }
 
+    /// All values of a row's operand at a point.
+    fn range(&mut self, index: usize, class: &Class, row: u32, point: [f64; 3]) -> Interval {
+        let form = &class.filled.form;
+        let mut arguments = [Interval::ALL; 4];
+        for &at in self.needed.get(index).map_or(&[][..], Vec::as_slice) {
+            let Some(step) = form.steps.get(at as usize) else { continue };
+            let range = match step.action {
+                Action::Number(i) => class.numbers.get(i as usize).map_or(Interval::ALL, |n| Interval::point(self.number(*n, row))),
+                Action::Point(i) => Interval::point(point.get(usize::from(i)).copied().unwrap_or(0.0)),
+                Action::Op(op) => {
+                    for (slot, &a) in arguments.iter_mut().zip(&step.arguments) {
+                        *slot = self.ranges.get(a as usize).copied().unwrap_or(Interval::ALL);
+                    }
+                    kernel::interval(op, arguments.get(..op.row().arity.into()).unwrap_or(&arguments))
+                }
+                Action::Time => ANY_TIME,
+                Action::Parameter(i) => self.tables.parameters.get(i as usize).copied().unwrap_or(Interval::ALL),
+                Action::Factor(_) | Action::Older(_) | Action::Newer(_) => Interval::ALL,
+            };
+            if let Some(slot) = self.ranges.get_mut(at as usize) {
+                *slot = range;
+            }
+        }
+        form.operand.and_then(|o| self.ranges.get(o as usize)).copied().unwrap_or(Interval::ALL)
+    }
+
+    /// A number of a row.
+    fn number(&self, number: Number, row: u32) -> f64 {
+        match number {
+            Number::Column(c) => {
+                let piece = self.tables.rows.get(row.wrapping_add(c / 4) as usize);
+                piece.and_then(|p| p.get((c % 4) as usize)).copied().map_or(0.0, f64::from)
+            }
+            Number::Same(number) => f64::from(narrow(number)),
+        }
+    }
+
     fn run(&mut self, index: usize, class: &Class, rows: &[(usize, u32)], point: [f64; 3]) -> [f64; LANES] {
         let form = &class.filled.form;
-        let all = &self.tables.rows;
         for &at in self.needed.get(index).map_or(&[][..], Vec::as_slice) {
             let Some(step) = form.steps.get(at as usize) else { continue };
             let of = |i: usize| step.arguments.get(i).and_then(|&a| self.registers.get(a as usize)).copied().unwrap_or([0.0; LANES]);
             let value = match step.action {
                 Action::Number(i) => match class.numbers.get(i as usize) {
-                    Some(Number::Column(c)) => {
+                    Some(number) => {
                         let mut lanes = [0.0; LANES];
-                        for (lane, (_, row)) in lanes.iter_mut().zip(rows) {
-                            let piece = all.get(row.wrapping_add(c / 4) as usize);
-                            *lane = piece.and_then(|p| p.get((c % 4) as usize)).copied().map_or(0.0, f64::from);
+                        for (lane, &(_, row)) in lanes.iter_mut().zip(rows) {
+                            *lane = self.number(*number, row);
                         }
                         lanes
                     }
-                    Some(Number::Same(number)) => [f64::from(narrow(*number)); LANES],
                     None => [0.0; LANES],
                 },
                 Action::Point(i) => [point.get(usize::from(i)).copied().unwrap_or(0.0); LANES],

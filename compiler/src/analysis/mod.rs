@@ -19,7 +19,7 @@ mod turned;
 use crate::graph::algebra::Intervals;
 use crate::graph::interval::Interval;
 use crate::graph::kernel;
-use crate::graph::{Exactness, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
+use crate::graph::{ANY_TIME, Exactness, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
 use constant::STEPS;
 pub use constant::Constant;
 pub use domain::{Box3, Domain};
@@ -290,8 +290,7 @@ pub fn leaf_range(graph: &Graph, pinned: &[f64], leaf: Leaf, domain: &Domain) ->
     match leaf {
         Leaf::P(i) => domain.point.axis(usize::from(i)),
         Leaf::Normal(_) => Interval::new(-1.0, 1.0),
-        // Any time that a person may wait for, and what came before.
-        Leaf::Time => pinned.get(graph.parameters.len()).map_or(Interval::new(-1e7, 1e7), |t| Interval::point(*t)),
+        Leaf::Time => pinned.get(graph.parameters.len()).map_or(ANY_TIME, |t| Interval::point(*t)),
         Leaf::Parameter(i) => match (pinned.get(i as usize), graph.parameters.get(i as usize)) {
             (Some(value), _) => Interval::point(*value),
             (None, Some(p)) => Interval::new(p.min, p.max),

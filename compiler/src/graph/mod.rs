@@ -19,6 +19,7 @@ mod walk;
 use crate::images::ImageFile;
 use crate::source::Span;
 use index::Index;
+use interval::Interval;
 use kernel::Op;
 use labels::Labels;
 pub use list::NodeList;
@@ -41,6 +42,9 @@ pub struct MaterialId(pub u32);
 
 /// Stands for "no solid here": farther than anything, yet finite in 32 bits.
 pub const FAR: f64 = 1e9;
+
+/// Any time that a person may wait for, and what came before, in seconds.
+pub const ANY_TIME: Interval = Interval { lo: -1e7, hi: 1e7 };
 
 /// What a node reads from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -6,6 +6,7 @@ mod text;
 
 use crate::functions::Functions;
 use crate::functions::unions::{Join, Of, Operand, Step, Union};
+use crate::graph::interval::Interval;
 use crate::graph::{Function, Graph};
 use form::{Filled, Former};
 use rustc_hash::FxHashMap;
@@ -75,12 +76,15 @@ pub struct Tables {
     pub tables: BTreeMap<Of, Table>,
     /// The rows of all, four numbers in a piece.
     pub rows: Vec<[f32; 4]>,
+    /// The range of each component of the parameters.
+    pub parameters: Vec<Interval>,
 }
 
 impl Tables {
     /// The tables of all unions that are worth one.
     pub fn new(graph: &Graph, functions: &Functions) -> Self {
-        let mut tables = Self::default();
+        let parameters = graph.parameters.iter().map(|p| Interval::new(p.min, p.max)).collect();
+        let mut tables = Self { parameters, ..Self::default() };
         let mut unions: Vec<(&Of, &Union)> = functions.unions.iter().filter(|(_, u)| u.same.is_none()).collect();
         unions.sort_unstable_by_key(|(of, _)| **of);
         for (of, union) in unions {

@@ -184,7 +184,7 @@ pub fn declare_buffers(prefix: &str, group: u32, binding: u32, wgsl: &mut String
 /// Declares the tables as text, so that the module needs nothing else.
 pub fn declare_text(context: &Context, wgsl: &mut String) {
     let p = context.prefix;
-    let Tables { rows, tables } = context.tables;
+    let Tables { rows, tables, .. } = context.tables;
     let _ = write!(wgsl, "\n// The numbers of what differs in numbers alone.\nconst {p}table = array<vec4f, {}>(\n", rows.len().max(1));
     for [x, y, z, w] in rows {
         let _ = writeln!(wgsl, "  vec4f({x:?}, {y:?}, {z:?}, {w:?}),");

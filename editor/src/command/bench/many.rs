@@ -29,9 +29,9 @@ fn text(count: usize) -> String {
   sphere({radius} + {radius} * hash(i, 3)).translate(2 * hash(i, 0) - 1, 2 * hash(i, 1) - 1, 2 * hash(i, 2) - 1)
 }}
 camera {{ eye: (2.4, 1.6, 2.8), target: (0, 0, 0) }}
-light sun {{ direction: (-1, -2, -1.5), shadow: soft(16) }}
+{}
 "
-    )
+    , std::env::var("TAIL").unwrap_or_default())
 }
 
 /// Times in milliseconds.
