@@ -2,8 +2,10 @@
 
 use super::milliseconds;
 use crate::command::bar::LateBar;
-use crate::command::{Exit, Failure, print};
+use crate::command::{Exit, Failure, page, print};
+use plotters::prelude::*;
 use std::fmt::Write;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 use surefoot_compiler::compiled::Compiled;
@@ -12,7 +14,7 @@ use surefoot_runtime::headless::{self, FORMAT, Shot};
 use surefoot_runtime::{Gpu, Picture, ViewMode};
 
 /// Numbers of spheres.
-const COUNTS: [usize; 7] = [10, 32, 100, 316, 1001, 3162, 10_000];
+const COUNTS: [usize; 8] = [10, 32, 100, 316, 1001, 3162, 6000, 10_000];
 /// Beyond so many the whole list takes minutes.
 const MOST_WHOLE: usize = 1001;
 /// More pixels than edges make differ.
@@ -20,100 +22,172 @@ const MOST_DIFFERENT: usize = 1000;
 /// Side of the pictures in pixels.
 const SIDE: u32 = 512;
 
-/// Spheres smoothly joined, in a cube that they fill alike however many they are.
-fn text(count: usize) -> String {
+/// What is measured: a name, how many operands it has, and its text without light.
+struct Subject {
+    name: String,
+    count: usize,
+    text: String,
+}
+
+const CAMERA: &str = "camera { eye: (2.4, 1.6, 2.8), target: (0, 0, 0) }\n";
+/// Light with all that costs.
+const LIT: &str = "light sun { direction: (-1, -2, -1.5), shadow: soft(16) }\n";
+/// Light that costs nothing, so that the eye's rays are all that is traced.
+const BARE: &str = "light sun { direction: (-1, -2, -1.5), shadow: none }\nrender { ambient_occlusion: (0, 0) }\n";
+
+/// Spheres smoothly joined, in a cube that they fill alike however many they are; some of them `moving`.
+fn spheres(count: usize, moving: bool) -> Subject {
     let size = (count as f64 / 1001.0).cbrt().recip();
     let (radius, reach) = (0.04 * size, 0.03 * size);
-    format!(
+    let up = if moving { format!(" + {radius} * sin(time + i)") } else { String::new() };
+    let text = format!(
         "scene = for i in 0..{count} by smooth_union({reach}) {{
-  sphere({radius} + {radius} * hash(i, 3)).translate(2 * hash(i, 0) - 1, 2 * hash(i, 1) - 1, 2 * hash(i, 2) - 1)
+  sphere({radius} + {radius} * hash(i, 3)).translate(2 * hash(i, 0) - 1, 2 * hash(i, 1) - 1{up}, 2 * hash(i, 2) - 1)
 }}
-camera {{ eye: (2.4, 1.6, 2.8), target: (0, 0, 0) }}
-{}
-"
-    , std::env::var("TAIL").unwrap_or_default())
+{CAMERA}"
+    );
+    Subject { name: if moving { "spheres, moving" } else { "spheres" }.to_owned(), count, text }
+}
+
+/// Rounded boxes, joined by a tree of smooth unions 41 deep.
+fn boxes() -> Subject {
+    let text = format!(
+        "shape piece(i: int) = rounded_box((0.1 + 0.2 * hash(i, 5), 0.1 + 0.2 * hash(i, 6), 0.1 + 0.2 * hash(i, 7)), 0.02)
+  .rotate(y, hash(i, 3) * 90deg).rotate(x, hash(i, 4) * 90deg)
+  .translate(2 * hash(i, 0) - 1, 2 * hash(i, 1) - 1, 2 * hash(i, 2) - 1)
+scene = smooth_union(for i in 0..37 by smooth_union(0.05) {{ for j in 0..5 by smooth_union(0.02) {{ piece(5 * i + j) }} }}, piece(185), 0.05)
+{CAMERA}"
+    );
+    Subject { name: "boxes in a tree".to_owned(), count: 186, text }
 }
 
 /// Times in milliseconds.
 struct Row {
-    count: usize,
+    subject: Subject,
     compile: f64,
     lists: f64,
-    /// Pipeline and first picture, and one more picture.
-    drawn: (f64, f64),
+    /// Pipeline and picture.
+    first: f64,
+    next: f64,
+    /// From text in which a number changed to the next picture.
+    reload: f64,
+    /// The eye's rays alone.
+    rays: f64,
     /// The same with the whole list everywhere.
-    whole: Option<(f64, f64)>,
+    whole: Option<f64>,
     /// Pixels that differ by more than a 255th.
     different: usize,
 }
 
-/// Measures and prints.
-pub fn run() -> Result<Exit, Failure> {
+/// Measures and prints; writes the table and its curve where a page is asked for.
+pub fn run(page: Option<&Path>) -> Result<Exit, Failure> {
     let gpu = Gpu::headless().map_err(|e| Failure { exit: Exit::NoGraphics, words: e.to_string() })?;
     let bar = LateBar::new();
+    let mut subjects: Vec<Subject> = COUNTS.into_iter().map(|count| spheres(count, false)).collect();
+    subjects.extend([boxes(), spheres(1001, true)]);
+    let all = subjects.len() as f64;
     let mut rows = Vec::new();
-    for (i, count) in COUNTS.into_iter().enumerate() {
-        rows.push(row(&gpu, count).map_err(|words| Failure { exit: Exit::Errors, words })?);
-        bar.show((i + 1) as f64 / COUNTS.len() as f64);
+    for subject in subjects {
+        rows.push(row(&gpu, subject).map_err(|words| Failure { exit: Exit::Errors, words })?);
+        bar.show(rows.len() as f64 / all);
     }
     drop(bar);
-    print(table(&gpu, &rows).as_bytes())?;
+    let table = table(&gpu, &rows);
+    print(table.as_bytes())?;
+    if let Some(file) = page {
+        let curve = file.with_file_name("many.svg");
+        draw_curve(&curve, &rows).map_err(|e| Failure::usage(format!("can't write {}: {e}", curve.display())))?;
+        let words = format!(
+            "## Unions of many\n\nWritten by `surefoot bench --many --page {}`.\n\n{table}\n![Time against the number of spheres](many.svg)\n",
+            file.display()
+        );
+        page::put(file, "many", &words)?;
+    }
     Ok(Exit::Fine)
 }
 
-fn row(gpu: &Gpu, count: usize) -> Result<Row, String> {
-    let loader = MemoryLoader::new().with("many.sdf", text(count));
+fn row(gpu: &Gpu, subject: Subject) -> Result<Row, String> {
+    let lit = subject.text.clone() + LIT;
     let start = Instant::now();
-    let outcome = compile(&loader, "many.sdf", &Options::default());
-    let took = milliseconds(start.elapsed());
-    let mut compiled = outcome.compiled.ok_or("the scene does not compile")?;
+    let compiled = scene(&lit)?;
+    let compile = milliseconds(start.elapsed());
     let start = Instant::now();
+    find_lists(&compiled);
+    let lists = milliseconds(start.elapsed());
+    let start = Instant::now();
+    let mut picture = Picture::prepare(gpu, &compiled, FORMAT, ViewMode::Shaded)?;
+    draw(gpu, &mut picture, &compiled)?;
+    let first = milliseconds(start.elapsed());
+    let start = Instant::now();
+    draw(gpu, &mut picture, &compiled)?;
+    let next = milliseconds(start.elapsed());
+    let start = Instant::now();
+    show(gpu, &scene(&lit.replace("hash(i, 0)", "hash(i, 8)"))?)?;
+    let reload = milliseconds(start.elapsed());
+
+    let mut bare = scene(&(subject.text.clone() + BARE))?;
+    let (rays, pixels) = show(gpu, &bare)?;
+    let (mut whole, mut different) = (None, 0);
+    if subject.count <= MOST_WHOLE
+        && let Some(tables) = bare.module.tables.take()
+    {
+        bare.module.tables = Some(Arc::new(tables.whole()));
+        let (time, others) = show(gpu, &bare)?;
+        different = pixels.chunks(4).zip(others.chunks(4)).filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 1)).count();
+        whole = Some(time);
+    }
+    Ok(Row { subject, compile, lists, first, next, reload, rays, whole, different })
+}
+
+fn scene(text: &str) -> Result<Compiled, String> {
+    let loader = MemoryLoader::new().with("many.sdf", text);
+    compile(&loader, "many.sdf", &Options::default()).compiled.ok_or_else(|| "the scene does not compile".to_owned())
+}
+
+fn find_lists(compiled: &Compiled) {
     if let Some(tables) = &compiled.module.tables {
         tables.lists();
     }
-    let lists = milliseconds(start.elapsed());
-    let (drawn, pixels) = draw(gpu, &compiled)?;
-    let (mut whole, mut different) = (None, 0);
-    if count <= MOST_WHOLE
-        && let Some(tables) = compiled.module.tables.take()
-    {
-        compiled.module.tables = Some(Arc::new(tables.whole()));
-        let (times, others) = draw(gpu, &compiled)?;
-        different = pixels.chunks(4).zip(others.chunks(4)).filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 1)).count();
-        whole = Some(times);
-    }
-    Ok(Row { count, compile: took, lists, drawn, whole, different })
 }
 
-/// The times of the first picture and of another one, and what it shows.
-fn draw(gpu: &Gpu, compiled: &Compiled) -> Result<((f64, f64), Vec<u8>), String> {
-    let live = compiled.live();
-    let shot = Shot::new(SIDE, SIDE);
-    let start = Instant::now();
+fn draw(gpu: &Gpu, picture: &mut Picture, compiled: &Compiled) -> Result<Vec<u8>, String> {
+    Ok(headless::render_with(gpu, picture, compiled, &compiled.live(), &Shot::new(SIDE, SIDE))?.rgba)
+}
+
+/// A picture whose pipeline is there, and the time that it took.
+fn show(gpu: &Gpu, compiled: &Compiled) -> Result<(f64, Vec<u8>), String> {
+    find_lists(compiled);
     let mut picture = Picture::prepare(gpu, compiled, FORMAT, ViewMode::Shaded)?;
-    headless::render_with(gpu, &mut picture, compiled, &live, &shot)?;
-    let first = milliseconds(start.elapsed());
     let start = Instant::now();
-    let pixels = headless::render_with(gpu, &mut picture, compiled, &live, &shot)?;
-    Ok(((first, milliseconds(start.elapsed())), pixels.rgba))
+    let pixels = draw(gpu, &mut picture, compiled)?;
+    Ok((milliseconds(start.elapsed()), pixels))
 }
 
 fn table(gpu: &Gpu, rows: &[Row]) -> String {
     let mut text = format!(
-        "Spheres smoothly joined, {SIDE}×{SIDE} with soft shadows and occlusion, on {}; milliseconds.\n\n\
-         | spheres | compiled | lists | first picture | next picture | with whole lists | times as long | pixels that differ |\n\
-         |---:|---:|---:|---:|---:|---:|---:|---:|\n",
+        "Operands smoothly joined, {SIDE}×{SIDE} on {}; milliseconds. *First* is the first picture with soft shadows and occlusion, from its text on; \
+         *next* one more; *reload* the picture after a number of the text changed, from the text on. *Rays* are those of the eye alone, with the \
+         lists of the cells and with the whole list everywhere.\n\n\
+         | | operands | compiled | lists | first | next | reload | rays | with whole lists | times as long | pixels that differ |\n\
+         |---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
         gpu.name()
     );
     let mut cut = false;
     for row in rows {
+        let Row { subject: Subject { name, count, .. }, compile, lists, first, next, reload, rays, .. } = row;
         let (whole, times, different) = match row.whole {
-            Some((_, next)) => (format!("{next:.0}"), format!("{:.1}", next / row.drawn.1), row.different.to_string()),
-            None => ("-".to_owned(), "-".to_owned(), "-".to_owned()),
+            Some(whole) => {
+                let short = row.different > MOST_DIFFERENT;
+                cut |= short;
+                (format!("{whole:.0}"), format!("{}{:.1}", if short { "> " } else { "" }, whole / rays), row.different.to_string())
+            }
+            None => ["-"; 3].map(str::to_owned).into(),
         };
-        let Row { count, compile, lists, drawn: (first, next), .. } = row;
-        cut |= row.different > MOST_DIFFERENT;
-        let _ = writeln!(text, "| {count} | {compile:.1} | {lists:.1} | {first:.0} | {next:.0} | {whole} | {times} | {different} |");
+        let first = compile + lists + first;
+        let _ = writeln!(
+            text,
+            "| {name} | {count} | {compile:.1} | {lists:.1} | {first:.0} | {next:.0} | {reload:.0} | {rays:.0} | {whole} | {times} | {different} |"
+        );
     }
     if cut {
         text.push_str(
@@ -122,4 +196,38 @@ fn table(gpu: &Gpu, rows: &[Row]) -> String {
         );
     }
     text
+}
+
+/// Time against the number of spheres, both logarithmic.
+fn draw_curve(file: &Path, rows: &[Row]) -> Result<(), Box<dyn std::error::Error>> {
+    let rows: Vec<&Row> = rows.iter().filter(|r| r.subject.name == "spheres").collect();
+    let counts = |of: &dyn Fn(&Row) -> Option<f64>| -> Vec<(f64, f64)> {
+        rows.iter().filter_map(|r| Some((r.subject.count as f64, of(r)?))).collect()
+    };
+    let lines = [
+        ("first picture", counts(&|r| Some(r.compile + r.lists + r.first))),
+        ("reload", counts(&|r| Some(r.reload))),
+        ("next picture", counts(&|r| Some(r.next))),
+        ("rays", counts(&|r| Some(r.rays))),
+        ("rays, whole lists", counts(&|r| r.whole)),
+    ];
+    let times = || lines.iter().flat_map(|(_, places)| places.iter().map(|p| p.1));
+    let (least, most) = (times().fold(f64::INFINITY, f64::min), times().fold(1.0, f64::max));
+    let area = SVGBackend::new(file, (760, 480)).into_drawing_area();
+    area.fill(&WHITE)?;
+    let mut chart = ChartBuilder::on(&area)
+        .margin(16)
+        .x_label_area_size(40)
+        .y_label_area_size(70)
+        .build_cartesian_2d((8.0..14_000.0).log_scale(), (0.7 * least..1.5 * most).log_scale())?;
+    chart.configure_mesh().x_desc("spheres").y_desc("milliseconds").draw()?;
+    for (i, (name, places)) in lines.iter().enumerate() {
+        let color = Palette99::pick(i).to_rgba();
+        let dots = places.iter().map(|p| Circle::new(*p, 3, color.filled()));
+        chart.draw_series(dots)?;
+        chart.draw_series(LineSeries::new(places.iter().copied(), color))?.label(*name).legend(move |(x, y)| Circle::new((x + 8, y), 4, color.filled()));
+    }
+    chart.configure_series_labels().position(SeriesLabelPosition::UpperLeft).border_style(BLACK).background_style(WHITE).draw()?;
+    area.present()?;
+    Ok(())
 }

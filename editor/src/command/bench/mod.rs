@@ -51,7 +51,7 @@ type Rows = Vec<(&'static str, Vec<Duration>)>;
 /// Measures and prints. Files are read once and then kept, so that the disk is not what is measured.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
     if args.many {
-        return growing();
+        return growing(args);
     }
     if let Some(path) = &args.edits {
         return edits::run(path, args.runs);
@@ -91,17 +91,17 @@ fn errors(args: &Args) -> Result<Exit, Failure> {
 }
 
 #[cfg(feature = "gpu")]
-fn growing() -> Result<Exit, Failure> {
-    many::run()
+fn growing(args: &Args) -> Result<Exit, Failure> {
+    many::run(args.error.page.as_deref())
 }
 
 #[cfg(not(feature = "gpu"))]
-fn errors(_: &Args) -> Result<Exit, Failure> {
-    growing()
+fn errors(args: &Args) -> Result<Exit, Failure> {
+    growing(args)
 }
 
 #[cfg(not(feature = "gpu"))]
-fn growing() -> Result<Exit, Failure> {
+fn growing(_: &Args) -> Result<Exit, Failure> {
     let words = "this program was built without graphics".to_owned();
     Err(Failure { exit: Exit::NoGraphics, words })
 }

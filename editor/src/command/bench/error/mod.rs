@@ -42,9 +42,9 @@ pub struct Args {
     /// Write curves of time against error to this file as SVG.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Write the tables to this file as a page, with the curves beside it.
+    /// Write the tables to this file, as a section of a page, with the curves beside it.
     #[arg(long, value_name = "FILE")]
-    page: Option<PathBuf>,
+    pub page: Option<PathBuf>,
 }
 
 fn known_method(name: &str) -> Result<String, String> {
