@@ -333,10 +333,24 @@ pub struct Frame {
     pub exposure: f64,
     /// How often a mirrored ray is followed through the field, 0 to [`MAX_BOUNCES`].
     pub reflections: u32,
+    /// From where the scene itself is drawn into a cubemap, which stands for what surfaces mirror.
+    pub capture: Option<[f64; 3]>,
 }
 
 /// A ray is mirrored at most so often.
 pub const MAX_BOUNCES: u32 = 8;
+
+/// The scene drawn into a cubemap.
+#[derive(Clone, Copy, Debug)]
+pub struct CaptureNodes {
+    /// From where.
+    pub place: [NodeId; 3],
+    /// Pixels of a side of its faces: one of [`CAPTURE_SIZES`].
+    pub size: u32,
+}
+
+/// Pixels of a captured face's side.
+pub const CAPTURE_SIZES: [u32; 7] = [16, 32, 64, 128, 256, 512, 1024];
 
 /// Entries of the scene's blocks, as nodes over parameters and time.
 #[derive(Clone, Debug, Default)]
@@ -349,6 +363,8 @@ pub struct SceneBlocks {
     pub sky: Option<([NodeId; 3], [NodeId; 3])>,
     /// Images that stand for the sky; where they can't be had the sky is that of a scene that names none.
     pub environment: Option<EnvironmentFile>,
+    /// Where the scene itself is drawn for what mirrors it.
+    pub capture: Option<CaptureNodes>,
     /// How often a mirrored ray is followed; none or a constant 0: never.
     pub reflections: Option<NodeId>,
     /// Reach and strength.
@@ -575,6 +591,7 @@ impl Compiled {
             max_distance: blocks.max_distance.map_or(100.0, |d| one(d).max(1e-3)),
             extent: blocks.extent,
             exposure: blocks.exposure.map_or(0.0, one),
+            capture: blocks.capture.map(|capture| three(&capture.place)),
             reflections: blocks.reflections.map_or(0.0, one).round().clamp(0.0, f64::from(MAX_BOUNCES)) as u32,
         }
     }

@@ -12,6 +12,13 @@ const REFLECTIONS: [&str; 2] = [
     include_str!("../../runtime/src/passes/scene/reflections.wgsl"),
     include_str!("../../runtime/src/passes/scene/no_reflections.wgsl"),
 ];
+const FILM: [&str; 2] = [
+    concat!(include_str!("../../runtime/src/passes/scene/film.wgsl"), include_str!("../../runtime/src/passes/scene/target.wgsl")),
+    include_str!("../../runtime/src/passes/capture/film.wgsl"),
+];
+const TARGET: &str = include_str!("../../runtime/src/passes/scene/target.wgsl");
+const MIRROR: [&str; 2] =
+    [include_str!("../../runtime/src/passes/capture/none.wgsl"), include_str!("../../runtime/src/passes/capture/read.wgsl")];
 const LIGHT: &str = include_str!("../../runtime/src/passes/scene/light.wgsl");
 const SHADOW: [&str; 2] = [
     include_str!("../../runtime/src/passes/scene/shadow.wgsl"),
@@ -49,12 +56,14 @@ fn validate(sections: &[&str]) {
 fn every_combination_of_sections_is_valid() {
     for output in OUTPUT {
         for view in OTHERS {
-            validate(&[STUB, BASE, view, output]);
+            validate(&[STUB, BASE, TARGET, view, output]);
         }
         for shadow in SHADOW {
             for occlusion in OCCLUSION {
                 for (sky, reflections) in SKY.iter().flat_map(|sky| REFLECTIONS.map(|r| (sky, r))) {
-                    validate(&[STUB, BASE, sky, LIGHT, reflections, shadow, occlusion, MET, SHADED, output]);
+                    for (film, mirror) in FILM.iter().flat_map(|film| MIRROR.map(|m| (film, m))) {
+                        validate(&[STUB, BASE, film, sky, mirror, LIGHT, reflections, shadow, occlusion, MET, SHADED, output]);
+                    }
                 }
             }
         }

@@ -50,6 +50,14 @@ pub fn explain(gpu: &Gpu, picture: &mut Picture, compiled: &Compiled, live: &Liv
                 })?;
                 (all.saturating_sub(before), format!("{maps} of {side}x{side}"))
             }
+            PassKind::Capture => {
+                let side = picture.capture_side();
+                let all = median(|| {
+                    picture.forget_capture();
+                    drawn(gpu, picture, compiled, live, shot, Some(0))
+                })?;
+                (all.saturating_sub(before), format!("6 of {side}x{side}"))
+            }
             PassKind::Scene | PassKind::Meshes | PassKind::Balls => {
                 count += 1;
                 let all = median(|| drawn(gpu, picture, compiled, live, shot, Some(count)))?;
@@ -91,6 +99,7 @@ fn left_out(compiled: &Compiled, features: &Features) -> Vec<(&'static str, &'st
         (features.maps(), "shadow maps", because("no mesh and no ball throws a shadow, and no light has `shadow: map`")),
         (features.occlusion, "occlusion", because("its reach or its strength is 0")),
         (features.reflections, "reflections", because("`reflections` is 0")),
+        (features.capture.is_some(), "capture", because("the environment has no `capture`")),
         (features.environment, "images of the sky", because("the sky is a colour or a gradient")),
     ];
     parts.into_iter().filter(|(there, ..)| !there).map(|(_, what, why)| (what, why)).collect()

@@ -15,6 +15,8 @@ use surefoot_compiler::images::Images;
 pub enum PassKind {
     /// What throws shadows, into the lights' maps; drawn only where something of it moved.
     Shadows,
+    /// The scene from one place, into the cubemap of what is mirrored; drawn only where something of it moved.
+    Capture,
     /// Rays through the field, over the whole screen.
     Scene,
     /// Meshes over it, with its depth.
@@ -52,6 +54,10 @@ pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
         let casters: Vec<&str> = casters.into_iter().filter_map(|(on, what)| on.then_some(what)).collect();
         let reason = format!("{} throw shadows; drawn where something moved", casters.join(", "));
         passes.push(PlannedPass { kind: PassKind::Shadows, name: "shadow maps", reason });
+    }
+    if features.capture.is_some() {
+        let reason = "what surfaces mirror, seen from one place; drawn where something moved".to_owned();
+        passes.push(PlannedPass { kind: PassKind::Capture, name: "capture", reason });
     }
     passes.push(PlannedPass {
         kind: PassKind::Scene,
@@ -141,6 +147,29 @@ impl Picture {
     /// Draws the shadow maps again with the next update, though nothing moved.
     pub(crate) fn forget_maps(&mut self) {
         self.scene.forget_maps();
+    }
+
+    /// Pixels of a side of the cubemap's faces that the scene itself is drawn into, where it is.
+    pub(crate) fn capture_side(&mut self) -> u32 {
+        self.scene.capture().map_or(0, |capture| capture.side())
+    }
+
+    /// Draws that cubemap again with the next update, though nothing moved.
+    pub(crate) fn forget_capture(&mut self) {
+        if let Some(capture) = self.scene.capture() {
+            capture.forget();
+        }
+    }
+
+    /// How often the scene was drawn into its own cubemap: only where something of it moved.
+    pub fn captures(&mut self) -> u64 {
+        self.scene.capture().map_or(0, |capture| capture.count())
+    }
+
+    /// What the scene's cubemap holds: six faces in the order px, nx, py, ny, pz, nz as cubemaps lie, row by row; red, green, blue of linear
+    /// light, and 1 where it is the field's. None where the scene has none, or nothing was drawn yet.
+    pub fn captured(&mut self) -> Result<Option<Vec<[f32; 4]>>, String> {
+        self.scene.capture().filter(|capture| capture.count() > 0).map(|capture| capture.read()).transpose()
     }
 
     /// Draws only so many of the passes over the picture from now on, or all of them.

@@ -214,12 +214,12 @@ fn a_frame_is_what_its_scene_needs() {
     let map = "light l { direction: (0, -1, 0), shadow: map }\n";
     let none = "light l { direction: (0, -1, 0), shadow: none }\n";
     let scenes: [(&str, &[PassKind], &str); 6] = [
-        ("", &[Scene], "meshes balls shadow maps reflections images of the sky"),
-        (mesh, &[Shadows, Scene, Meshes], "balls reflections images of the sky"),
-        (&format!("{mesh}{none}"), &[Scene, Meshes], "balls shadows shadow maps reflections images of the sky"),
-        (&format!("{mesh}render {{ shadows: off, ambient_occlusion: (0, 0) }}\n"), &[Scene, Meshes], "balls shadows shadow maps occlusion reflections images of the sky"),
-        (map, &[Shadows, Scene], "meshes balls reflections images of the sky"),
-        ("balls b { count: 3 }\n", &[Shadows, Scene, Balls], "meshes reflections images of the sky"),
+        ("", &[Scene], "meshes balls shadow maps reflections capture images of the sky"),
+        (mesh, &[Shadows, Scene, Meshes], "balls reflections capture images of the sky"),
+        (&format!("{mesh}{none}"), &[Scene, Meshes], "balls shadows shadow maps reflections capture images of the sky"),
+        (&format!("{mesh}render {{ shadows: off, ambient_occlusion: (0, 0) }}\n"), &[Scene, Meshes], "balls shadows shadow maps occlusion reflections capture images of the sky"),
+        (map, &[Shadows, Scene], "meshes balls reflections capture images of the sky"),
+        ("balls b { count: 3 }\n", &[Shadows, Scene, Balls], "meshes reflections capture images of the sky"),
     ];
     for (text, wanted, left_out) in scenes {
         let (compiled, assets) = scene(&format!("scene = plane(y)\n{text}"));

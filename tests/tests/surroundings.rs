@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::alike::{on_the_gpu, on_the_processor, png, save, scene, share_off};
+use common::alike::{draw_with_meshes, on_the_gpu, on_the_processor, png, save, scene, scene_with_meshes, share_off};
 use common::gpu;
 use surefoot_compiler::MemoryLoader;
 use surefoot_compiler::compiled::Camera;
@@ -11,6 +11,7 @@ use surefoot_compiler::reference::shade::Shading;
 use surefoot_compiler::reference::vector::{Vec3, add, along, dot, scale, sub, unit};
 use surefoot_runtime::Gpu;
 use surefoot_runtime::headless::Shot;
+use surefoot_tests::solids::sphere;
 
 /// The colour of a place on a face that says which face and which place: three levels for the face, `s` and `t` beside them.
 fn told(face: usize, s: f64, t: f64) -> [u8; 3] {
@@ -116,17 +117,24 @@ const BALL: &str = "material mirror { color: #ffffff, roughness: 0, metallic: 1,
     camera back { eye: (-2, -1, -8), target: (0, 0, 0), fov: 15.5deg }
     render { extent: 20, reflections: 1, ambient_occlusion: (0.5, 0) }\n";
 
+/// The same, as triangles.
+const MESH: &str = "material mirror { color: #ffffff, roughness: 0, metallic: 1, reflectivity: 1 }
+    scene = nothing
+    mesh ball \"ball.obj\" { material: mirror }
+    camera front { eye: (1, 2, 8), target: (0, 0, 0), fov: 15.5deg }
+    camera back { eye: (-2, -1, -8), target: (0, 0, 0), fov: 15.5deg }
+    render { extent: 20, ambient_occlusion: (0.5, 0) }\n";
+
 /// The most by which what the ball shows differs from what stands in the directions that it mirrors. `wanted` says what stands in a
 /// direction, as a screen's colour; what a direction shows must lie between all that stands within `blur` of it.
 fn check_mirror(gpu: &Gpu, name: &str, files: &MemoryLoader, wanted: impl Fn(Vec3) -> [u8; 3], blur: f64, tolerance: f64) {
-    let (compiled, loaded) = scene(files);
-    assert!(loaded.diagnostics.is_empty(), "{:?}", loaded.diagnostics);
+    let (compiled, assets) = scene_with_meshes(files);
     let side = 512;
     let frame = compiled.frame(&compiled.live());
-    let shading = Shading::of(&frame, loaded.images.environment.clone());
+    let shading = Shading::of(&frame, assets.images().environment.clone());
     let pictures: Vec<_> = frame.cameras.iter().map(|(which, camera)| {
         let shot = Shot { camera: Some(*camera), ..Shot::new(side, side) };
-        let pixels = on_the_gpu(gpu, &compiled, &loaded.images, &shot);
+        let pixels = draw_with_meshes(gpu, &compiled, &assets, &shot);
         save(&format!("{name}-{which}"), &pixels);
         (*camera, Basis::of(camera), pixels)
     }).collect();
@@ -186,4 +194,9 @@ fn a_mirror_shows_of_each_direction_what_stands_there() {
     });
     let files = MemoryLoader::new().with("main.sdf", equirect).with("sky.png", image);
     check_mirror(&gpu, "equirect", &files, tells, 0.02, 2.0);
+    // On triangles, whose normals between corners are those of a ball but for a thousandth of a radian.
+    let ball = sphere(160).obj();
+    let cubemap = format!("environment {{ sky: cubemap(\"sky\") }}\n{MESH}");
+    let files = MemoryLoader::new().with("main.sdf", cubemap).with("ball.obj", ball);
+    check_mirror(&gpu, "faces-mesh", &faces_that_tell(files, "sky", 128), tells, 0.012, 2.0);
 }

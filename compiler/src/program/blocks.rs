@@ -35,6 +35,7 @@ impl SceneBlocks {
         if let Some((reach, strength)) = self.ambient_occlusion {
             nodes.extend([reach, strength]);
         }
+        nodes.extend(self.capture.iter().flat_map(|capture| capture.place));
         nodes.extend(self.shadows.iter().chain(&self.max_distance).chain(&self.exposure).chain(&self.reflections));
         nodes.extend(self.physics.iter().flat_map(PhysicsNodes::nodes));
         nodes.extend(self.balls.iter().flat_map(BallsNodes::nodes));
@@ -460,11 +461,8 @@ impl Elaborator<'_> {
                 if let Some(sky) = entry("sky") {
                     self.sky(sky, &env, blocks)?;
                 }
-                for key in ["capture", "size"] {
-                    if let Some(expr) = entry(key) {
-                        self.expression(expr, &env)?;
-                        self.not_drawn(expr.span, key);
-                    }
+                if let Some(capture) = self.capture(entry("capture"), entry("size"), &env)? {
+                    blocks.capture = Some(capture);
                 }
             }
             BlockKind::Render => self.render(&seen, &env, blocks)?,
@@ -484,15 +482,6 @@ impl Elaborator<'_> {
             }
         }
         Ok(())
-    }
-
-    pub(super) fn not_drawn(&mut self, span: Span, what: &str) {
-        self.warn(
-            Code::NotDrawn,
-            span,
-            format!("`{what}` is understood, but not drawn yet"),
-            "the rest of the scene is drawn without it",
-        );
     }
 
     fn render(

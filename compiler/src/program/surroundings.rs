@@ -3,7 +3,7 @@
 use super::load::join;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env};
-use crate::compiled::{MAX_BOUNCES, SceneBlocks};
+use crate::compiled::{CAPTURE_SIZES, CaptureNodes, MAX_BOUNCES, SceneBlocks};
 use crate::diagnostic::Code;
 use crate::graph::NodeId;
 use crate::images::{EnvironmentFile, EnvironmentKind, ImageFile};
@@ -70,6 +70,34 @@ impl Elaborator<'_> {
                     format!("write `{what}(\"sky\")`"),
                 ))
             }
+        }
+    }
+
+    /// From where the scene itself is drawn for what mirrors it, and how many pixels a side of its faces has.
+    pub(super) fn capture(&mut self, place: Option<&Expr>, size: Option<&Expr>, env: &Env) -> Elaborated<Option<CaptureNodes>> {
+        let Some(place) = place else {
+            return match size {
+                Some(size) => Err(self.error(
+                    Code::MissingArgument,
+                    size.span,
+                    "`size` is that of a `capture`, and there is none",
+                    "write `capture: (0, 1, 0), size: 256`: from where the scene is drawn for what mirrors it",
+                )),
+                None => Ok(None),
+            };
+        };
+        let place = self.vec3_entry(Some(place), env, [0.0; 3]);
+        let Some(expr) = size else { return Ok(Some(CaptureNodes { place: place?, size: 256 })) };
+        let value = self.expression(expr, env)?;
+        let wanted = self.to_constant(&value, expr.span)?;
+        match CAPTURE_SIZES.into_iter().find(|size| f64::from(*size) == wanted) {
+            Some(size) => Ok(Some(CaptureNodes { place: place?, size })),
+            None => Err(self.error(
+                Code::BadValue,
+                expr.span,
+                format!("the `size` of a capture is {wanted}"),
+                format!("write how many pixels a side of its faces has: one of {}", CAPTURE_SIZES.map(|s| s.to_string()).join(", ")),
+            )),
         }
     }
 

@@ -16,6 +16,8 @@ pub struct BallsPipeline {
     layout: wgpu::BindGroupLayout,
     looks: wgpu::Buffer,
     written: Vec<Look>,
+    /// Grows with each change of what they are made of.
+    pub(super) looks_version: u64,
     /// The balls that are drawn, where there are any.
     shown: Option<Shown>,
 }
@@ -50,41 +52,29 @@ impl BallsPipeline {
         features: Features,
         shadows: Option<&wgpu::BindGroupLayout>,
     ) -> Result<Self, String> {
-        let label = "surefoot balls, picture";
-        let shading = features.shading(compiled);
-        let mut sections = vec![compiled.module.code()];
-        sections.extend(shading.iter().map(|s| &**s));
-        sections.push(include_str!("../physics/ball.wgsl"));
-        sections.push(include_str!("balls/balls.wgsl"));
-        sections.push(match features.view {
-            ViewMode::Normals => include_str!("balls/normals.wgsl"),
-            ViewMode::Depth => include_str!("balls/depth.wgsl"),
-            ViewMode::Shaded | ViewMode::Steps => include_str!("balls/shaded.wgsl"),
-        });
-        let key = PipelineKey {
-            wgsl: sections.join("\n"),
-            constants: Vec::new(),
-            format: Some(format),
-            entries: ["ball_vertex", "ball_fragment"],
-            depth: Some(wgpu::CompareFunction::GreaterEqual),
-            triangles: false,
-        };
         gpu.catch(|| {
-            let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
-            let module = module::layout(gpu, &compiled.module, stage);
-            let scene = surroundings::layout(gpu, features);
-            let layout = storage_layout(gpu, label, stage, 2);
-            let layouts = [Some(&module), Some(&scene), Some(&layout), shadows];
-            let layouts = if shadows.is_some() { &layouts } else { &layouts[..3] };
-            let pipeline = gpu.screen_pipeline(label, key, layouts)?;
+            let layout = storage_layout(gpu, LABEL, wgpu::ShaderStages::VERTEX_FRAGMENT, 2);
+            let pipeline = pipeline(gpu, compiled, format, features, &layout, shadows)?;
             let looks = gpu.device().create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
+                label: Some(LABEL),
                 size: (size_of::<Look>() * compiled.blocks.balls.len().max(1)) as u64,
                 usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             });
-            Ok(Self { pipeline, layout, looks, written: Vec::new(), shown: None })
+            Ok(Self { pipeline, layout, looks, written: Vec::new(), looks_version: 0, shown: None })
         })?
+    }
+
+    /// What draws the same balls on other targets.
+    pub(super) fn other(
+        &self,
+        gpu: &Gpu,
+        compiled: &Compiled,
+        format: wgpu::TextureFormat,
+        features: Features,
+        shadows: Option<&wgpu::BindGroupLayout>,
+    ) -> Result<wgpu::RenderPipeline, String> {
+        pipeline(gpu, compiled, format, features, &self.layout, shadows)
     }
 
     /// The balls that are drawn, as what throws shadows.
@@ -96,7 +86,7 @@ impl BallsPipeline {
     pub fn show(&mut self, gpu: &Gpu, compiled: &Compiled, live: &Live, physics: Option<&Physics>) {
         self.shown = physics.filter(|p| p.count() > 0).map(|physics| {
             let group = gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("surefoot balls, picture"),
+                label: Some(LABEL),
                 layout: &self.layout,
                 entries: &[
                     wgpu::BindGroupEntry { binding: 0, resource: physics.buffer().as_entire_binding() },
@@ -113,14 +103,55 @@ impl BallsPipeline {
         if looks != self.written {
             gpu.queue().write_buffer(&self.looks, 0, bytemuck::cast_slice(&looks));
             self.written = looks;
+            self.looks_version += 1;
         }
     }
 
     /// Draws after the field, whose groups 0 and 1 are set.
     pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.draw_with(&self.pipeline, pass);
+    }
+
+    /// The same with what [`Self::other`] answered.
+    pub(super) fn draw_with(&self, pipeline: &wgpu::RenderPipeline, pass: &mut wgpu::RenderPass<'_>) {
         let Some(shown) = &self.shown else { return };
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(pipeline);
         pass.set_bind_group(2, &shown.group, &[]);
         pass.draw(0..6, 0..shown.count);
     }
+}
+
+const LABEL: &str = "surefoot balls, picture";
+
+/// What draws balls on targets of a format.
+fn pipeline(
+    gpu: &Gpu,
+    compiled: &Compiled,
+    format: wgpu::TextureFormat,
+    features: Features,
+    layout: &wgpu::BindGroupLayout,
+    shadows: Option<&wgpu::BindGroupLayout>,
+) -> Result<wgpu::RenderPipeline, String> {
+    let shading = features.shading(compiled);
+    let mut sections = vec![compiled.module.code()];
+    sections.extend(shading.iter().map(|s| &**s));
+    sections.push(include_str!("../physics/ball.wgsl"));
+    sections.push(include_str!("balls/balls.wgsl"));
+    sections.push(match features.view {
+        ViewMode::Normals => include_str!("balls/normals.wgsl"),
+        ViewMode::Depth => include_str!("balls/depth.wgsl"),
+        ViewMode::Shaded | ViewMode::Steps => include_str!("balls/shaded.wgsl"),
+    });
+    let key = PipelineKey {
+        wgsl: sections.join("\n"),
+        constants: Vec::new(),
+        format: Some(format),
+        entries: ["ball_vertex", "ball_fragment"],
+        depth: Some(wgpu::CompareFunction::GreaterEqual),
+        triangles: false,
+    };
+    let module = module::layout(gpu, &compiled.module, wgpu::ShaderStages::VERTEX_FRAGMENT);
+    let scene = surroundings::layout(gpu, features);
+    let layouts = [Some(&module), Some(&scene), Some(layout), shadows];
+    gpu.screen_pipeline(LABEL, key, if shadows.is_some() { &layouts } else { &layouts[..3] })
 }

@@ -11,6 +11,8 @@ use surefoot_compiler::mesh::Placed;
 use surefoot_compiler::reference::vector::sub;
 use wgpu::util::DeviceExt;
 
+const LABEL: &str = "surefoot meshes";
+
 /// Draws meshes.
 #[derive(Debug)]
 pub struct MeshesPipeline {
@@ -81,26 +83,6 @@ impl MeshesPipeline {
         features: Features,
         shadows: Option<&wgpu::BindGroupLayout>,
     ) -> Result<Self, String> {
-        let label = "surefoot meshes";
-        let shading = features.shading(compiled);
-        let mut sections = vec![compiled.module.code()];
-        sections.extend(shading.iter().map(|s| &**s));
-        sections.push(include_str!("meshes/place.wgsl"));
-        sections.push(include_str!("meshes/vertex.wgsl"));
-        sections.push(include_str!("meshes/mesh.wgsl"));
-        sections.push(match features.view {
-            ViewMode::Normals => include_str!("meshes/normals.wgsl"),
-            ViewMode::Depth => include_str!("meshes/depth.wgsl"),
-            ViewMode::Shaded | ViewMode::Steps => include_str!("meshes/shaded.wgsl"),
-        });
-        let key = PipelineKey {
-            wgsl: sections.join("\n"),
-            constants: Vec::new(),
-            format: Some(format),
-            entries: ["mesh_vertex", "mesh_fragment"],
-            depth: Some(wgpu::CompareFunction::GreaterEqual),
-            triangles: true,
-        };
         // No formula of the scene is asked: the same for all scenes.
         let before = [
             "fn sf_gradient(p: vec3f) -> vec4f { return vec4f(p, 0.0); }",
@@ -109,21 +91,30 @@ impl MeshesPipeline {
             include_str!("meshes/vertex.wgsl"),
             include_str!("meshes/before.wgsl"),
         ];
-        let before_key = PipelineKey { wgsl: before.join("\n"), format: None, entries: ["mesh_vertex", "mesh_before"], ..key.clone() };
+        let before_key = PipelineKey { format: None, entries: ["mesh_vertex", "mesh_before"], ..key(before.join("\n"), format) };
         gpu.catch(|| {
-            let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
-            let module = crate::module::layout(gpu, &compiled.module, stage);
-            let scene = surroundings::layout(gpu, features);
             let triangles = Triangles::new(gpu, compiled);
-            let layouts = [Some(&module), Some(&scene), Some(&triangles.layout), shadows];
-            let layouts = if shadows.is_some() { &layouts } else { &layouts[..3] };
-            let pipeline = gpu.screen_pipeline(label, key, layouts)?;
+            let pipeline = pipeline(gpu, compiled, format, features, &triangles.layout, shadows)?;
+            // A pipeline is known by its text: its layout may not depend on more.
+            let scene = surroundings::plain_layout(gpu);
             let before = match features.meshes_first {
-                true => Some(gpu.screen_pipeline(label, before_key, &[None, Some(&scene), Some(&triangles.layout)])?),
+                true => Some(gpu.screen_pipeline(LABEL, before_key, &[None, Some(&scene), Some(&triangles.layout)])?),
                 false => None,
             };
             Ok(Self { pipeline, before, triangles })
         })?
+    }
+
+    /// What draws the same meshes on other targets.
+    pub(super) fn other(
+        &self,
+        gpu: &Gpu,
+        compiled: &Compiled,
+        format: wgpu::TextureFormat,
+        features: Features,
+        shadows: Option<&wgpu::BindGroupLayout>,
+    ) -> Result<wgpu::RenderPipeline, String> {
+        pipeline(gpu, compiled, format, features, &self.triangles.layout, shadows)
     }
 
     /// Takes the meshes of the scene, in the order of the text.
@@ -131,7 +122,7 @@ impl MeshesPipeline {
         self.triangles.put(gpu, meshes)
     }
 
-    /// Draws the depth alone; group 1 is the scene's.
+    /// Draws the depth alone; group 1 is the scene's, without images.
     pub(super) fn draw_before(&self, pass: &mut wgpu::RenderPass<'_>) {
         if let Some(before) = &self.before {
             pass.set_pipeline(before);
@@ -143,6 +134,44 @@ impl MeshesPipeline {
     pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_pipeline(&self.pipeline);
         self.triangles.draw(pass);
+    }
+}
+
+/// What draws meshes on targets of a format.
+fn pipeline(
+    gpu: &Gpu,
+    compiled: &Compiled,
+    format: wgpu::TextureFormat,
+    features: Features,
+    layout: &wgpu::BindGroupLayout,
+    shadows: Option<&wgpu::BindGroupLayout>,
+) -> Result<wgpu::RenderPipeline, String> {
+    let shading = features.shading(compiled);
+    let mut sections = vec![compiled.module.code()];
+    sections.extend(shading.iter().map(|s| &**s));
+    sections.push(include_str!("meshes/place.wgsl"));
+    sections.push(include_str!("meshes/vertex.wgsl"));
+    sections.push(include_str!("meshes/mesh.wgsl"));
+    sections.push(match features.view {
+        ViewMode::Normals => include_str!("meshes/normals.wgsl"),
+        ViewMode::Depth => include_str!("meshes/depth.wgsl"),
+        ViewMode::Shaded | ViewMode::Steps => include_str!("meshes/shaded.wgsl"),
+    });
+    let module = crate::module::layout(gpu, &compiled.module, wgpu::ShaderStages::VERTEX_FRAGMENT);
+    let scene = surroundings::layout(gpu, features);
+    let layouts = [Some(&module), Some(&scene), Some(layout), shadows];
+    gpu.screen_pipeline(LABEL, key(sections.join("\n"), format), if shadows.is_some() { &layouts } else { &layouts[..3] })
+}
+
+/// What a pipeline over meshes is, by its text.
+fn key(wgsl: String, format: wgpu::TextureFormat) -> PipelineKey {
+    PipelineKey {
+        wgsl,
+        constants: Vec::new(),
+        format: Some(format),
+        entries: ["mesh_vertex", "mesh_fragment"],
+        depth: Some(wgpu::CompareFunction::GreaterEqual),
+        triangles: true,
     }
 }
 

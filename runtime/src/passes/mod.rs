@@ -1,6 +1,7 @@
 //! The fixed passes: each one a `.wgsl` file beside its Rust file, put after an emitted module, whose functions it calls.
 
 mod balls;
+mod capture;
 pub mod layers;
 pub mod evaluate;
 mod meshes;

@@ -1,10 +1,11 @@
 //! The pass over the screen on the GPU: pipeline, uniforms, draw.
 
 use super::balls::BallsPipeline;
+use super::capture::{self, Capture};
 use super::meshes::MeshesPipeline;
 use super::scene::{Features, SceneUniforms};
 use super::shadows::{Moment, Shadows};
-use super::surroundings::{self, SceneGroup};
+use super::surroundings::{self, SceneGroup, SceneImages};
 use crate::film::LINEAR;
 use crate::gpu::{DEPTH, Gpu, PipelineKey};
 use crate::module::{self, ModuleGroup};
@@ -25,6 +26,7 @@ pub struct ScenePipeline {
     balls: Option<BallsPipeline>,
     meshes: Option<MeshesPipeline>,
     shadows: Option<Shadows>,
+    capture: Option<Capture>,
     /// How many passes are drawn, where not all are.
     first: Option<u32>,
     /// The newest view.
@@ -72,19 +74,26 @@ impl ScenePipeline {
             let count = if lookup.is_some() { 4 } else if features.meshes_first { 3 } else { 2 };
             let layouts = &layouts[..count];
             let pipeline = gpu.screen_pipeline(label, key, layouts)?;
-            Ok(Self {
+            let capture = match features.capture {
+                Some(size) => Some(Capture::new(gpu, compiled, features.of_capture(), size, balls.as_ref(), meshes.as_ref(), lookup)?),
+                None => None,
+            };
+            let mut new = Self {
                 pipeline,
                 module: ModuleGroup::new(gpu, compiled, &module_layout),
-                scene: SceneGroup::new(gpu, features, compiled, scene_layout),
+                scene: SceneGroup::new(gpu, features, scene_layout),
                 features,
                 srgb_target: format.is_srgb() || format == LINEAR,
                 fresh: false,
                 balls,
                 meshes,
                 shadows,
+                capture,
                 first: None,
                 view: None,
-            })
+            };
+            new.bind(gpu, &SceneImages::missing(gpu, features, compiled));
+            Ok(new)
         })?
     }
 
@@ -116,13 +125,39 @@ impl ScenePipeline {
                 field: compiled.uniform_bytes(live, [0.0; 3]),
             })
         });
+        let captured = self.capture.as_mut().zip(frame.capture).is_some_and(|(capture, place)| {
+            capture.update(&capture::Moment {
+                frame: &frame,
+                place,
+                origin,
+                near: compiled.module.near,
+                module: self.module.group(),
+                field: compiled.uniform_bytes(live, [0.0; 3]),
+                shadows: self.shadows.as_ref().map(Shadows::group),
+                meshes: self.meshes.as_ref(),
+                placed: &placed,
+                balls: self.balls.as_ref(),
+            })
+        });
         self.view = Some(*view);
-        std::mem::take(&mut self.fresh) || module || scene || meshes || shadows
+        std::mem::take(&mut self.fresh) || module || scene || meshes || shadows || captured
+    }
+
+    /// Binds images everywhere.
+    fn bind(&mut self, gpu: &Gpu, images: &SceneImages) {
+        self.scene.bind(gpu, images, self.capture.as_ref().map(Capture::view));
+        if let Some(capture) = &mut self.capture {
+            capture.bind(gpu, images);
+        }
     }
 
     /// Shows the images that the scene names, as far as they could be read.
     pub fn show_images(&mut self, gpu: &Gpu, images: &Images) {
-        self.fresh |= self.scene.show(gpu, images);
+        let Features { environment, textures, .. } = self.features;
+        if (environment || textures > 0) && images.textures.len() >= textures as usize {
+            self.bind(gpu, &SceneImages::new(gpu, self.features, images));
+            self.fresh = true;
+        }
     }
 
     /// What draws the balls, where the scene has some.
@@ -138,6 +173,11 @@ impl ScenePipeline {
     /// How many shadow maps there are, and how many pixels a side of one has.
     pub(crate) fn maps(&self) -> (usize, u32) {
         self.shadows.as_ref().map_or((0, 0), Shadows::size)
+    }
+
+    /// The cubemap of the scene itself, where there is one.
+    pub(crate) fn capture(&mut self) -> Option<&mut Capture> {
+        self.capture.as_mut()
     }
 
     /// Draws the shadow maps again with the next update.
@@ -184,7 +224,7 @@ impl ScenePipeline {
             ..Default::default()
         });
         set_viewport(&mut pass, &view);
-        pass.set_bind_group(1, self.scene.group(), &[]);
+        pass.set_bind_group(1, self.scene.plain(), &[]);
         meshes.draw_before(&mut pass);
         drop(pass);
         gpu.queue().submit([encoder.finish()]);

@@ -27,6 +27,10 @@ pub struct Features {
     pub environment: bool,
     /// Whether mirrored rays are followed through the field.
     pub reflections: bool,
+    /// Whether the scene itself, drawn into a cubemap, stands for what surfaces mirror: pixels of a side of its faces.
+    pub capture: Option<u32>,
+    /// Whether the pass draws that cubemap and no picture.
+    pub captures: bool,
     /// Textures that lie on the surface.
     pub textures: u32,
     /// Whether balls are drawn.
@@ -61,12 +65,20 @@ impl Features {
             environment: shaded && blocks.environment.is_some(),
             textures: if shaded { compiled.functions.surface.textures().len().min(MOST_TEXTURES) as u32 } else { 0 },
             reflections: shaded && blocks.reflections.is_some_and(|n| constant(n) != Some(0.0)),
+            capture: blocks.capture.filter(|_| shaded).map(|capture| capture.size),
+            captures: false,
             // Not where the steps of rays are shown.
             balls: compiled.has_balls() && view != ViewMode::Steps,
             meshes: compiled.has_meshes() && view != ViewMode::Steps,
             meshes_first: compiled.has_meshes() && view != ViewMode::Steps,
             field_maps: shaded && !off && blocks.lights.iter().any(|l| l.shadow.0 == Shadow::Map),
         }
+    }
+
+    /// Of what draws the cubemap of a scene that has these: the same light, seen from one place. What is mirrored there is the field and
+    /// the sky.
+    pub(super) fn of_capture(self) -> Self {
+        Self { capture: None, captures: true, meshes_first: false, ..self }
     }
 
     /// Whether shadows are looked up in maps.
@@ -94,18 +106,30 @@ impl Features {
         if self.occlusion {
             exports.push(Export::Occlusion);
         }
+        if self.capture.is_some() {
+            exports.push(Export::Bound);
+        }
         exports
     }
 
     /// What every pass that shades has: the view, and light where it is shown.
     pub(super) fn shading(&self, compiled: &Compiled) -> Vec<Cow<'static, str>> {
         let mut sections = vec![include_str!("scene/base.wgsl")];
+        sections.extend(match (self.captures, self.view) {
+            (true, _) => vec![include_str!("capture/film.wgsl")],
+            (false, ViewMode::Shaded) => vec![include_str!("scene/film.wgsl"), include_str!("scene/target.wgsl")],
+            (false, _) => vec![include_str!("scene/target.wgsl")],
+        });
         let mut met = Vec::new();
         if self.view == ViewMode::Shaded {
             met = layers::text(&compiled.functions.surface);
             sections.push(match self.environment {
                 true => include_str!("scene/sky_images.wgsl"),
                 false => include_str!("scene/sky_gradient.wgsl"),
+            });
+            sections.push(match self.capture {
+                Some(_) => include_str!("capture/read.wgsl"),
+                None => include_str!("capture/none.wgsl"),
             });
             sections.push(include_str!("scene/light.wgsl"));
             sections.push(match self.reflections {
@@ -132,6 +156,7 @@ impl Features {
         let mut sections = self.shading(compiled);
         let mut push = |text: &'static str| sections.push(text.into());
         push(match self.view {
+            ViewMode::Shaded if self.captures => include_str!("capture/view.wgsl"),
             ViewMode::Shaded => include_str!("scene/view_shaded.wgsl"),
             ViewMode::Normals => include_str!("scene/view_normals.wgsl"),
             ViewMode::Steps => include_str!("scene/view_steps.wgsl"),
@@ -207,7 +232,7 @@ impl SceneUniforms {
         Self { rounding: if near { 0.0 } else { 1.0 }, ..self }
     }
 
-    /// `origin` is the scene's point at which the module's `p` is zero; `size` is that of the whole picture and `corner` its upper left
+    /// Through a camera. `origin` is the scene's point at which the module's `p` is zero; `size` is that of the whole picture and `corner` its upper left
     /// corner on the target, both in pixels; `srgb_target` says that the target itself encodes linear colours.
     pub fn new(
         frame: &Frame,
@@ -217,8 +242,13 @@ impl SceneUniforms {
         corner: [f32; 2],
         srgb_target: bool,
     ) -> Self {
-        let narrow = |v: [f64; 3]| v.map(|c| c as f32);
         let basis = Basis::of(camera);
+        Self { corner, srgb_target: u32::from(srgb_target), ..Self::seen(frame, camera.eye, &basis, origin, size) }
+    }
+
+    /// From a place along axes, on a target of this size.
+    pub(super) fn seen(frame: &Frame, eye: [f64; 3], basis: &Basis, origin: [f64; 3], size: [f32; 2]) -> Self {
+        let narrow = |v: [f64; 3]| v.map(|c| c as f32);
         let mut lights = [SceneLight::zeroed(); MAX_LIGHTS];
         let lamps = shade::lamps(frame);
         for (light, lamp) in lights.iter_mut().zip(&lamps) {
@@ -231,7 +261,7 @@ impl SceneUniforms {
             };
         }
         Self {
-            eye: narrow(sub(camera.eye, origin)),
+            eye: narrow(sub(eye, origin)),
             tan_half_fov: basis.tan_half_fov as f32,
             right: narrow(basis.right),
             aspect: size[0] / size[1].max(1.0),
@@ -247,9 +277,9 @@ impl SceneUniforms {
             light_count: lamps.len() as u32,
             ground: narrow(shade::ground(frame, &lamps)),
             near: NEAR,
-            corner,
+            corner: [0.0; 2],
             size,
-            srgb_target: u32::from(srgb_target),
+            srgb_target: 0,
             reflections: frame.reflections,
             rounding: 1.0,
             padding: 0.0,

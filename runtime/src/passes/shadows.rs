@@ -462,7 +462,7 @@ impl Casters {
         }
         if features.field_maps {
             let stage = On::VERTEX_FRAGMENT;
-            let module = uniform_layout(gpu, "surefoot scene", u64::from(compiled.module.uniform_size), stage);
+            let module = crate::module::layout(gpu, &compiled.module, stage);
             let text = include_str!("shadows/field.wgsl");
             let constants = vec![("side", f64::from(side))];
             field = Some(pipeline(&[compiled.module.code()], text, false, &[Some(&module), None, None, Some(cast)], constants)?);

@@ -1,6 +1,6 @@
 //! Group 1 of every pass that shades: the scene's uniforms, the images that stand for its sky, and those that lie on its surface.
 
-use super::layers::FIRST_TEXTURE;
+use super::layers::{FIRST_TEXTURE, MOST_TEXTURES};
 use super::scene::{Features, SceneUniforms};
 use crate::gpu::{Gpu, UniformBlock, uniform_layout};
 use bytemuck::{Pod, Zeroable};
@@ -19,6 +19,19 @@ struct Harmonics {
     padding: [f32; 3],
 }
 
+/// The binding of the scene's own cubemap, as `capture/read.wgsl` declares it; that of its sampler is the next.
+const CAPTURE: u32 = FIRST_TEXTURE + MOST_TEXTURES as u32;
+
+/// The images of a scene on the device.
+#[derive(Debug)]
+pub(crate) struct SceneImages {
+    /// The light of the sky, and what matte surfaces see of it.
+    sky: Option<(wgpu::TextureView, wgpu::Buffer)>,
+    textures: Vec<wgpu::TextureView>,
+    once: wgpu::Sampler,
+    repeated: wgpu::Sampler,
+}
+
 /// The group's uniforms and images.
 #[derive(Debug)]
 pub(super) struct SceneGroup {
@@ -27,6 +40,11 @@ pub(super) struct SceneGroup {
     features: Features,
     /// With its images, where the pass has some.
     group: Option<wgpu::BindGroup>,
+}
+
+/// The layout of the uniforms alone.
+pub(super) fn plain_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
+    uniform_layout(gpu, "surefoot scene", size_of::<SceneUniforms>() as u64, wgpu::ShaderStages::VERTEX_FRAGMENT)
 }
 
 /// The group's layout for a pass with these features.
@@ -56,70 +74,87 @@ pub(super) fn layout(gpu: &Gpu, features: Features) -> wgpu::BindGroupLayout {
         let textures = (0..features.textures).map(|i| entry(FIRST_TEXTURE + i, texture(wgpu::TextureViewDimension::D2)));
         entries.extend(textures);
     }
+    if features.capture.is_some() {
+        entries.push(entry(CAPTURE, texture(wgpu::TextureViewDimension::Cube)));
+        entries.push(entry(CAPTURE + 1, sampler));
+    }
     gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("surefoot scene"), entries: &entries })
 }
 
-impl SceneGroup {
-    /// A group of this layout. Until images are shown its sky is that of a scene that says nothing of it, and what lies on the surface
-    /// changes nothing.
-    pub fn new(gpu: &Gpu, features: Features, compiled: &Compiled, layout: wgpu::BindGroupLayout) -> Self {
-        let size = size_of::<SceneUniforms>() as u64;
-        let plain = uniform_layout(gpu, "surefoot scene", size, wgpu::ShaderStages::VERTEX_FRAGMENT);
-        let mut new = Self { block: UniformBlock::new(gpu, "surefoot scene", &plain, size), layout, features, group: None };
-        let textures = compiled.functions.surface.textures();
-        new.show(gpu, &Images {
-            environment: None,
-            textures: textures.iter().map(|(_, kind)| Arc::new(Texture::missing(*kind))).collect(),
-        });
-        new
-    }
-
-    /// Shows images, as far as the passes have them. Answers whether they have any.
-    pub fn show(&mut self, gpu: &Gpu, images: &Images) -> bool {
-        let Features { environment, textures: count, .. } = self.features;
-        let count = count as usize;
-        let Some(scene) = self.block.buffer().filter(|_| (environment || count > 0) && images.textures.len() >= count) else {
-            return false;
-        };
-        let device = gpu.device();
-        let cube = environment.then(|| match &images.environment {
+impl SceneImages {
+    /// On the device; a sky or textures that could not be read change nothing.
+    pub fn new(gpu: &Gpu, features: Features, images: &Images) -> Self {
+        let sky = features.environment.then(|| match &images.environment {
             Some(cube) => sky(gpu, cube),
             None => sky(gpu, &shade::plain_sky()),
         });
-        let textures: Vec<wgpu::TextureView> = images.textures.iter().take(count).map(|t| upload_texture(gpu, t)).collect();
-        let sampler = |address| device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("surefoot images"),
-            address_mode_u: address,
-            address_mode_v: address,
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            mipmap_filter: wgpu::MipmapFilterMode::Linear,
-            ..Default::default()
-        });
-        let (once, repeated) = (sampler(wgpu::AddressMode::ClampToEdge), sampler(wgpu::AddressMode::Repeat));
+        let textures = images.textures.iter().take(features.textures as usize).map(|t| upload_texture(gpu, t)).collect();
+        Self { sky, textures, once: sampler(gpu, wgpu::AddressMode::ClampToEdge), repeated: sampler(gpu, wgpu::AddressMode::Repeat) }
+    }
+
+    /// Those of a scene whose images are not read yet.
+    pub fn missing(gpu: &Gpu, features: Features, compiled: &Compiled) -> Self {
+        let textures = compiled.functions.surface.textures();
+        let textures = textures.iter().map(|(_, kind)| Arc::new(Texture::missing(*kind))).collect();
+        Self::new(gpu, features, &Images { environment: None, textures })
+    }
+}
+
+fn sampler(gpu: &Gpu, address: wgpu::AddressMode) -> wgpu::Sampler {
+    gpu.device().create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("surefoot images"),
+        address_mode_u: address,
+        address_mode_v: address,
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        ..Default::default()
+    })
+}
+
+impl SceneGroup {
+    /// A group of this layout, which nothing is bound to yet.
+    pub fn new(gpu: &Gpu, features: Features, layout: wgpu::BindGroupLayout) -> Self {
+        let size = size_of::<SceneUniforms>() as u64;
+        Self { block: UniformBlock::new(gpu, "surefoot scene", &plain_layout(gpu), size), layout, features, group: None }
+    }
+
+    /// Binds images, as far as the passes have them, and the cubemap of the scene itself.
+    pub fn bind(&mut self, gpu: &Gpu, images: &SceneImages, capture: Option<&wgpu::TextureView>) {
+        let Features { environment, textures: count, .. } = self.features;
+        let Some(scene) = self.block.buffer().filter(|_| environment || count > 0 || capture.is_some()) else { return };
         let mut entries = vec![wgpu::BindGroupEntry { binding: 0, resource: scene.as_entire_binding() }];
-        if let Some((view, harmonics)) = &cube {
-            entries.push(wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(view) });
-            entries.push(wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(&once) });
-            entries.push(wgpu::BindGroupEntry { binding: 3, resource: harmonics.as_entire_binding() });
+        let mut push = |binding, resource| entries.push(wgpu::BindGroupEntry { binding, resource });
+        if let Some((view, harmonics)) = &images.sky {
+            push(1, wgpu::BindingResource::TextureView(view));
+            push(2, wgpu::BindingResource::Sampler(&images.once));
+            push(3, harmonics.as_entire_binding());
         }
         if count > 0 {
-            entries.push(wgpu::BindGroupEntry { binding: FIRST_TEXTURE - 1, resource: wgpu::BindingResource::Sampler(&repeated) });
+            push(FIRST_TEXTURE - 1, wgpu::BindingResource::Sampler(&images.repeated));
         }
-        for (binding, view) in (FIRST_TEXTURE..).zip(&textures) {
-            entries.push(wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) });
+        for (binding, view) in (FIRST_TEXTURE..).zip(&images.textures) {
+            push(binding, wgpu::BindingResource::TextureView(view));
         }
-        self.group = Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
+        if let Some(capture) = capture {
+            push(CAPTURE, wgpu::BindingResource::TextureView(capture));
+            push(CAPTURE + 1, wgpu::BindingResource::Sampler(&images.once));
+        }
+        self.group = Some(gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("surefoot scene"),
             layout: &self.layout,
             entries: &entries,
         }));
-        true
     }
 
     /// Writes the uniforms unless they are there already; answers whether they were new.
     pub fn write(&mut self, queue: &wgpu::Queue, uniforms: &SceneUniforms) -> bool {
         self.block.write(queue, bytemuck::bytes_of(uniforms))
+    }
+
+    /// The uniforms alone, for what shows no light: [`plain_layout`].
+    pub fn plain(&self) -> &wgpu::BindGroup {
+        self.block.group()
     }
 
     /// What a pass is bound to.

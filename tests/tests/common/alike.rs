@@ -8,6 +8,7 @@ use surefoot_compiler::reference::{Area, Reference, View};
 use surefoot_compiler::{MemoryLoader, compile, diagnostic};
 use surefoot_runtime::headless::{self, FORMAT, Pixels, Shot};
 use surefoot_runtime::images::{Gallery, Loaded};
+use surefoot_runtime::mesh::Assets;
 use surefoot_runtime::{Gpu, Picture, ViewMode};
 
 /// The scene of some files, whose own is `main.sdf`, with its images.
@@ -17,6 +18,31 @@ pub fn scene(files: &MemoryLoader) -> (Compiled, Loaded) {
     let compiled = outcome.compiled.unwrap_or_else(|| panic!("{words}"));
     let loaded = Gallery::new().load(&compiled, files);
     (compiled, loaded)
+}
+
+/// The same with its meshes.
+pub fn scene_with_meshes(files: &MemoryLoader) -> (Compiled, Assets) {
+    let outcome = compile(files, "main.sdf", &Options::default());
+    let words = diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
+    let compiled = outcome.compiled.unwrap_or_else(|| panic!("{words}"));
+    let mut assets = Assets::new();
+    let broken = assets.load(files, &compiled, &|_, _, _| {});
+    assert!(broken.is_empty(), "{broken:?}");
+    (compiled, assets)
+}
+
+/// The picture of the GPU, with meshes.
+pub fn draw_with_meshes(gpu: &Gpu, compiled: &Compiled, assets: &Assets, shot: &Shot) -> Pixels {
+    let mut picture = prepare_with_meshes(gpu, compiled, assets);
+    headless::render_with(gpu, &mut picture, compiled, &compiled.live(), shot).unwrap()
+}
+
+/// A scene with meshes, ready to be drawn.
+pub fn prepare_with_meshes(gpu: &Gpu, compiled: &Compiled, assets: &Assets) -> Picture {
+    let mut picture = Picture::prepare(gpu, compiled, FORMAT, ViewMode::Shaded).unwrap();
+    picture.show_images(assets.images());
+    picture.show_meshes(&assets.meshes(compiled)).unwrap();
+    picture
 }
 
 /// The picture of the GPU.

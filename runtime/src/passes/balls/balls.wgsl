@@ -67,5 +67,5 @@ fn ball_fragment(in: BallVertex) -> BallFragment {
     }
     let color = ball_color(scene.eye + t * direction, n, direction, t, looks[min(ball.word & 0xffffu, arrayLength(&looks) - 1u)]);
     let depth = clamp(scene.near / max(t * dot(direction, scene.forward), scene.near), 0.0, 1.0);
-    return BallFragment(scene_target(color), depth);
+    return BallFragment(scene_target(color, false), depth);
 }

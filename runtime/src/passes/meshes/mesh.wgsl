@@ -9,7 +9,8 @@ fn mesh_fragment(in: MeshSeen) -> @location(0) vec4f {
     let facet = normalize(select(across, -across, dot(across, direction) > 0.0));
     let smooth_normal = normalize(in.normal);
     let n = select(smooth_normal, -smooth_normal, dot(smooth_normal, facet) < 0.0);
-    if t > scene.max_distance {
+    // What is drawn for mirrors leaves out what is seen from behind: it may be drawn from the middle of what mirrors.
+    if t > scene.max_distance || SCENE_CAPTURES && dot(smooth_normal, facet) < 0.0 {
         discard;
     }
     // The mean of the places on the planes of the triangle's corners (Boubekeur and Alexa, "Phong Tessellation", 2008), if it is further out: a
@@ -21,5 +22,5 @@ fn mesh_fragment(in: MeshSeen) -> @location(0) vec4f {
     );
     scene_flat = scene.eye + in.way;
     scene_round = scene_flat + max(dot(onto, n), 0.0) * n;
-    return scene_target(mesh_color(scene.eye + in.way, n, facet, direction, t, meshes[in.index]));
+    return scene_target(mesh_color(scene.eye + in.way, n, facet, direction, t, meshes[in.index]), false);
 }

@@ -103,12 +103,3 @@ fn scene_encode(linear: vec3f) -> vec3f {
     let c = clamp(linear, vec3f(0.0), vec3f(1.0));
     return select(1.055 * pow(max(c, vec3f(1e-6)), vec3f(1.0 / 2.4)) - 0.055, 12.92 * c, c <= vec3f(0.0031308));
 }
-
-// A screen's colour as the target wants it.
-fn scene_target(encoded: vec3f) -> vec4f {
-    if scene.srgb_target == 0u {
-        return vec4f(encoded, 1.0);
-    }
-    let c = encoded;
-    return vec4f(select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045)), 1.0);
-}

@@ -12,5 +12,5 @@ fn fragment(@builtin(position) position: vec4f) -> SceneFragment {
     if pixel.t >= 0.0 {
         depth = clamp(scene.near / max(pixel.t * dot(direction, scene.forward), scene.near), 0.0, 1.0);
     }
-    return SceneFragment(scene_target(pixel.color), depth);
+    return SceneFragment(scene_target(pixel.color, pixel.t >= 0.0), depth);
 }

@@ -20,5 +20,5 @@ fn fragment(@builtin(position) position: vec4f) -> SceneFragment {
     if pixel.t >= 0.0 {
         depth = max(before, clamp(scene.near / max(pixel.t * ahead, scene.near), 0.0, 1.0));
     }
-    return SceneFragment(scene_target(pixel.color), depth);
+    return SceneFragment(scene_target(pixel.color, pixel.t >= 0.0), depth);
 }

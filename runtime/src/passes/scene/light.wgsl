@@ -1,17 +1,7 @@
-// Light: the scene's lights by a microfacet model, the sky's by its gradient, and the film.
+// Light: the scene's lights by a microfacet model, the sky's by its gradient or its images.
 
-// The filmic curve fitted to the Academy's reference transform: Narkowicz, "ACES Filmic Tone Mapping Curve" (2016).
-fn scene_film(linear: vec3f) -> vec3f {
-    let c = SCENE_FILM_SPEED * linear;
-    return clamp(c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14), vec3f(0.0), vec3f(1.0));
-}
-
-// Linear light to a screen's colour.
-fn scene_develop(light: vec3f) -> vec3f {
-    return scene_encode(scene_film(max(light, vec3f(0.0)) * scene.exposure));
-}
-
-const SCENE_FILM_SPEED: f32 = 0.8;
+// The roughness of what counts as a mirror: the sharpest level of blurred images belongs to it.
+const SCENE_POLISHED: f32 = 0.06;
 
 // A surface's answer to light.
 struct SceneAnswer {

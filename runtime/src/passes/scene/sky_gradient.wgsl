@@ -27,7 +27,7 @@ fn scene_matte(n: vec3f) -> vec3f {
 }
 
 // What a mirror of some roughness sees in a direction, where nothing is known of what stands there.
-fn scene_mirror(direction: vec3f, roughness: f32) -> vec3f {
+fn scene_sky_mirror(direction: vec3f, roughness: f32) -> vec3f {
     let width = 0.1 + 0.7 * roughness;
     let above = scene_smooth(-width, 0.6 * width, direction.y);
     let sharp = mix(scene.ground, scene_sky(direction), above);
@@ -35,6 +35,6 @@ fn scene_mirror(direction: vec3f, roughness: f32) -> vec3f {
 }
 
 // The same where it is known that nothing stands there.
-fn scene_beyond(direction: vec3f, roughness: f32) -> vec3f {
+fn scene_sky_beyond(direction: vec3f, roughness: f32) -> vec3f {
     return scene_sky(direction);
 }

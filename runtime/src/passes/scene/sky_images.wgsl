@@ -13,9 +13,6 @@ struct SceneHarmonics {
 @group(1) @binding(2) var scene_cube_sampler: sampler;
 @group(1) @binding(3) var<uniform> scene_harmonics: SceneHarmonics;
 
-// The roughness of a surface that the sharpest level belongs to.
-const SCENE_POLISHED: f32 = 0.06;
-
 // The sky's radiance.
 fn scene_sky(direction: vec3f) -> vec3f {
     return textureSampleLevel(scene_cube, scene_cube_sampler, direction, 0.0).rgb;
@@ -31,12 +28,12 @@ fn scene_matte(n: vec3f) -> vec3f {
 }
 
 // What a mirror of some roughness sees in a direction.
-fn scene_mirror(direction: vec3f, roughness: f32) -> vec3f {
+fn scene_sky_mirror(direction: vec3f, roughness: f32) -> vec3f {
     let level = clamp((roughness - SCENE_POLISHED) / (1.0 - SCENE_POLISHED), 0.0, 1.0) * scene_harmonics.last;
     return textureSampleLevel(scene_cube, scene_cube_sampler, direction, level).rgb;
 }
 
 // The same where it is known that nothing stands there.
-fn scene_beyond(direction: vec3f, roughness: f32) -> vec3f {
-    return scene_mirror(direction, roughness);
+fn scene_sky_beyond(direction: vec3f, roughness: f32) -> vec3f {
+    return scene_sky_mirror(direction, roughness);
 }
