@@ -129,9 +129,10 @@ impl Film {
         self.cover(encoder, &self.mean, &group, after);
     }
 
-    /// Orders that the mean is shown on a target of the film's size.
+    /// Orders that the mean is shown on a target of the film's size; where nothing counts yet, the picture that was drawn.
     pub fn show(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::Texture) {
-        let mean = self.sheets.means[self.count as usize % 2].create_view(&Default::default());
+        let newest = if self.count == 0 { &self.sheets.picture } else { &self.sheets.means[self.count as usize % 2] };
+        let mean = newest.create_view(&Default::default());
         let group = self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("surefoot film, show"),
             layout: &self.layouts[1],

@@ -4,16 +4,20 @@
 //! - What is slow is drawn with fewer pixels first, so that a hand can be followed. Once it rests, all pixels are drawn beside it,
 //!   band after band, and shown when they are there: no single piece of work holds the device so long that the window stops, or
 //!   that a driver gives up.
+//! - While nothing changes, more pictures are drawn in the same way, each through other places of its pixels, and their mean is shown,
+//!   until more would not be seen. Any change begins anew.
 
 use super::log::Log;
 use super::meter::{Finished, Meter, Piece, Timing};
-use super::world::FORMAT;
 use eframe::egui_wgpu::RenderState;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::Camera;
-use surefoot_runtime::frame::depth_attachment;
+use surefoot_runtime::film::{self, Film};
 use surefoot_runtime::{Gpu, Stage, View};
+
+/// What the window shows: egui takes textures whose colours are encoded.
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// How long a picture may take while something moves, in seconds: at least the first, and as long as the window takes for all else, up
 /// to the second.
@@ -25,6 +29,9 @@ const AT_ONCE: f64 = 0.06;
 const BANDS: (f64, f64) = (0.04, 0.25);
 /// How long nothing must move before all pixels are drawn.
 const REST: Duration = Duration::from_millis(150);
+/// So many pictures become a still; fewer where they take longer than so many seconds, but not fewer than the second number.
+const STILL: (u32, u32) = (256, 16);
+const STILL_TAKES: f64 = 60.0;
 /// Parts of the sides' pixels that are drawn.
 const DETAILS: [f32; 6] = [1.0, 0.75, 0.5, 0.35, 0.25, 0.18];
 /// The part that is drawn where nothing is known yet.
@@ -36,10 +43,16 @@ pub struct Canvas {
     render: RenderState,
     /// What is shown.
     front: Option<Target>,
-    /// All pixels of it, where they are being drawn.
-    back: Option<Target>,
-    /// How far the back is drawn; none where there is nothing to do there.
-    progress: Option<Progress>,
+    /// What is drawn on, of the same size.
+    film: Option<Film>,
+    /// How many rows of all pixels are drawn on the film; none where no such picture is begun.
+    rows: Option<u32>,
+    /// Bands since the last change.
+    bands: u32,
+    /// Where in its pixels the newest picture looks.
+    aim: [f32; 2],
+    /// The most pictures of a still.
+    still: u32,
     /// Which part of the front's sides is drawn.
     part: [f32; 2],
     detail: f32,
@@ -47,13 +60,6 @@ pub struct Canvas {
     meter: Meter,
     frames: u64,
     error: Option<String>,
-}
-
-/// Rows and bands that are drawn.
-#[derive(Clone, Copy, Debug, Default)]
-struct Progress {
-    rows: u32,
-    bands: u32,
 }
 
 struct Target {
@@ -94,8 +100,11 @@ impl Canvas {
             gpu,
             render,
             front: None,
-            back: None,
-            progress: None,
+            film: None,
+            rows: None,
+            bands: 0,
+            aim: [0.0; 2],
+            still: STILL.0,
             part: [0.0; 2],
             detail: 1.0,
             moved: None,
@@ -116,7 +125,25 @@ impl Canvas {
 
     /// Whether all pixels of the newest picture are shown.
     pub fn is_sharp(&self) -> bool {
-        self.detail == 1.0 && self.progress.is_none()
+        self.detail == 1.0
+    }
+
+    /// How many pictures are in what is shown.
+    pub fn samples(&self) -> u32 {
+        self.film.as_ref().map_or(0, Film::count).max(u32::from(self.front.is_some()))
+    }
+
+    /// Lets a still be made of so many pictures.
+    #[cfg(test)]
+    pub fn set_still(&mut self, most: u32) {
+        self.still = most;
+    }
+
+    /// How many pictures the still of this size is made of.
+    fn wanted(&self, size: [u32; 2]) -> u32 {
+        let takes = self.timing().per_pixel * f64::from(size[0]) * f64::from(size[1]);
+        let in_time = if takes > 0.0 { (STILL_TAKES / takes) as u32 } else { u32::MAX };
+        self.still.min(in_time.max(STILL.1))
     }
 
     /// How many pictures were drawn.
@@ -134,7 +161,7 @@ impl Canvas {
             Ok(again) => self.shown(again),
             Err(error) => {
                 self.error = Some(error);
-                self.progress = None;
+                self.rows = None;
                 self.shown(None)
             }
         }
@@ -164,16 +191,19 @@ impl Canvas {
         if resized {
             let texture = self.texture(size)?;
             self.front = Some(self.register(texture, self.front.as_ref()));
+            match &mut self.film {
+                Some(film) => film.resize(size)?,
+                film => *film = Some(Film::new(&self.gpu, size, FORMAT)?),
+            }
         }
-        // With all pixels, to learn whether anything changed; fewer are asked for below.
-        let changed = stage.update(self.gpu.queue(), &view(order, size)) || resized;
+        // With all pixels as they were drawn last, to learn whether anything changed; fewer are asked for below.
+        let changed = stage.update(self.gpu.queue(), &view(order, size, self.aim)) || resized;
         if changed {
-            self.progress = None;
-            self.error = None;
+            self.begin_anew();
             self.choose_detail(order, size, rests);
             self.draw_whole(stage, order, size)?;
         }
-        if self.is_sharp() {
+        if self.is_sharp() && self.samples() >= self.wanted(size) {
             return Ok(None);
         }
         if !rests {
@@ -184,6 +214,13 @@ impl Canvas {
             self.draw_band(stage, order, size)?;
         }
         Ok(None)
+    }
+
+    fn begin_anew(&mut self) {
+        (self.rows, self.bands, self.aim, self.error) = (None, 0, [0.0; 2], None);
+        if let Some(film) = &mut self.film {
+            film.clear();
+        }
     }
 
     /// Decides how many pixels are drawn at once.
@@ -209,21 +246,12 @@ impl Canvas {
     }
 
     /// Draws the picture as far as the detail goes, and shows it.
-    fn draw_whole(
-        &mut self,
-        stage: &mut Stage,
-        order: &Order,
-        size: [u32; 2],
-    ) -> Result<(), String> {
-        let Some(front) = &self.front else { return Ok(()) };
+    fn draw_whole(&mut self, stage: &mut Stage, order: &Order, size: [u32; 2]) -> Result<(), String> {
         let fewer = size.map(|side| ((side as f32 * self.detail).round() as u32).max(1));
-        let queue = self.gpu.queue();
+        stage.update(self.gpu.queue(), &view(order, fewer, self.aim));
+        let piece = self.submit(stage, fewer, 0..fewer[1], true)?;
         if fewer != size {
-            stage.update(queue, &view(order, fewer));
-        }
-        let piece = self.submit(stage, &front.texture, fewer, 0..fewer[1])?;
-        if fewer != size {
-            stage.update(queue, &view(order, size));
+            stage.update(self.gpu.queue(), &view(order, size, self.aim));
         }
         self.part = [0, 1].map(|i| fewer[i] as f32 / size[i] as f32);
         self.frames += 1;
@@ -232,29 +260,32 @@ impl Canvas {
         Ok(())
     }
 
-    /// Draws the next rows of all pixels; with the last of them the back comes to the front.
-    fn draw_band(&mut self, stage: &Stage, order: &Order, size: [u32; 2]) -> Result<(), String> {
-        let Progress { rows: first, bands } = match self.progress {
-            Some(progress) => progress,
-            None => {
-                let texture = self.texture(size)?;
-                self.back = Some(self.register(texture, self.back.as_ref()));
-                Progress::default()
+    /// Draws the next rows of all pixels; with the last of them the picture is shown, and counts where it is not the first.
+    fn draw_band(&mut self, stage: &mut Stage, order: &Order, size: [u32; 2]) -> Result<(), String> {
+        let Some(film) = &mut self.film else { return Ok(()) };
+        let next = self.detail == 1.0;
+        let first = self.rows.unwrap_or(0);
+        if next && first == 0 {
+            if film.count() == 0 {
+                // The first is still there.
+                count(&self.gpu, film)?;
             }
-        };
-        let Some(back) = &self.back else { return Ok(()) };
+            self.aim = film::offset(film.count());
+            stage.update(self.gpu.queue(), &view(order, size, self.aim));
+        }
         let row = self.timing().per_pixel * f64::from(size[0]);
-        let band = (BANDS.0 * f64::from(1 << bands.min(10))).min(BANDS.1);
+        let band = (BANDS.0 * f64::from(1 << self.bands.min(10))).min(BANDS.1);
         let rows = if row > 0.0 { (band / row) as u32 } else { size[1] / 16 };
         let end = (first + rows.max(4)).min(size[1]);
-        let piece = self.submit(stage, &back.texture, size, first..end)?;
+        self.bands += 1;
         if end < size[1] {
-            self.progress = Some(Progress { rows: end, bands: bands + 1 });
+            let piece = self.submit(stage, size, first..end, false)?;
+            self.rows = Some(end);
             self.meter.add(piece);
             return Ok(());
         }
-        std::mem::swap(&mut self.front, &mut self.back);
-        self.progress = None;
+        let piece = self.submit(stage, size, first..end, true)?;
+        self.rows = None;
         self.part = [1.0; 2];
         self.detail = 1.0;
         self.frames += 1;
@@ -267,40 +298,25 @@ impl Canvas {
         Finished { frame: self.frames, size: size.into(), swaps: order.swaps }
     }
 
-    /// Orders some rows of a picture that has `size` pixels.
-    fn submit(
-        &self,
-        stage: &Stage,
-        texture: &wgpu::Texture,
-        size: [u32; 2],
-        rows: std::ops::Range<u32>,
-    ) -> Result<Piece, String> {
+    /// Orders some rows of a picture that has `size` pixels. The last of them show it; where others count already, it counts too.
+    fn submit(&mut self, stage: &Stage, size: [u32; 2], rows: std::ops::Range<u32>, last: bool) -> Result<Piece, String> {
+        let (Some(film), Some(front), Some(picture)) = (&mut self.film, &self.front, stage.picture()) else {
+            return Err("there is nothing to draw on".to_owned());
+        };
         let ordered = Instant::now();
-        let height = rows.end.saturating_sub(rows.start);
-        let submission = self.gpu.catch(|| {
-            let mut encoder = self.gpu.device().create_command_encoder(&Default::default());
-            let view = texture.create_view(&Default::default());
-            let depth = stage.picture().and_then(|picture| picture.depth(texture.size()));
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("surefoot"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-                })],
-                depth_stencil_attachment: depth.as_ref().map(depth_attachment),
-                ..Default::default()
-            });
-            pass.set_viewport(0.0, 0.0, size[0] as f32, size[1] as f32, 0.0, 1.0);
-            pass.set_scissor_rect(0, rows.start, size[0], height);
-            if let Some(picture) = stage.picture() {
-                picture.draw(&mut pass);
+        let pixels = u64::from(size[0]) * u64::from(rows.end.saturating_sub(rows.start));
+        let gpu = &self.gpu;
+        let submission = gpu.catch(|| {
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            film.draw(&mut encoder, picture, size, rows);
+            if last && film.count() > 0 {
+                film.keep(&mut encoder);
             }
-            drop(pass);
-            self.gpu.queue().submit([encoder.finish()])
+            if last {
+                film.show(&mut encoder, &front.texture);
+            }
+            gpu.queue().submit([encoder.finish()])
         })?;
-        let pixels = u64::from(size[0]) * u64::from(height);
         Ok(Piece { submission, ordered, pixels, finishes: None })
     }
 
@@ -337,6 +353,16 @@ impl Canvas {
     }
 }
 
-fn view(order: &Order, size: [u32; 2]) -> View {
-    View { camera: order.camera, size: size.map(|side| side as f32), corner: [0.0; 2] }
+/// Lets what is on the film count.
+fn count(gpu: &Gpu, film: &mut Film) -> Result<(), String> {
+    gpu.catch(|| {
+        let mut encoder = gpu.device().create_command_encoder(&Default::default());
+        film.keep(&mut encoder);
+        gpu.queue().submit([encoder.finish()]);
+    })
+}
+
+/// The view of a picture of `size` pixels that looks so far beside their middles, in pixels.
+fn view(order: &Order, size: [u32; 2], aim: [f32; 2]) -> View {
+    View { camera: order.camera, size: size.map(|side| side as f32), corner: aim.map(|c| -c) }
 }

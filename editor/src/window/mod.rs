@@ -111,6 +111,7 @@ impl App {
             self.session.meter.frame = timing.frame;
             self.session.meter.size = timing.size;
             self.session.meter.sharp = canvas.is_sharp();
+            self.session.meter.samples = canvas.samples();
         }
     }
 

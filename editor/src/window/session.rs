@@ -130,6 +130,8 @@ pub struct Meter {
     pub size: (u32, u32),
     /// Whether all pixels are drawn: not while something moves that is slow to draw.
     pub sharp: bool,
+    /// How many pictures are in it, each through other places of its pixels.
+    pub samples: u32,
     /// The adapter's name.
     pub adapter: String,
     /// Whether the adapter is a program.

@@ -49,6 +49,8 @@ fn window(scene: &str) -> Harness<'static, App> {
     let mut harness = builder.build_eframe(move |cc| {
         App::new(cc, &scene, Options::default(), Arc::new(FileLoader), Log::default()).unwrap()
     });
+    // One picture is enough, but where stills are looked at.
+    harness.state_mut().canvas.as_mut().unwrap().set_still(1);
     until(&mut harness, |app| app.session.said.words.files.len() == 1);
     until(&mut harness, |app| app.session.said.failure.is_none());
     harness
@@ -148,6 +150,59 @@ fn shows_a_scene_and_then_rests() {
     harness.get_by_label_contains("operations");
     assert!(!harness.state().session.stage.animates());
     assert!(!harness.state().session.is_unsaved());
+}
+
+/// The part of the window that shows the picture's middle.
+fn middle(harness: &mut Harness<'_, App>) -> image::RgbaImage {
+    let image = harness.render().unwrap();
+    image::imageops::crop_imm(&image, MIDDLE.x as u32 - 130, MIDDLE.y as u32 - 130, 260, 260).to_image()
+}
+
+#[test]
+fn a_still_grows_while_nothing_moves_and_then_rests() {
+    let folder = Folder::new("still", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let samples = |app: &App| app.canvas.as_ref().unwrap().samples();
+    assert_eq!(samples(harness.state()), 1);
+    let first = middle(&mut harness);
+    let wanted = 12;
+    harness.state_mut().canvas.as_mut().unwrap().set_still(wanted);
+    let mut seen = vec![first.clone()];
+    for step in 2..=wanted {
+        until(&mut harness, |app| samples(app) >= step);
+        seen.push(middle(&mut harness));
+    }
+    harness.run_steps(3);
+    assert_eq!(samples(harness.state()), wanted);
+    let drawn = frames(harness.state());
+    harness.run_steps(10);
+    assert_eq!(frames(harness.state()), drawn, "the still is done, nothing is drawn");
+    harness.get_by_label("× 12");
+    let still = middle(&mut harness);
+    let apart = |a: &image::RgbaImage, b: &image::RgbaImage| {
+        let off = a.pixels().zip(b.pixels()).map(|(a, b)| (0..3).map(|c| a[c].abs_diff(b[c])).max().unwrap());
+        let off: Vec<u8> = off.collect();
+        (off.iter().filter(|o| **o > 12).count(), off.iter().filter(|o| **o > 3).count())
+    };
+    let (edges, all) = apart(&first, &still);
+    assert!(edges > 60, "edges have lost their steps: {edges}");
+    assert!(all < 260 * 260 / 10, "and nothing else has changed: {all}");
+    // Without a flicker: each is nearer to the still, but for a little.
+    let ways: Vec<usize> = seen.iter().map(|image| apart(image, &still).0).collect();
+    assert!(ways.windows(2).all(|w| w[1] <= w[0] + 20), "{ways:?}");
+    if let Ok(folder) = std::env::var("SUREFOOT_SHOTS") {
+        first.save(Path::new(&folder).join("still-first.png")).unwrap();
+        still.save(Path::new(&folder).join("still-last.png")).unwrap();
+        harness.render().unwrap().save(Path::new(&folder).join("still-window.png")).unwrap();
+    }
+    // Any change begins anew.
+    harness.key_press(Key::Home);
+    harness.state_mut().session.stage.set("size", &[0.8]);
+    harness.step();
+    assert_eq!(samples(harness.state()), 1);
+    until(&mut harness, |app| samples(app) == wanted);
+    assert!(apart(&middle(&mut harness), &still).0 > 500, "the ball is smaller");
 }
 
 #[test]

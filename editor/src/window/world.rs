@@ -9,6 +9,7 @@ use std::time::Instant;
 use surefoot_compiler::compiled::{Loader, Options, Outcome};
 use surefoot_compiler::source::Sources;
 use surefoot_compiler::{Memory, compile_remembering};
+use surefoot_runtime::film::LINEAR;
 use surefoot_runtime::live::{LiveScene, Setup, SharedLoader};
 use surefoot_runtime::{Gpu, Stats, ViewMode};
 
@@ -27,9 +28,6 @@ pub struct World {
     wake: Arc<dyn Fn() + Send + Sync>,
 }
 
-/// What pictures in the window are drawn on: egui takes textures whose colours are encoded.
-pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-
 impl World {
     /// Follows a scene. `wake` is called from other threads when there is something to hear.
     pub fn new(
@@ -45,7 +43,7 @@ impl World {
             options: options.clone(),
             loader: loader.clone(),
             compile: Arc::new(remembering()),
-            target: gpu.clone().map(|gpu| (gpu, FORMAT)),
+            target: gpu.clone().map(|gpu| (gpu, LINEAR)),
             mode: ViewMode::default(),
             wake: wake.clone(),
         })?;

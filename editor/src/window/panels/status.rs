@@ -26,6 +26,9 @@ pub fn show(ui: &mut Ui, session: &Session) {
                 true => "the picture's size in pixels",
             };
             entry(ui, "", &format!("{width} × {height}"), part);
+            if meter.samples > 1 {
+                entry(ui, "", &format!("× {}", meter.samples), "pictures that became this one while nothing moved");
+            }
         }
         if let Some(loading) = &session.said.loading {
             entry(ui, "reading", loading, "on another thread; the last picture stays until it is there");
