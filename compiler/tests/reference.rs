@@ -5,6 +5,7 @@
 use surefoot_compiler::compiled::{Camera, Compiled, MemoryLoader};
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
+use surefoot_compiler::reference::shade::Seen;
 use surefoot_compiler::reference::{Area, Reference, View, rgb8};
 use surefoot_compiler::{Options, compile, diagnostic};
 
@@ -115,6 +116,21 @@ fn shadows_and_occlusion_are_those_of_simple_bodies() {
     assert!(soft[3] < 0.05 && soft[3] < soft[4] && soft[4] < soft[5] && soft[5] > 0.99, "{soft:?}");
     // Beyond the extent there is nothing that throws a shadow.
     assert_eq!(reference.shadow(&rays[..1], 0.0, 1.5), [1.0]);
+}
+
+#[test]
+fn the_edge_of_a_wedge_gets_its_share_of_the_sky() {
+    // How far the wall leans away from upright.
+    for lean in [-60, -30, 0, 30, 60] {
+        let compiled = scene(&format!("scene = plane(y) | plane(x).rotate(z, {lean}deg)"));
+        let reference = reference(&compiled);
+        let edge = [Seen { point: [0.0; 3], normal: [0.0, 1.0, 0.0], direction: [0.0, -1.0, 0.0], t: 1.0 }];
+        let share = (1.0 - f64::from(90 + lean).to_radians().cos()) / 2.0;
+        let found = reference.occlusion(&edge, 0.5, 1.0)[0];
+        // The text's angle has 32 bits.
+        assert!((found - share).abs() < 1e-7, "leaning {lean}: {found} and not {share}");
+        assert!((reference.occlusion(&edge, 0.5, 0.5)[0] - (1.0 + share) / 2.0).abs() < 1e-7);
+    }
 }
 
 #[test]

@@ -292,7 +292,9 @@ fn sf_collision(center: vec3f, radius: f32) -> sf_Contact {
 }
 ";
 
-// Five looks along the normal (Evans 2006, Quilez): what is missing of each one's height, the nearest counting most.
+// Five looks along the normal (Evans 2006, Quilez), the nearest counting most. At a height h above the edge of a wedge that opens by a, the
+// distance is -h cos a, and the edge sees (1 - cos a) / 2 of the sky, weighted by the cosine: so half of what is missing of the height is the
+// share that is hidden.
 const OCCLUSION: &str = "\
 fn sf_occlusion(p: vec3f, normal: vec3f) -> f32 {
   let reach = sf_uniforms.occlusion_reach;
@@ -303,12 +305,12 @@ fn sf_occlusion(p: vec3f, normal: vec3f) -> f32 {
   var weight = 1.0;
   for (var i = 1; i <= 5; i++) {
     let height = reach * f32(i) / 5.0;
-    let free = min(sf_distance(p + normal * height), height);
+    let free = clamp(sf_distance(p + normal * height), -height, height);
     sum += weight * (height - free) / height;
     weight *= 0.5;
   }
   // The weights add up to 31 / 16.
-  return clamp(1.0 - sf_uniforms.occlusion_strength * sum / 1.9375, 0.0, 1.0);
+  return clamp(1.0 - sf_uniforms.occlusion_strength * sum / 3.875, 0.0, 1.0);
 }
 ";
 

@@ -303,7 +303,8 @@ impl Reference {
         lit.into_iter().map(|(lit, _)| lit * lit * (3.0 - 2.0 * lit)).collect()
     }
 
-    /// How open the surroundings of a surface are: 1 open, 0 closed. `reach` is how far is looked.
+    /// How open the surroundings of a surface are: 1 open, 0 closed; at strength 1 the edge of a wedge gets the share of the sky that it sees,
+    /// weighted by the cosine. `reach` is how far is looked.
     pub fn occlusion(&self, places: &[Seen], reach: f64, strength: f64) -> Vec<f64> {
         let mut sums = vec![0.0; places.len()];
         if reach <= 0.0 || strength <= 0.0 {
@@ -315,7 +316,7 @@ impl Reference {
             let points: Vec<Vec3> =
                 places.iter().map(|s| along(s.point, s.normal, height)).collect();
             at_points(&self.distance, &points, &[], |i, values| {
-                let free = values.first().map_or(height, |d| d.min(height));
+                let free = values.first().map_or(height, |d| d.clamp(-height, height));
                 if let Some(sum) = sums.get_mut(i) {
                     *sum += weight * (height - free) / height;
                 }
@@ -323,7 +324,7 @@ impl Reference {
             weight *= 0.5;
         }
         // The weights add up to 31 / 16.
-        sums.iter().map(|sum| (1.0 - strength * sum / 1.9375).clamp(0.0, 1.0)).collect()
+        sums.iter().map(|sum| (1.0 - strength * sum / 3.875).clamp(0.0, 1.0)).collect()
     }
 
     /// How surfaces answer light.
