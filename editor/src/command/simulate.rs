@@ -34,9 +34,6 @@ pub struct Args {
     /// What computes: the graphics adapter in 32 bits, or the processor in 64.
     #[arg(long, value_enum, default_value_t)]
     device: Device,
-    /// Measure instead: how many steps a second of 1,000 balls and more, to the greatest number that is named.
-    #[arg(long, value_name = "BALLS", num_args = 0..=1, default_missing_value = "1000000", conflicts_with_all = ["output", "frames"])]
-    bench: Option<u32>,
 }
 
 fn above_zero(text: &str) -> Result<f64, String> {
@@ -69,9 +66,6 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     values::apply(&args.set, compiled, &mut live).map_err(Failure::usage)?;
     if !compiled.has_balls() {
         return Err(Failure::usage(format!("{} has no balls: write `balls drops {{ count: 100 }}`", args.scene)));
-    }
-    if let Some(most) = args.bench {
-        return bench(args, compiled, &live, most);
     }
     let balls = spawn::spawn(&compiled.groups(&live));
     let mut machine = machine(args.device, compiled, &balls)?;
@@ -206,44 +200,4 @@ fn ply(balls: &[Ball]) -> String {
         let _ = writeln!(text, "{x} {y} {z} {}", b.radius as f32);
     }
     text
-}
-
-/// How many steps a second there are of more and more balls: each number is let fall and gets a second to do so, then is measured.
-fn bench(args: &Args, compiled: &Compiled, live: &Live, most: u32) -> Result<Exit, Failure> {
-    let mut groups = compiled.groups(live);
-    groups.truncate(1);
-    print(b"     balls    steps/s    balls/s\n")?;
-    for count in [1_000, 10_000, 100_000, 1_000_000].into_iter().filter(|n| *n <= most) {
-        for group in &mut groups {
-            let [low, high] = group.spawn;
-            let volume: f64 = low.iter().zip(&high).map(|(l, h)| (h - l).abs().max(0.1)).product();
-            group.radius = [0.3 * (volume / f64::from(count)).cbrt(); 2];
-            group.count = count;
-        }
-        let mut machine = machine(args.device, compiled, &spawn::spawn(&groups))?;
-        let mut live = live.clone();
-        let mut step = |machine: &mut Machine| {
-            let before = live.clone();
-            live.time += 1.0 / args.rate;
-            machine.step(compiled, &before, &live)?;
-            machine.wait()
-        };
-        let patience = Duration::from_secs(8);
-        let begun = Instant::now();
-        for _ in 0..(args.rate as u32) {
-            step(&mut machine)?;
-            if begun.elapsed() > patience {
-                break;
-            }
-        }
-        let begun = Instant::now();
-        let mut steps = 0;
-        while steps < 600 && (steps < 1 || begun.elapsed() < patience) {
-            step(&mut machine)?;
-            steps += 1;
-        }
-        let rate = f64::from(steps) / begun.elapsed().as_secs_f64();
-        print(format!("{count:>10}{rate:>11.2}{:>11.3e}\n", rate * f64::from(count)).as_bytes())?;
-    }
-    Ok(Exit::Fine)
 }

@@ -1,5 +1,7 @@
 //! `surefoot bench`: run time against error, how long the compiler takes, and how tight its factors are.
 
+#[cfg(feature = "gpu")]
+mod balls;
 mod edits;
 #[cfg(feature = "gpu")]
 mod error;
@@ -17,7 +19,7 @@ use surefoot_compiler::{Loader, MemoryLoader, Options, Outcome, Stage, compile_o
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scenes whose rays are followed by several methods, each judged by certified truth.
-    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many"])]
+    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls"])]
     scenes: Vec<String>,
     #[cfg(feature = "gpu")]
     #[command(flatten)]
@@ -37,6 +39,12 @@ pub struct Args {
     /// Unions of 10 to 10,000 spheres: what they cost with the lists of their cells, and without.
     #[arg(long, conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules"])]
     many: bool,
+    /// The balls of these scenes, 1,000 to 1,000,000 of them: how many steps a second.
+    #[arg(long, value_name = "SCENES", num_args = 1.., conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many"])]
+    balls: Vec<String>,
+    /// No more balls than this.
+    #[arg(long, default_value_t = 1_000_000, value_name = "N", requires = "balls")]
+    most: u32,
     /// How often.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
     runs: u32,
@@ -52,6 +60,9 @@ type Rows = Vec<(&'static str, Vec<Duration>)>;
 pub fn run(args: &Args) -> Result<Exit, Failure> {
     if args.many {
         return growing(args);
+    }
+    if !args.balls.is_empty() {
+        return falling(&args.balls, args.most);
     }
     if let Some(path) = &args.edits {
         return edits::run(path, args.runs);
@@ -93,6 +104,16 @@ fn errors(args: &Args) -> Result<Exit, Failure> {
 #[cfg(feature = "gpu")]
 fn growing(args: &Args) -> Result<Exit, Failure> {
     many::run(args.error.page.as_deref())
+}
+
+#[cfg(feature = "gpu")]
+fn falling(scenes: &[String], most: u32) -> Result<Exit, Failure> {
+    balls::run(scenes, most)
+}
+
+#[cfg(not(feature = "gpu"))]
+fn falling(_: &[String], _: u32) -> Result<Exit, Failure> {
+    growing()
 }
 
 #[cfg(not(feature = "gpu"))]
