@@ -428,6 +428,8 @@ pub struct Compiled {
     pub blocks: SceneBlocks,
     /// The emitted module.
     pub module: Module,
+    /// The scene as balls meet it, where that is another; see [`Compiled::ground`].
+    pub apart: Option<Box<Compiled>>,
 }
 
 /// What came of a compilation.
@@ -451,6 +453,12 @@ impl Outcome {
 }
 
 impl Compiled {
+    /// The scene as balls meet it: without the shapes that they pass through, and with what says how the others move. Live values are the
+    /// same; in a scene without balls it is the scene.
+    pub fn ground(&self) -> &Compiled {
+        self.apart.as_deref().unwrap_or(self)
+    }
+
     /// Time zero and every parameter at its default.
     pub fn live(&self) -> Live {
         Live::start(&self.graph)

@@ -2,8 +2,9 @@
 
 use crate::analysis::Facts;
 use crate::analysis::memory::Memory;
-use crate::compiled::{Compiled, Loader, Options, Outcome};
+use crate::compiled::{Compiled, Export, Loader, Options, Outcome};
 use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::source::Sources;
 use crate::{emit, functions, program};
 
 /// A stage of the pipeline, in their order.
@@ -85,14 +86,14 @@ fn run(
         let facts = &mut elaboration.facts;
         let root = functions::bind_world(&mut graph, root);
         let (functions, summary, found) =
-            functions::build(&mut graph, facts, root, &elaboration.blocks, options.strict);
+            functions::build(&mut graph, facts, root, &elaboration.blocks, options.strict, Vec::new());
         outcome.diagnostics.extend(found);
         finished(Stage::Analyse);
         if !outcome.has_errors() {
             let (blocks, parameters) = (&elaboration.blocks, &elaboration.parameters);
             match emit::emit(&graph, root, &functions, blocks, parameters, options, &outcome.sources) {
                 Ok(module) => {
-                    outcome.compiled = Some(Compiled {
+                    let mut compiled = Compiled {
                         graph,
                         root,
                         functions,
@@ -100,7 +101,10 @@ fn run(
                         parameters: elaboration.parameters,
                         blocks: elaboration.blocks,
                         module,
-                    });
+                        apart: None,
+                    };
+                    compiled.apart = ground(&compiled, facts, options, &outcome.sources).map(Box::new);
+                    outcome.compiled = Some(compiled);
                 }
                 Err(error) => {
                     let span = loaded.modules.head(loaded.modules.main);
@@ -118,6 +122,32 @@ fn run(
     *memory = elaboration.facts.memory;
     tidy(&mut outcome.diagnostics);
     outcome
+}
+
+/// The scene as balls meet it, where that is not as it is seen. Its factors begin with those of the scene, so that live values hold for both.
+fn ground(seen: &Compiled, facts: &mut Facts, options: &Options, sources: &Sources) -> Option<Compiled> {
+    if !seen.has_balls() {
+        return None;
+    }
+    let mut graph = seen.graph.clone();
+    let firm = functions::firm(&mut graph, seen.root);
+    let root = firm.unwrap_or(seen.root);
+    let carry = functions::carry(&mut graph, root);
+    if firm.is_none() && carry.is_none() {
+        return None;
+    }
+    let (mut functions, mut summary) = (seen.functions.clone(), seen.summary);
+    if firm.is_some() {
+        let searches = std::mem::take(&mut functions.searches);
+        // What is wrong with a shape was said when all of them were looked at.
+        (functions, summary, _) = functions::build(&mut graph, facts, root, &seen.blocks, false, searches);
+    }
+    functions.carry = carry;
+    let options = Options { exports: vec![Export::Bound, Export::Distance, Export::Gradient], ..options.clone() };
+    let (blocks, parameters) = (seen.blocks.clone(), seen.parameters.clone());
+    // What can't be written is met as it is seen.
+    let module = emit::emit(&graph, root, &functions, &blocks, &parameters, &options, sources).ok()?;
+    Some(Compiled { graph, root, functions, summary, parameters, blocks, module, apart: None })
 }
 
 /// In the order of their places, each once, errors before warnings of one place.

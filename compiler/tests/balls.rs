@@ -1,7 +1,7 @@
 //! The step of balls in 64 bits, held against closed forms.
 
 use surefoot_compiler::physics::{Ball, Field, Ground, Law, State, Touch, World, spawn};
-use surefoot_compiler::reference::vector::{add, dot, length, scale, sub};
+use surefoot_compiler::reference::vector::{add, cross, dot, length, scale, sub};
 use surefoot_compiler::{Compiled, Live, MemoryLoader, Options, compile, diagnostic};
 
 const STEP: f64 = 1.0 / 60.0;
@@ -202,4 +202,70 @@ fn a_group_has_room_and_keeps_its_seed() {
         }
     }
     assert!(balls.iter().all(|b| b.state == State::Awake));
+}
+
+/// Steps over a scene whose time runs.
+fn run_scene(compiled: &Compiled, balls: Vec<Ball>, seconds: f64) -> World {
+    let mut world = World::new(balls);
+    let mut live = compiled.live();
+    while world.time < seconds - 1e-9 {
+        let before = live.clone();
+        live.time += STEP;
+        world.step_scene(compiled, &before, &live).unwrap();
+    }
+    world
+}
+
+#[test]
+fn a_belt_takes_a_ball_along() {
+    let compiled = scene("scene = plane(y).translate(1.4 * time, 0, 0)\nphysics { rolling: 0, friction: 0.4 }\nballs b { count: 0 }");
+    let world = run_scene(&compiled, vec![Ball::at([0.0, 0.05, 0.0], 0.05)], 2.0);
+    // What friction gives the centre, spin takes: at two sevenths of the belt's speed it rolls.
+    let [vx, vy, vz] = world.balls[0].velocity;
+    println!("{vx:.5} on a belt of 1.4, 2/7 of it is 0.4; spin {:?}", world.balls[0].spin);
+    assert!((vx / 0.4 - 1.0).abs() < 0.02 && vy.abs() < 1e-3 && vz.abs() < 1e-9);
+    assert!((world.balls[0].spin[2] * 0.05 - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn a_ball_on_a_turntable_goes_round_at_two_sevenths() {
+    // Its path is a circle: Earnshaw, "Dynamics" (1844).
+    let rate = 4.0;
+    let compiled = scene(&format!(
+        "scene = (cylinder(3, 0.2) | box(0.2, 1, 0.2).translate(2.5, 0, 0)).rotate(y, {rate} * time)\nphysics {{ rolling: 0, friction: 0.6 }}\nballs b {{ count: 0 }}"
+    ));
+    let (place, r, velocity) = ([1.0, 0.15, 0.0], 0.05, [0.0, 0.0, 0.3]);
+    let surface = cross([0.0, rate, 0.0], place);
+    let spin = scale(cross([0.0, 1.0, 0.0], sub(velocity, surface)), 1.0 / r);
+    let world = run_scene(&compiled, vec![Ball { velocity, spin, ..Ball::at(place, r) }], 2.0);
+    let ball = &world.balls[0];
+    let turned = ball.velocity[0].atan2(ball.velocity[2]);
+    println!("turned by {turned:.4}, closed form {:.4}; speed {:.5} of 0.3", rate * 2.0 / 7.0 * 2.0, length(ball.velocity));
+    assert!((turned / (rate * 2.0 / 7.0 * 2.0) - 1.0).abs() < 0.02);
+    assert!((length(ball.velocity) / 0.3 - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn what_is_not_solid_lets_balls_through() {
+    let rests_at = |scene_text: &str| {
+        let text = format!(
+            "material ghost {{ color: #ffffff, solid: off }}\nmaterial stone {{ color: #808080 }}\nlet floor = plane(y)\n{scene_text}\nballs b {{ count: 0 }}"
+        );
+        let world = run_scene(&scene(&text), vec![Ball::at([0.1, 3.0, 0.1], 0.05)], 4.0);
+        world.balls[0].position[1]
+    };
+    let slab = "box(4, 0.2, 4).translate(0, 1, 0)";
+    for (what, text, height) in [
+        ("a slab", format!("scene = floor | {slab}"), 1.15),
+        ("one that is not solid", format!("scene = floor | {slab}.material(ghost)"), 0.05),
+        ("moved afterwards, in a blend", format!("scene = smooth_union(floor, {slab}.material(ghost).rotate(y, 20deg), 0.4)"), 0.05),
+        ("of many", format!("scene = floor | for i in 0..3 {{ {slab}.translate(0, 0.4 * i, 0).material(ghost) }}"), 0.05),
+        ("within another that is", format!("scene = floor | {slab}.material(ghost).material(stone)"), 1.15),
+        ("a hole of it is none", format!("scene = (floor | {slab}) - box(9, 9, 9).material(ghost)"), 1.15),
+        ("what it cuts out of is nothing", format!("scene = floor | {slab} & sphere(9).material(ghost)"), 0.05),
+    ] {
+        let rests = rests_at(&text);
+        println!("{what}: {rests:.4}");
+        assert!((rests - height).abs() < 1e-3, "{what}: {rests}, not {height}");
+    }
 }

@@ -281,6 +281,41 @@ fn a_piston_lifts_balls() {
 }
 
 #[test]
+fn a_device_carries_balls_as_64_bits_do() {
+    let gpu = gpu();
+    // A turntable, a belt that runs up a slope, and a slab in the air that nothing meets.
+    let compiled = scene(
+        "material ghost { color: #ffffff, solid: off }
+param tilt = 0.2 in 0..0.4
+let table = cylinder(1, 0.2).rotate(y, 3 * time).translate(-1.5, 0, 0)
+let belt = box(40, 0.2, 2).translate(time, 0, 0).rotate(z, tilt).translate(1.5, 0, 0) & box(2, 4, 2).translate(1.5, 0, 0)
+scene = table | belt | box(6, 0.2, 6).translate(0, 0.4, 0).material(ghost)
+physics { friction: 0.5 }
+balls b { count: 0 }",
+    );
+    let at = |i: u32| [f64::from(i % 6), f64::from(i / 6)];
+    let place = |[i, on_belt]: [f64; 2]| [-2.1 + 0.2 * i + 3.5 * on_belt, 0.7, 0.05 * i - 0.1];
+    let balls: Vec<Ball> = (0..12).map(|i| Ball::at(place(at(i)), 0.05)).collect();
+    let law = compiled.law(&compiled.live());
+    let mut world = World::new(balls.clone());
+    let mut physics = Physics::with(&gpu, &compiled, &balls).unwrap();
+    let mut live = compiled.live();
+    for _ in 0..50 {
+        let before = live.clone();
+        run(&mut physics, &compiled, &law, &mut live, 1);
+        world.step_scene(&compiled, &before, &live).unwrap();
+    }
+    let device = physics.read().unwrap();
+    let apart = |(a, b): (&Ball, &Ball)| length(sub(a.position, b.position)) / a.radius;
+    let worst = world.balls.iter().zip(&device).map(apart).fold(0.0, f64::max);
+    let aside = |b: &&Ball| b.velocity[0].hypot(b.velocity[2]) > 0.1 && b.position[1] > -0.5;
+    println!("the worst is {worst:.2e} radii apart; {} are carried", device.iter().filter(aside).count());
+    assert!(device.iter().filter(aside).count() >= 10, "{device:?}");
+    assert!(device.iter().all(|b| b.position[1] < 0.55), "they fell through the slab");
+    assert!(worst < 1e-3, "{worst}");
+}
+
+#[test]
 fn two_balls_keep_their_momentum() {
     let gpu = gpu();
     let compiled = scene("scene = plane(y, -50)");

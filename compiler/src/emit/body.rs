@@ -48,6 +48,8 @@ pub enum Code {
     Surface,
     /// The struct of what lies on it from its fields.
     Layers,
+    /// The struct of where a point lies in its part from its fields.
+    Carry,
     /// The value so far of a union, or its gradient and value: so many components.
     Value(u8),
     /// The value of a union that was set aside.
@@ -76,6 +78,7 @@ impl Code {
             Code::Splat(n) => (13, u64::from(n)),
             Code::Surface => (14, 0),
             Code::Layers => (15, 0),
+            Code::Carry => (19, 0),
             Code::Value(n) => (18, u64::from(n)),
             Code::Aside(n) => (16, u64::from(n)),
             Code::Row(piece) => (17, u64::from(piece)),

@@ -107,6 +107,7 @@ pub fn emit(
     let surface = asked.then(|| surface_plan(graph, root, &functions.surface.look(), &mut plans));
     let layered = asked && functions.surface.is_layered();
     let layers = layered.then(|| surface_plan(graph, root, &functions.surface.layer_nodes(), &mut plans));
+    let carry = functions.carry.map(|carry| surface_plan(graph, root, &carry.nodes(), &mut plans));
     // Exports that are the same function are computed once.
     let mut counted: Vec<(TargetId, u64)> = Vec::new();
     for &(_, target) in &roots {
@@ -114,7 +115,7 @@ pub fn emit(
             counted.push((target, 1));
         }
     }
-    let standing = plans.complete(&counted, surface.iter().chain(&layers))?;
+    let standing = plans.complete(&counted, surface.iter().chain(&layers).chain(&carry))?;
 
     let mut module = reserved_names(prefix);
     let mut context = Context {
@@ -140,6 +141,9 @@ pub fn emit(
     let operations = export_functions(&mut context, root, &exports, &roots, surface.as_ref(), &mut body, &mut texts)?;
     if let Some(plan) = &layers {
         layers_function(&mut context, root, &functions.surface, plan, &mut body, &mut texts)?;
+    }
+    if let Some(plan) = &carry {
+        carry_function(&mut context, root, plan, &mut body, &mut texts)?;
     }
 
     // What the library reads.
@@ -170,6 +174,9 @@ pub fn emit(
         if layered {
             layers_struct(prefix, &functions.surface, text);
         }
+        if carry.is_some() {
+            let _ = write!(text, "\nstruct {prefix}Carry {{\n  point: vec3f,\n  x: vec3f,\n  y: vec3f,\n  z: vec3f,\n}}\n");
+        }
     };
     declared(false, &mut wgsl);
     wgsl.push_str(&texts);
@@ -199,7 +206,7 @@ fn reserved_names(prefix: &str) -> Scope {
     let mut names = Scope::default();
     let exports = Export::ALL.iter().map(|e| e.name());
     let helpers = library::HELPERS.iter().map(|h| h.name);
-    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "table", "lists"];
+    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists"];
     for text in exports.chain(helpers).chain(library::STRUCTURES).chain(others) {
         names.reserve(&format!("{prefix}{text}"));
     }
@@ -253,6 +260,22 @@ fn layers_function(
     }
     let result = body.add(Code::Layers, &fields);
     write::write(context, body, result, &["p", "q", "normal"], text);
+    text.push_str("}\n");
+    Ok(())
+}
+
+/// Writes the function that says where a point lies in the space of the part that it belongs to, and how each coordinate there grows.
+fn carry_function(context: &mut Context, root: ShapeId, plan: &Plan, body: &mut Body, text: &mut String) -> Result<(), EmitError> {
+    let prefix = context.prefix;
+    let _ = writeln!(text, "\n// Where a point of the scene lies in the space of its part.\nfn {prefix}carry(p: vec3f) -> {prefix}Carry {{");
+    let _ = writeln!(text, "  let q = p + {}.origin;", context.uniform_name);
+    context.uniforms.read(UniformSource::Origin);
+    body.clear();
+    let space = scene_space(context.graph, root, body, false);
+    let results = body.open(context.plans, context.graph, plan, &space, &context.uniforms)?;
+    let fields: Vec<body::ExprId> = results.chunks(3).map(|v| body.vector(v)).collect();
+    let result = body.add(Code::Carry, &fields);
+    write::write(context, body, result, &["p", "q"], text);
     text.push_str("}\n");
     Ok(())
 }

@@ -546,9 +546,13 @@ impl Writer<'_, '_> {
                 self.put(vector_type(count));
                 self.list(args)
             }
-            Code::Surface | Code::Layers => {
+            Code::Surface | Code::Layers | Code::Carry => {
                 self.scratch.push_str(self.context.prefix);
-                self.put(if code == Code::Layers { "Layers" } else { "Surface" });
+                self.put(match code {
+                    Code::Layers => "Layers",
+                    Code::Carry => "Carry",
+                    _ => "Surface",
+                });
                 self.list(args)
             }
             Code::Call(target) => {

@@ -7,9 +7,12 @@
 mod bound;
 mod distance;
 mod domains;
+mod ground;
 mod jumps;
 mod surface;
 pub mod unions;
+
+pub use ground::{Carry, carry, firm};
 
 use crate::analysis::search::{Search, Target};
 use crate::analysis::{Box3, Domain, Facts};
@@ -33,6 +36,8 @@ pub struct Functions {
     pub searches: Vec<Option<Search>>,
     /// Unions of many operands, by the function that each one is.
     pub unions: FxHashMap<unions::Of, unions::Union>,
+    /// How what is solid moves, where balls ask for it and it does.
+    pub carry: Option<Carry>,
 }
 
 /// How the surface at a point answers light.
@@ -225,13 +230,14 @@ pub fn bind_world(graph: &mut Graph, root: ShapeId) -> ShapeId {
     graph.add_shape(crate::graph::Shape { value, ..shape })
 }
 
-/// Builds the functions of a scene whose shape has been through [`bind_world`].
+/// Builds the functions of a scene whose shape has been through [`bind_world`]. `searches` is what the graph's factors were found from.
 pub fn build(
     graph: &mut Graph,
     facts: &mut Facts,
     root: ShapeId,
     blocks: &SceneBlocks,
     strict: bool,
+    searches: Vec<Option<Search>>,
 ) -> (Functions, Summary, Vec<Diagnostic>) {
     let mut builder = Builder {
         graph,
@@ -242,7 +248,7 @@ pub fn build(
         treatments: FxHashMap::default(),
         regions: FxHashMap::default(),
         cuts: FxHashMap::default(),
-        built: Functions::default(),
+        built: Functions { searches, ..Functions::default() },
         diagnostics: Vec::new(),
         kind: Kind::Exact,
         strict,

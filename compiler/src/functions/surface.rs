@@ -121,7 +121,7 @@ impl Builder<'_> {
     /// How a number changes along the axes of the scene's space.
     fn slopes(&mut self, node: NodeId) -> [NodeId; 3] {
         let point = self.graph.point();
-        point.map(|axis| self.slope(node, axis))
+        point.map(|axis| slope(self.graph, node, axis))
     }
 
     /// The material at the zero set of a formula in the scene's space.
@@ -185,7 +185,7 @@ impl Builder<'_> {
         let weights: Vec<NodeId> = looks
             .iter()
             .map(|(call, _)| {
-                let slope = self.slope(node, *call);
+                let slope = slope(self.graph, node, *call);
                 self.graph.op(Op::Abs, &[slope])
             })
             .collect();
@@ -237,50 +237,6 @@ impl Builder<'_> {
         self.looks.get(&node).cloned().unwrap_or(Looks::None)
     }
 
-    /// The derivative of a node by another node inside it.
-    pub(super) fn slope(&mut self, node: NodeId, by: NodeId) -> NodeId {
-        let zero = self.graph.constant(0.0);
-        let one = self.graph.constant(1.0);
-        let order = self.graph.reachable(&[node]);
-        let mut slopes: Vec<NodeId> = Vec::with_capacity(order.len());
-        for &id in &order {
-            let of = |a: &NodeId, s: &[NodeId]| {
-                order.binary_search(a).ok().and_then(|i| s.get(i).copied()).unwrap_or(zero)
-            };
-            let slope = if id == by {
-                one
-            } else {
-                match self.graph.node(id).clone() {
-                    Node::Op(Op::Min | Op::Max, args) if args.len() == 2 => {
-                        let (a, b) = (args.first().copied().unwrap_or(id), args.get(1).copied().unwrap_or(id));
-                        let first = matches!(self.graph.node(id), Node::Op(Op::Min, _));
-                        let wins = self.graph.op(Op::Le, &if first { [a, b] } else { [b, a] });
-                        let (sa, sb) = (of(&a, &slopes), of(&b, &slopes));
-                        self.graph.op(Op::Select, &[wins, sa, sb])
-                    }
-                    Node::Op(op, args) => {
-                        let inner: Vec<NodeId> = args.iter().map(|a| of(a, &slopes)).collect();
-                        if inner.iter().all(|s| *s == zero) {
-                            zero
-                        } else {
-                            let partials = kernel::partials(self.graph, op, &args, id);
-                            let mut total = zero;
-                            for (partial, s) in partials.iter().zip(inner) {
-                                let term = self.graph.op(Op::Mul, &[*partial, s]);
-                                total = self.graph.op(Op::Add, &[total, term]);
-                            }
-                            total
-                        }
-                    }
-                    Node::Claim(args, _) => args.first().map_or(zero, |a| of(a, &slopes)),
-                    _ => zero,
-                }
-            };
-            slopes.push(slope);
-        }
-        slopes.last().copied().unwrap_or(zero)
-    }
-
     pub(super) fn pick_look(&mut self, condition: NodeId, a: Look, b: Look) -> Look {
         let mut values = a.values;
         for (slot, other) in values.iter_mut().zip(b.values) {
@@ -318,4 +274,48 @@ impl Builder<'_> {
             ..a
         }
     }
+}
+
+/// The derivative of a node by another node inside it.
+pub(super) fn slope(graph: &mut Graph, node: NodeId, by: NodeId) -> NodeId {
+    let zero = graph.constant(0.0);
+    let one = graph.constant(1.0);
+    let order = graph.reachable(&[node]);
+    let mut slopes: Vec<NodeId> = Vec::with_capacity(order.len());
+    for &id in &order {
+        let of = |a: &NodeId, s: &[NodeId]| {
+            order.binary_search(a).ok().and_then(|i| s.get(i).copied()).unwrap_or(zero)
+        };
+        let slope = if id == by {
+            one
+        } else {
+            match graph.node(id).clone() {
+                Node::Op(Op::Min | Op::Max, args) if args.len() == 2 => {
+                    let (a, b) = (args.first().copied().unwrap_or(id), args.get(1).copied().unwrap_or(id));
+                    let first = matches!(graph.node(id), Node::Op(Op::Min, _));
+                    let wins = graph.op(Op::Le, &if first { [a, b] } else { [b, a] });
+                    let (sa, sb) = (of(&a, &slopes), of(&b, &slopes));
+                    graph.op(Op::Select, &[wins, sa, sb])
+                }
+                Node::Op(op, args) => {
+                    let inner: Vec<NodeId> = args.iter().map(|a| of(a, &slopes)).collect();
+                    if inner.iter().all(|s| *s == zero) {
+                        zero
+                    } else {
+                        let partials = kernel::partials(graph, op, &args, id);
+                        let mut total = zero;
+                        for (partial, s) in partials.iter().zip(inner) {
+                            let term = graph.op(Op::Mul, &[*partial, s]);
+                            total = graph.op(Op::Add, &[total, term]);
+                        }
+                        total
+                    }
+                }
+                Node::Claim(args, _) => args.first().map_or(zero, |a| of(a, &slopes)),
+                _ => zero,
+            }
+        };
+        slopes.push(slope);
+    }
+    slopes.last().copied().unwrap_or(zero)
 }

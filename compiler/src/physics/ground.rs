@@ -5,7 +5,7 @@ use crate::compiled::{Compiled, Live};
 use crate::evaluate::{Tape, TooLarge, lanes};
 use crate::functions::Functions;
 use crate::graph::{Function, NodeId};
-use crate::reference::vector::{Vec3, along, dot, length, scale, sub};
+use crate::reference::vector::{Vec3, along, cross, dot, length, scale, sub};
 
 /// The surface as balls meet it.
 pub trait Ground {
@@ -17,6 +17,11 @@ pub trait Ground {
     fn distance(&self, p: Vec3) -> f64;
     /// The distance of a point before the newest part of a step, where the surface moves.
     fn before(&self, p: Vec3) -> Option<f64>;
+    /// How far what is solid at a point went in the newest part of a step, where it moves as a whole. Along the surface only: how the
+    /// surface itself goes up and down is in the distances.
+    fn carried(&self, _: Vec3) -> Vec3 {
+        [0.0; 3]
+    }
 }
 
 /// The nearest point of a surface, seen from a centre.
@@ -35,6 +40,8 @@ pub struct Field {
     /// Gradient, field, distance.
     slopes: Tape,
     before: Option<Tape>,
+    /// Where a point lies in its part, now and before.
+    carry: Option<[Tape; 2]>,
 }
 
 /// The most operations of a function at one point.
@@ -47,6 +54,7 @@ const UPRIGHT: f64 = 0.01;
 impl Field {
     /// The field at one moment, and as it was `before`, where it moves.
     pub fn new(compiled: &Compiled, live: &Live, before: Option<&Live>) -> Result<Self, TooLarge> {
+        let compiled = compiled.ground();
         let functions: &Functions = &compiled.functions;
         let own = |f: Function| functions.formulas.get(&(compiled.root, f)).copied();
         let value = compiled.graph.shape(compiled.root).map_or(NodeId(0), |s| s.value);
@@ -58,6 +66,10 @@ impl Field {
             bound: tape(&[own(Function::Bound).unwrap_or(field)], live)?,
             slopes: tape(&[slope(0), slope(1), slope(2), field, distance], live)?,
             before: before.map(|before| tape(&[distance], before)).transpose()?,
+            carry: match (before, functions.carry.map(|carry| carry.nodes())) {
+                (Some(before), Some(nodes)) => Some([tape(&nodes, live)?, tape(&nodes, before)?]),
+                _ => None,
+            },
         })
     }
 
@@ -142,4 +154,37 @@ impl Ground for Field {
     fn before(&self, p: Vec3) -> Option<f64> {
         self.before.as_ref().map(|tape| one(tape, p))
     }
+
+    fn carried(&self, p: Vec3) -> Vec3 {
+        let Some([now, before]) = &self.carry else { return [0.0; 3] };
+        let three = |tape: &Tape| {
+            let mut evaluator = tape.evaluator();
+            evaluator.run(&lanes(&[p]));
+            [0, 1, 2, 3].map(|row| [0, 1, 2].map(|i| evaluator.output(3 * row + i).first().copied().unwrap_or(0.0)))
+        };
+        let [point, x, y, z] = three(now);
+        let [was, ..] = three(before);
+        way([x, y, z], sub(was, point))
+    }
+}
+
+/// The way along which three coordinates with these slopes grow by so much: the shortest one of those that come nearest.
+fn way(slopes: [Vec3; 3], growth: Vec3) -> Vec3 {
+    let mut columns = [[0.0; 3]; 3];
+    let mut right = [0.0; 3];
+    for (slope, by) in slopes.into_iter().zip(growth) {
+        right = along(right, slope, by);
+        for (column, c) in columns.iter_mut().zip(slope) {
+            *column = along(*column, slope, c);
+        }
+    }
+    let trace: f64 = slopes.iter().map(|s| dot(*s, *s)).sum();
+    for (i, column) in columns.iter_mut().enumerate() {
+        if let Some(c) = column.get_mut(i) {
+            *c += 1e-6 * trace + 1e-30;
+        }
+    }
+    let [a, b, c] = columns;
+    let whole = dot(a, cross(b, c));
+    [cross(b, c), cross(c, a), cross(a, b)].map(|row| dot(row, right) / whole)
 }

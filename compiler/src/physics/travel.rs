@@ -43,14 +43,20 @@ pub fn wake(ball: &mut Ball) {
 fn stays(ball: &Ball, ground: &impl Ground) -> bool {
     let Some(before) = ground.before(ball.position) else { return true };
     let now = ground.distance(ball.position);
-    now.min(before) > 1.1 * ball.radius || (now - before).abs() <= 1e-5 * ball.radius
+    let still = 1e-5 * ball.radius;
+    now.min(before) > 1.1 * ball.radius || (now - before).abs() <= still && length(ground.carried(ball.position)) <= still
 }
 
-/// The speed of the surface along its normal, where it moves; what jumps does not push.
-fn surface_speed(ball: &Ball, touch: &Touch, ground: &impl Ground, h: f64) -> f64 {
-    let foot = sub(ball.position, scale(touch.normal, touch.distance));
-    let moved = ground.before(foot).unwrap_or(0.0);
-    if moved.abs() > JUMP * ball.radius { 0.0 } else { moved / h }
+/// The velocity of the surface, where it moves; what jumps does not push.
+fn surface_velocity(ball: &Ball, touch: &Touch, ground: &impl Ground, h: f64) -> Vec3 {
+    let n = touch.normal;
+    let foot = sub(ball.position, scale(n, touch.distance));
+    let short = |way: f64| if way.abs() > JUMP * ball.radius { 0.0 } else { way };
+    let moved = ground.before(foot).map_or(0.0, short);
+    let carried = ground.carried(foot);
+    let aside = sub(carried, scale(n, dot(carried, n)));
+    let aside = if short(length(aside)) == 0.0 { [0.0; 3] } else { aside };
+    scale(add(aside, scale(n, moved)), 1.0 / h)
 }
 
 /// How far a ball is put back out of the solid: wholly where its centre is outside, else a half of its radius at a time.
@@ -59,14 +65,15 @@ fn out(touch: &Touch, radius: f64) -> f64 {
     if touch.distance > 0.0 { depth.max(0.0) } else { depth.min(0.5 * radius) }
 }
 
-/// Friction and the resistance to rolling under an impulse `press` (for each unit of mass) along the normal.
-pub fn rub(ball: &mut Ball, law: &Law, normal: Vec3, press: f64) {
+/// Friction and the resistance to rolling under an impulse `press` (for each unit of mass) along the normal, on a surface that has a velocity.
+pub fn rub(ball: &mut Ball, law: &Law, normal: Vec3, press: f64, surface: Vec3) {
     if press <= 0.0 {
         return;
     }
     let r = ball.radius;
     // The speed with which the ball's lowest point slides.
-    let along_surface = sub(ball.velocity, scale(normal, dot(ball.velocity, normal)));
+    let relative = sub(ball.velocity, surface);
+    let along_surface = sub(relative, scale(normal, dot(relative, normal)));
     let slide = sub(along_surface, scale(cross(ball.spin, normal), r));
     let speed = length(slide);
     if speed > 1e-12 {
@@ -119,7 +126,8 @@ fn go(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
         }
         ball.grounded = true;
         let n = touch.normal;
-        let push = surface_speed(ball, &touch, ground, h);
+        let surface = surface_velocity(ball, &touch, ground, h);
+        let push = dot(surface, n);
         if gap < 0.0 {
             ball.position = along(ball.position, n, out(&touch, ball.radius));
         }
@@ -129,14 +137,14 @@ fn go(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
             // What is faster bounces in the next part of the step.
             if across < 0.0 && across > -rest {
                 ball.velocity = along(ball.velocity, n, -across);
-                rub(ball, law, n, -across);
+                rub(ball, law, n, -across, surface);
             }
             continue;
         }
         if across < -rest {
             let press = (1.0 + law.restitution) * -across;
             ball.velocity = along(ball.velocity, n, press);
-            rub(ball, law, n, press);
+            rub(ball, law, n, press, surface);
             continue;
         }
         let inside = touch.distance <= 0.0;
@@ -152,7 +160,7 @@ fn go(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
         let pull = dot(g, n).min(0.0);
         let before = ball.velocity;
         ball.velocity = along(ball.velocity, sub(g, scale(n, pull)), dt);
-        rub(ball, law, n, (-across).max(0.0) - pull * dt);
+        rub(ball, law, n, (-across).max(0.0) - pull * dt, surface);
         let mean = scale(add(before, ball.velocity), 0.5);
         // The surface is where it will be at the step's end already.
         ball.position = along(ball.position, sub(mean, scale(n, push)), dt);
@@ -182,7 +190,7 @@ fn walls(ball: &mut Ball, law: &Law, h: f64) {
             let bounce = if across < -law.rest(h) { law.restitution } else { 0.0 };
             let press = (1.0 + bounce) * -across;
             ball.velocity = along(ball.velocity, normal, press);
-            rub(ball, law, normal, press);
+            rub(ball, law, normal, press, [0.0; 3]);
         }
     }
 }

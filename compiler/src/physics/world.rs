@@ -41,6 +41,7 @@ impl World {
     /// A step over a scene's field from one moment to another; an error where the field has too many operations for the processor.
     pub fn step_scene(&mut self, compiled: &Compiled, before: &Live, now: &Live) -> Result<(), TooLarge> {
         let law = compiled.law(now);
+        let compiled = compiled.ground();
         let moves = compiled.field_moves() && compiled.uniform_bytes(before, [0.0; 3]) != compiled.uniform_bytes(now, [0.0; 3]);
         let seconds = now.time - before.time;
         // Two moments are computed at first, so that what fails does so before anything has moved.

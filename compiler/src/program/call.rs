@@ -1363,17 +1363,7 @@ impl Elaborator<'_> {
                 "solid" => self.coerce(value, &Type::Bool, at, &env).and_then(|v| {
                     if let Value::Bool(node) = v {
                         match self.graph.as_constant(node) {
-                            Some(c) => {
-                                material.solid = c != 0.0;
-                                if !material.solid {
-                                    self.warn(
-                                        Code::NotDrawn,
-                                        entry.key.span,
-                                        "`solid: off` is understood, but balls do not pass yet",
-                                        "balls meet the whole field",
-                                    );
-                                }
-                            }
+                            Some(c) => material.solid = c != 0.0,
                             None => {
                                 return Err(self.error(
                                     Code::NotConstant,

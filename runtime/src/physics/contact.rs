@@ -27,6 +27,7 @@ pub struct Contact {
 impl Contact {
     /// Builds the code for a scene. May take a while: a window does it on another thread.
     pub fn prepare(gpu: &Gpu, compiled: &Compiled) -> Result<Self, String> {
+        let compiled = compiled.ground();
         for export in [Export::Bound, Export::Distance, Export::Gradient] {
             if !compiled.module.exports.contains(&export) {
                 return Err(format!("the module has no function `{}`", export.name()));
@@ -76,6 +77,7 @@ impl Contact {
     /// Writes the module's block for each moment from `before` to `now`. Answers whether the field changes within the step.
     pub(super) fn write_moments(&mut self, gpu: &Gpu, compiled: &Compiled, before: &Live, now: &Live, parts: u32) -> bool {
         let Some(moments) = &self.moments else { return false };
+        let compiled = compiled.ground();
         let origin = [0.0; 3];
         let last = compiled.uniform_bytes(now, origin);
         let first = compiled.uniform_bytes(before, origin);
@@ -124,8 +126,12 @@ fn wgsl(compiled: &Compiled, moving: bool) -> String {
             code = code.replace(declared.as_str(), &three);
         }
     }
-    let changes = if moving { include_str!("moving.wgsl") } else { include_str!("still.wgsl") };
-    [code.as_str(), include_str!("ball.wgsl"), include_str!("state.wgsl"), changes, include_str!("travel.wgsl")].join("\n")
+    let changes = match (moving, compiled.functions.carry) {
+        (true, Some(_)) => [include_str!("moving.wgsl"), include_str!("carry.wgsl")].join("\n"),
+        (true, None) => [include_str!("moving.wgsl"), include_str!("uncarried.wgsl")].join("\n"),
+        (false, _) => include_str!("still.wgsl").to_owned(),
+    };
+    [&code, include_str!("ball.wgsl"), include_str!("state.wgsl"), &changes, include_str!("travel.wgsl")].join("\n")
 }
 
 fn fields_layout(gpu: &Gpu, compiled: &Compiled, moving: bool) -> wgpu::BindGroupLayout {

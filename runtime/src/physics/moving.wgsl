@@ -12,13 +12,16 @@ fn distance_before(p: vec3f) -> f32 {
     return d;
 }
 
-// The speed of the surface along its normal; what jumps does not push.
-fn surface_speed(foot: vec3f, r: f32) -> f32 {
+// The velocity of the surface; what jumps does not push.
+fn surface_velocity(foot: vec3f, n: vec3f, r: f32) -> vec3f {
     if law.moves != 1u {
-        return 0.0;
+        return vec3f(0.0);
     }
     let moved = distance_before(foot);
-    return select(moved / law.h, 0.0, abs(moved) > 0.5 * r);
+    let way = carried(foot);
+    let aside = way - n * dot(way, n);
+    let most = 0.5 * r;
+    return (select(aside, vec3f(0.0), length(aside) > most) + n * select(moved, 0.0, abs(moved) > most)) / law.h;
 }
 
 // Whether a ball that sleeps goes on: nothing near it moves.
@@ -28,5 +31,6 @@ fn stays(ball: Ball) -> bool {
     }
     let before = distance_before(ball.p);
     let now = sf_distance(ball.p);
-    return min(now, before) > 1.1 * ball.r || abs(now - before) <= 1e-5 * ball.r;
+    let still = 1e-5 * ball.r;
+    return min(now, before) > 1.1 * ball.r || abs(now - before) <= still && length(carried(ball.p)) <= still;
 }

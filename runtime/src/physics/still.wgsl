@@ -3,8 +3,8 @@
 fn begin() {
 }
 
-fn surface_speed(foot: vec3f, r: f32) -> f32 {
-    return 0.0;
+fn surface_velocity(foot: vec3f, n: vec3f, r: f32) -> vec3f {
+    return vec3f(0.0);
 }
 
 fn stays(ball: Ball) -> bool {

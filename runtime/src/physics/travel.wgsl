@@ -78,14 +78,15 @@ fn out(found: Touch, r: f32) -> f32 {
     return min(depth, 0.5 * r);
 }
 
-// Friction and the resistance to rolling under an impulse `press` (for each unit of mass) along the normal.
-fn rub(ball: Ball, n: vec3f, press: f32) -> Ball {
+// Friction and the resistance to rolling under an impulse `press` (for each unit of mass) along the normal, on a surface that has a velocity.
+fn rub(ball: Ball, n: vec3f, press: f32, surface: vec3f) -> Ball {
     var b = ball;
     if press <= 0.0 {
         return b;
     }
     // The speed with which the ball's lowest point slides.
-    let slide = b.v - n * dot(b.v, n) - cross(b.spin, n) * b.r;
+    let relative = b.v - surface;
+    let slide = relative - n * dot(relative, n) - cross(b.spin, n) * b.r;
     let speed = length(slide);
     if speed > 1e-9 {
         // A solid ball: 2/7 of the slide's speed as an impulse ends it.
@@ -145,7 +146,8 @@ fn go(ball: Ball) -> Ball {
         }
         b.word |= GROUNDED;
         let n = found.normal;
-        let push = surface_speed(b.p - n * found.distance, b.r);
+        let surface = surface_velocity(b.p - n * found.distance, n, b.r);
+        let push = dot(surface, n);
         if gap < 0.0 {
             b.p += n * out(found, b.r);
         }
@@ -155,14 +157,14 @@ fn go(ball: Ball) -> Ball {
             // What is faster bounces in the next part of the step.
             if across < 0.0 && across > -law.rest {
                 b.v -= n * across;
-                b = rub(b, n, -across);
+                b = rub(b, n, -across, surface);
             }
             continue;
         }
         if across < -law.rest {
             let press = (1.0 + law.restitution) * -across;
             b.v += n * press;
-            b = rub(b, n, press);
+            b = rub(b, n, press, surface);
             continue;
         }
         var reach = max(0.5 * free, 0.5 * near);
@@ -180,7 +182,7 @@ fn go(ball: Ball) -> Ball {
         let pull = min(dot(g, n), 0.0);
         let before = b.v;
         b.v += (g - n * pull) * dt;
-        b = rub(b, n, max(-across, 0.0) - pull * dt);
+        b = rub(b, n, max(-across, 0.0) - pull * dt, surface);
         // The surface is where it will be at the step's end already.
         b.p += (0.5 * (before + b.v) - n * push) * dt;
     }
@@ -203,7 +205,7 @@ fn wall(ball: Ball, n: vec3f, end: vec3f) -> Ball {
             press *= 1.0 + law.restitution;
         }
         b.v += n * press;
-        b = rub(b, n, press);
+        b = rub(b, n, press, vec3f(0.0));
     }
     return b;
 }
