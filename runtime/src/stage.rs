@@ -115,6 +115,20 @@ impl Stage {
         self.fresh = true;
     }
 
+    /// Takes a ball and pulls it to a place from now on.
+    pub fn hold_ball(&mut self, index: u32, place: [f64; 3]) {
+        if let Some(balls) = &mut self.balls {
+            balls.hold(index, place);
+        }
+    }
+
+    /// Lets go of the ball that is held, with a velocity.
+    pub fn throw_ball(&mut self, velocity: [f64; 3]) {
+        if let Some(balls) = &mut self.balls {
+            balls.throw(velocity);
+        }
+    }
+
     /// The scene that is on.
     pub fn scene(&self) -> Option<&Arc<Compiled>> {
         self.scene.as_ref()

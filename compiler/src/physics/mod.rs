@@ -70,6 +70,8 @@ pub struct BallsNodes {
     pub seed: NodeId,
     /// The material's colour, emission, roughness, metallic, reflectivity.
     pub look: Option<[NodeId; 9]>,
+    /// The speed from which on balls are red, where their colour is that of their speed.
+    pub red_at: Option<NodeId>,
 }
 
 impl PhysicsNodes {
@@ -88,6 +90,7 @@ impl BallsNodes {
         let mut nodes = vec![self.count, self.seed];
         nodes.extend(self.radius.iter().chain(self.spawn.iter().flatten()).chain(&self.velocity));
         nodes.extend(self.look.iter().flatten());
+        nodes.extend(self.red_at);
         nodes
     }
 }
@@ -135,12 +138,14 @@ pub struct Group {
     pub seed: u32,
     /// Linear colour, emission, roughness, metallic, reflectivity.
     pub look: [f64; 9],
+    /// The speed from which on balls are red; none where their colour is the material's.
+    pub red_at: Option<f64>,
 }
 
 impl Group {
     /// The group but for its looks: where two are alike in this, the same balls begin.
     pub fn beginning(&self) -> Self {
-        Self { name: String::new(), look: [0.0; 9], ..self.clone() }
+        Self { name: String::new(), look: [0.0; 9], red_at: None, ..self.clone() }
     }
 }
 
@@ -269,6 +274,7 @@ impl Compiled {
                 velocity: nodes.velocity.map(one),
                 seed: one(nodes.seed).round() as u32,
                 look: nodes.look.map_or(DEFAULT_LOOK, |look| look.map(one)),
+                red_at: nodes.red_at.map(|red| one(red).max(1e-6)),
             }
         };
         self.blocks.balls.iter().map(&mut group).collect()

@@ -9,6 +9,9 @@ const JUMP: f64 = 0.5;
 /// A ball that turns faster than this does not sleep, in radians a second.
 const IDLE: f64 = 4.0;
 
+/// How fast a ball that is held goes where the hand is, in parts of the way a second.
+const PULL: f64 = 16.0;
+
 /// Moves a ball that the others have pushed, for `h` seconds.
 pub fn travel(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
     match ball.state {
@@ -30,6 +33,13 @@ pub fn travel(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
         return;
     }
     rest(ball, h);
+}
+
+/// Moves a ball that a hand holds towards a place: by and by, and what stands in the way stops it.
+pub fn pull(ball: &mut Ball, place: Vec3) {
+    wake(ball);
+    ball.velocity = scale(sub(place, ball.position), PULL);
+    ball.spin = [0.0; 3];
 }
 
 /// Wakes a ball.

@@ -3,7 +3,7 @@
 use super::{Ball, Field, Ground, Law, MEETINGS, meet, travel};
 use crate::compiled::{Compiled, Live};
 use crate::evaluate::TooLarge;
-use crate::reference::vector::{dot, scale};
+use crate::reference::vector::{Vec3, dot, scale};
 
 /// Balls, and the time that passed for them.
 #[derive(Clone, Debug, Default)]
@@ -12,12 +12,14 @@ pub struct World {
     pub balls: Vec<Ball>,
     /// Seconds since the start.
     pub time: f64,
+    /// The index of a ball that a hand holds, and where it pulls it to.
+    pub held: Option<(usize, Vec3)>,
 }
 
 impl World {
     /// Balls at the start.
     pub fn new(balls: Vec<Ball>) -> Self {
-        Self { balls, time: 0.0 }
+        Self { balls, time: 0.0, held: None }
     }
 
     /// A step of `seconds`. `ground` gives the field of a part of the step: from its first moment to its last, in seconds since the start.
@@ -31,7 +33,10 @@ impl World {
             for turn in 0..MEETINGS {
                 self.balls = meet::meet(&self.balls, &lists, law, h, turn == 0);
             }
-            for ball in &mut self.balls {
+            for (i, ball) in self.balls.iter_mut().enumerate() {
+                if let Some((_, place)) = self.held.filter(|(index, _)| *index == i) {
+                    travel::pull(ball, place);
+                }
                 travel::travel(ball, law, &ground, h);
             }
         }

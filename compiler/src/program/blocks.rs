@@ -56,7 +56,7 @@ fn keys(kind: BlockKind) -> &'static [&'static str] {
         BlockKind::Physics => {
             &["gravity", "restitution", "friction", "rolling", "substeps", "bounds"]
         }
-        BlockKind::Balls => &["count", "radius", "spawn", "velocity", "seed", "material"],
+        BlockKind::Balls => &["count", "radius", "spawn", "velocity", "seed", "material", "color_by_speed"],
         BlockKind::Mesh => &["translate", "rotate", "scale", "material"],
     }
 }

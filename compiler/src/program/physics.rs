@@ -56,11 +56,15 @@ impl Elaborator<'_> {
             }),
             None => Ok(None),
         };
+        let colored = entry("color_by_speed").map(|expr| {
+            let most = Some((f64::MIN_POSITIVE, f64::INFINITY));
+            self.number_entry(Some(expr), env, 1.0, most, "the speed above 0 from which on they are red")
+        });
         let (count, radius, spawn) = (count?, radius?, spawn?);
         if let Some(expr) = entry("count").or(entry("spawn")) {
             self.room(count, radius, spawn, expr.span);
         }
-        Ok(BallsNodes { name, count, radius, spawn, velocity: velocity?, seed: seed?, look: material? })
+        Ok(BallsNodes { name, count, radius, spawn, velocity: velocity?, seed: seed?, look: material?, red_at: colored.transpose()? })
     }
 
     /// Warns where so many balls have no room in their box.

@@ -8,13 +8,15 @@ use super::world::World;
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
+use surefoot_compiler::compiled::Camera;
 use surefoot_compiler::diagnostic::Severity;
+use surefoot_compiler::physics::{Ball, State};
 use surefoot_compiler::reference::Reference;
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
-use surefoot_compiler::reference::vector::{length, sub};
+use surefoot_compiler::reference::vector::{add, dot, length, scale, sub};
 use surefoot_compiler::syntax;
-use surefoot_runtime::ViewMode;
+use surefoot_runtime::{Physics, ViewMode};
 use surefoot_runtime::live::Update;
 use surefoot_runtime::stage::reads_time;
 
@@ -59,6 +61,25 @@ pub enum Command {
         at: [f64; 2],
         /// Width and height.
         size: [u32; 2],
+    },
+    /// Take the ball that is seen at a place of the picture, if one is.
+    TakeBall {
+        /// Where.
+        at: [f64; 2],
+        /// Width and height.
+        size: [u32; 2],
+    },
+    /// Pull it there, as far into the picture as it was.
+    PullBall {
+        /// Where.
+        at: [f64; 2],
+        /// Width and height.
+        size: [u32; 2],
+    },
+    /// Let go of it: it flies on as fast as the hand went.
+    ThrowBall {
+        /// To the right and down, in parts of the picture's height a second.
+        speed: [f64; 2],
     },
     /// Turn around the target: by parts of the picture's height, to the right and down.
     Turn(f64, f64),
@@ -150,6 +171,9 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::StepBalls => session.stage.step_balls(),
         Command::ResetBalls => session.stage.reset_balls(),
         Command::DropBalls { at, size } => drop_balls(session, at, size),
+        Command::TakeBall { at, size } => take_ball(session, at, size),
+        Command::PullBall { at, size } => pull_ball(session, at, size),
+        Command::ThrowBall { speed } => throw_ball(session, speed),
         Command::Turn(right, down) => move_camera(session, |orbit| orbit.turn(right, down)),
         Command::Pan(right, down) => move_camera(session, |orbit| orbit.pan(right, down)),
         Command::Dolly(factor) => move_camera(session, |orbit| orbit.dolly(factor)),
@@ -288,20 +312,67 @@ fn move_camera(session: &mut Session, change: impl FnOnce(&mut Orbit)) {
     }
 }
 
-/// Balls above what is seen at a place of the picture; where nothing is, as far as what the camera looks at.
-fn drop_balls(session: &mut Session, at: [f64; 2], size: [u32; 2]) {
-    let (Some(camera), Some((scene, live))) = (session.camera(), session.scene().zip(session.stage.live())) else { return };
+/// The ray of a place of the picture, and how the camera stands.
+fn ray_at(session: &Session, at: [f64; 2], size: [u32; 2]) -> Option<(Ray, Camera, Basis)> {
+    let (camera, scene, live) = (session.camera()?, session.scene()?, session.stage.live()?);
     let basis = Basis::of(&camera);
     let direction = basis.direction(at.into(), size.into());
-    let ray = Ray { origin: camera.eye, direction, t_min: 0.0, t_max: scene.frame(live).max_distance };
-    let seen = Reference::new(scene, live).ok().and_then(|reference| {
-        let hits = reference.trace(&[ray], basis.footprint(size[1]), scene.blocks.extent);
-        hits.first().filter(|hit| hit.hit).map(|hit| hit.t)
-    });
+    Some((Ray { origin: camera.eye, direction, t_min: 0.0, t_max: scene.frame(live).max_distance }, camera, basis))
+}
+
+/// How far along a ray the field is seen.
+fn seen_at(session: &Session, ray: Ray, footprint: f64) -> Option<f64> {
+    let (scene, live) = (session.scene()?, session.stage.live()?);
+    let hits = Reference::new(scene, live).ok()?.trace(&[ray], footprint, scene.blocks.extent);
+    hits.first().filter(|hit| hit.hit).map(|hit| hit.t)
+}
+
+/// Balls above what is seen at a place of the picture; where nothing is, as far as what the camera looks at.
+fn drop_balls(session: &mut Session, at: [f64; 2], size: [u32; 2]) {
+    let (Some((ray, camera, basis)), Some((scene, live))) = (ray_at(session, at, size), session.scene().zip(session.stage.live())) else { return };
     let target = length(sub(camera.target, camera.eye));
     let most = scene.groups(live).first().map_or(0.0, |group| group.radius[1]);
-    let [x, y, z] = ray.at(seen.unwrap_or(target));
+    let [x, y, z] = ray.at(seen_at(session, ray, basis.footprint(size[1])).unwrap_or(target));
     session.stage.drop_balls([x, y + 14.0 * most, z], DROP);
+}
+
+/// Takes the nearest ball at a place of the picture that the field does not hide.
+fn take_ball(session: &mut Session, at: [f64; 2], size: [u32; 2]) {
+    let Some((ray, camera, basis)) = ray_at(session, at, size) else { return };
+    let Some(Ok(balls)) = session.stage.balls().map(Physics::read) else { return };
+    let footprint = basis.footprint(size[1]);
+    // A hand need not meet a small ball to the pixel.
+    let touched = |ball: &Ball| {
+        let way = sub(ball.position, camera.eye);
+        let along = dot(way, ray.direction);
+        let aside = length(sub(way, scale(ray.direction, along)));
+        (ball.state != State::Gone && along > 0.0 && aside <= ball.radius + 6.0 * footprint * along).then_some(along - ball.radius)
+    };
+    let nearest = balls.iter().enumerate().filter_map(|(i, b)| Some((touched(b)?, i, b))).min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((t, index, ball)) = nearest else { return };
+    if seen_at(session, ray, footprint).is_some_and(|seen| seen < t - 2.0 * ball.radius) {
+        return;
+    }
+    session.held = Some(dot(sub(ball.position, camera.eye), basis.forward));
+    session.stage.hold_ball(index as u32, ball.position);
+}
+
+/// Pulls the ball that is held, in the plane across the picture in which it was taken.
+fn pull_ball(session: &mut Session, at: [f64; 2], size: [u32; 2]) {
+    let (Some(depth), Some((ray, _, basis))) = (session.held, ray_at(session, at, size)) else { return };
+    match session.stage.balls().and_then(Physics::held) {
+        Some(index) => session.stage.hold_ball(index, ray.at(depth / dot(ray.direction, basis.forward))),
+        // Other balls are there by now.
+        None => session.held = None,
+    }
+}
+
+/// Lets go of the ball that is held, as fast as the hand goes in its plane.
+fn throw_ball(session: &mut Session, [right, down]: [f64; 2]) {
+    let (Some(depth), Some(camera)) = (session.held.take(), session.camera()) else { return };
+    let basis = Basis::of(&camera);
+    let height = 2.0 * basis.tan_half_fov * depth;
+    session.stage.throw_ball(add(scale(basis.right, right * height), scale(basis.up, -down * height)));
 }
 
 fn open(session: &mut Session, world: &mut World, path: &str) {

@@ -161,7 +161,7 @@ impl App {
     /// The picture, drawn where anything changed.
     fn picture(&mut self, ui: &mut egui::Ui) {
         let mut commands = Vec::new();
-        let response = panels::picture::sense(ui, &mut commands);
+        let response = panels::picture::sense(ui, &self.session, &mut commands);
         self.apply(commands);
         let rect = response.rect;
         let scale = ui.ctx().pixels_per_point();

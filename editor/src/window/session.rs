@@ -32,6 +32,8 @@ pub struct Session {
     pub options: Options,
     /// What drawing takes.
     pub meter: Meter,
+    /// How far into the picture the ball is that a hand holds, if one does.
+    pub held: Option<f64>,
 }
 
 /// The texts: the scene's own first, then those that were opened.
@@ -153,6 +155,7 @@ impl Session {
             notice: None,
             options: Options::default(),
             meter: Meter::default(),
+            held: None,
         }
     }
 

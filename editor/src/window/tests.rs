@@ -475,3 +475,50 @@ fn balls_fall_step_and_begin_again() {
     assert!(heights(&read(harness.state())) > heights(&before));
     pixel(&mut harness, MIDDLE);
 }
+
+#[test]
+fn a_ball_is_taken_and_thrown() {
+    let text = "scene = plane(y)\nphysics { gravity: (0, 0, 0) }\nballs b { count: 1, radius: 0.3, spawn: (0, 0.6, 0)..(0, 0.6, 0) }\ncamera { eye: (0, 0.6, 8), target: (0, 0.6, 0), fov: 40deg }\n";
+    let folder = Folder::new("throw", text);
+    let mut harness = window(&folder.scene());
+    until(&mut harness, |app| app.session.stage.balls().is_some() && frames(app) > 0);
+    let ball = |app: &App| app.session.stage.balls().unwrap().read().unwrap()[0];
+    let camera = harness.state().session.camera();
+    // Beside the ball a drag with Control turns the camera, as any drag.
+    let beside = MIDDLE + egui::vec2(0.0, -200.0);
+    harness.event(egui::Event::PointerMoved(MIDDLE));
+    let press = |harness: &mut Harness<'_, App>, at: egui::Pos2, pressed: bool| {
+        let (button, modifiers) = (egui::PointerButton::Primary, Modifiers::COMMAND);
+        harness.event_modifiers(egui::Event::PointerButton { pos: at, button, pressed, modifiers }, modifiers);
+        harness.step();
+    };
+    let go = |harness: &mut Harness<'_, App>, at: egui::Pos2| {
+        harness.event_modifiers(egui::Event::PointerMoved(at), Modifiers::COMMAND);
+        harness.step();
+    };
+    go(&mut harness, beside);
+    press(&mut harness, beside, true);
+    assert!(harness.state().session.held.is_none());
+    press(&mut harness, beside, false);
+
+    go(&mut harness, MIDDLE);
+    press(&mut harness, MIDDLE, true);
+    for i in 1..=30 {
+        go(&mut harness, MIDDLE + egui::vec2(6.0 * i as f32, -3.0 * i as f32));
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert!(harness.state().session.held.is_some());
+    assert_eq!(harness.state().session.camera(), camera, "the camera stays");
+    let held = ball(harness.state());
+    assert!(held.position[0] > 0.5 && held.position[1] > 0.7 && held.position[2].abs() < 0.1, "{held:?}");
+    press(&mut harness, MIDDLE + egui::vec2(180.0, -90.0), false);
+    harness.step();
+    assert!(harness.state().session.held.is_none());
+    let thrown = ball(harness.state());
+    assert!(thrown.velocity[0] > 0.5 && thrown.velocity[1] > 0.2, "{thrown:?}");
+    until(&mut harness, |app| ball(app).position[0] > thrown.position[0] + 0.5);
+    let flying = ball(harness.state());
+    assert!((flying.velocity[0] - thrown.velocity[0]).abs() < 1e-3, "it flies on: {flying:?}");
+    harness.state_mut().session.stage.playing = false;
+    pixel(&mut harness, MIDDLE);
+}

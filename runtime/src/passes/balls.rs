@@ -8,6 +8,7 @@ use crate::module;
 use crate::physics::Physics;
 use bytemuck::{Pod, Zeroable};
 use surefoot_compiler::compiled::{Compiled, Live};
+use surefoot_compiler::physics::Group;
 
 /// Draws balls.
 #[derive(Debug)]
@@ -40,7 +41,9 @@ struct Look {
     emission: [f32; 3],
     metallic: f32,
     reflectivity: f32,
-    padding: [f32; 3],
+    /// The speed from which on balls are red; 0 where they have the material's colour.
+    red_at: f32,
+    padding: [f32; 2],
 }
 
 impl BallsPipeline {
@@ -95,11 +98,12 @@ impl BallsPipeline {
             });
             Shown { group, buffer: physics.buffer().clone(), count: physics.count(), version: physics.version() }
         });
-        let look = |look: [f64; 9]| {
-            let [r, g, b, x, y, z, roughness, metallic, reflectivity] = look.map(|c| c as f32);
-            Look { color: [r, g, b], roughness, emission: [x, y, z], metallic, reflectivity, padding: [0.0; 3] }
+        let look = |group: &Group| {
+            let [r, g, b, x, y, z, roughness, metallic, reflectivity] = group.look.map(|c| c as f32);
+            let red_at = group.red_at.map_or(0.0, |speed| speed as f32);
+            Look { color: [r, g, b], roughness, emission: [x, y, z], metallic, reflectivity, red_at, padding: [0.0; 2] }
         };
-        let looks: Vec<Look> = compiled.groups(live).iter().map(|group| look(group.look)).collect();
+        let looks: Vec<Look> = compiled.groups(live).iter().map(look).collect();
         if looks != self.written {
             gpu.queue().write_buffer(&self.looks, 0, bytemuck::cast_slice(&looks));
             self.written = looks;

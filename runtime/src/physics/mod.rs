@@ -53,6 +53,8 @@ pub struct Physics {
     last: Option<Live>,
     /// What a step took, in nanoseconds.
     cost: Arc<AtomicU64>,
+    /// A ball that a hand holds, and where it pulls it to.
+    held: Option<(u32, [f64; 3])>,
 }
 
 /// The passes over balls that no scene changes. Built once for a device.
@@ -87,6 +89,8 @@ struct Step {
     mask: u32,
     walls: u32,
     moves: u32,
+    place: [f32; 3],
+    held: u32,
 }
 
 /// A ball, as `state.wgsl` declares it.
@@ -173,7 +177,7 @@ impl Physics {
     /// Given balls, with code that was built before: on another thread, or for other balls.
     pub fn start(gpu: &Gpu, passes: Arc<Passes>, contact: Contact, balls: &[Ball]) -> Result<Self, String> {
         let balls = gpu.catch(|| Balls::new(gpu, &passes.layout, &cells(balls)))?;
-        Ok(Self { gpu: gpu.clone(), passes, contact, balls, anew: false, steps: 0, version: 0, owed: 0.0, last: None, cost: Arc::default() })
+        Ok(Self { gpu: gpu.clone(), passes, contact, balls, anew: false, steps: 0, version: 0, owed: 0.0, last: None, cost: Arc::default(), held: None })
     }
 
     /// Puts other contact code in; the balls stay as they are, bit by bit, and those that sleep wake.
@@ -238,6 +242,7 @@ impl Physics {
     /// Replaces all balls.
     pub fn write(&mut self, balls: &[Ball]) -> Result<(), String> {
         self.balls = self.gpu.catch(|| Balls::new(&self.gpu, &self.passes.layout, &cells(balls)))?;
+        self.held = self.held.filter(|(index, _)| (*index as usize) < balls.len());
         self.version += 1;
         Ok(())
     }
@@ -248,6 +253,25 @@ impl Physics {
         balls.extend_from_slice(more);
         balls.truncate(surefoot_compiler::physics::MOST_BALLS as usize);
         self.write(&balls)
+    }
+
+    /// Takes a ball by its index and pulls it to a place from now on; what stands in the way stops it.
+    pub fn hold(&mut self, index: u32, place: [f64; 3]) {
+        self.held = (index < self.count()).then_some((index, place));
+    }
+
+    /// Lets go of the ball that is held, with a velocity.
+    pub fn throw(&mut self, velocity: [f64; 3]) {
+        if let Some((index, _)) = self.held.take() {
+            let at = u64::from(index) * BALL_SIZE + std::mem::offset_of!(Cell, velocity) as u64;
+            self.gpu.queue().write_buffer(self.balls.current(), at, bytemuck::bytes_of(&velocity.map(|c| c as f32)));
+            self.version += 1;
+        }
+    }
+
+    /// The ball that is held.
+    pub fn held(&self) -> Option<u32> {
+        self.held.map(|(index, _)| index)
     }
 
     /// Orders a step from one moment to another; `compiled` is the scene that the contact was made of. Does not wait for it.
@@ -333,6 +357,8 @@ impl Physics {
             mask: self.balls.buckets() - 1,
             walls: u32::from(law.walls.is_some()),
             moves,
+            place: narrow(self.held.map_or([0.0; 3], |(_, place)| place)),
+            held: self.held.map_or(u32::MAX, |(index, _)| index),
         }
     }
 

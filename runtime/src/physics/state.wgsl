@@ -22,6 +22,9 @@ struct Step {
     walls: u32,
     // 1: the field is not as it was before this step; 2: it is another field, and every ball wakes.
     moves: u32,
+    // Where a hand pulls a ball to, and which one; more than there are: none.
+    place: vec3f,
+    held: u32,
 }
 
 @group(1) @binding(0) var<uniform> law: Step;

@@ -3,6 +3,8 @@
 const LOOKS: u32 = 48u;
 const SETTLES: u32 = 4u;
 const IMPROVEMENTS: u32 = 10u;
+// How fast a ball that is held goes where the hand is, in parts of the way a second.
+const PULL: f32 = 16.0;
 // A way to the centre that leans by no more than this is upright.
 const UPRIGHT: f32 = 0.01;
 
@@ -238,6 +240,11 @@ fn travel(@builtin(global_invocation_id) id: vec3u) {
     if (b.word & GONE) != 0u {
         goal[id.x] = b;
         return;
+    }
+    if id.x == law.held {
+        b = wake(b);
+        b.v = (law.place - b.p) * PULL;
+        b.spin = vec3f(0.0);
     }
     if (b.word & ASLEEP) != 0u {
         if stays(b) {

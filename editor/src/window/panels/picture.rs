@@ -14,11 +14,12 @@ use egui::{
 const WHEEL: f64 = 0.0022;
 
 /// Takes the room of the picture, and what a hand does there.
-pub fn sense(ui: &mut Ui, commands: &mut Vec<Command>) -> Response {
+pub fn sense(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> Response {
     let response = ui.allocate_response(ui.available_size(), Sense::click_and_drag());
     let height = f64::from(response.rect.height().max(1.0));
+    let throws = super::balls::sense(ui, session, &response, commands);
     let drag = response.drag_delta();
-    if drag != egui::Vec2::ZERO {
+    if drag != egui::Vec2::ZERO && !throws {
         let (right, down) = (f64::from(drag.x) / height, f64::from(drag.y) / height);
         let aside = response.dragged_by(PointerButton::Secondary)
             || response.dragged_by(PointerButton::Middle)
@@ -33,7 +34,6 @@ pub fn sense(ui: &mut Ui, commands: &mut Vec<Command>) -> Response {
             commands.push(Command::Dolly(1.0 / f64::from(pinch)));
         }
     }
-    super::balls::sense(ui, &response, commands);
     if response.double_clicked() {
         commands.push(Command::Home);
     }

@@ -7,8 +7,9 @@ struct BallLook {
     emission: vec3f,
     metallic: f32,
     reflectivity: f32,
-    padding_a: f32,
-    padding_b: vec2f,
+    // The speed from which on a ball is red; 0: it has this colour.
+    red_at: f32,
+    padding: vec2f,
 }
 
 @group(2) @binding(0) var<storage, read> balls: array<Ball>;
@@ -48,6 +49,15 @@ fn ball_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) inde
     return out;
 }
 
+// Blue at rest, over white to red: Moreland, "Diverging Color Maps for Scientific Visualization" (2009), its ends and middle, linear.
+fn color_of_speed(share: f32) -> vec3f {
+    let slow = vec3f(0.0437, 0.0723, 0.5271);
+    let middle = vec3f(0.7230, 0.7230, 0.7230);
+    let fast = vec3f(0.4564, 0.0012, 0.0194);
+    let s = clamp(share, 0.0, 1.0);
+    return select(mix(middle, fast, 2.0 * s - 1.0), mix(slow, middle, 2.0 * s), s < 0.5);
+}
+
 @fragment
 fn ball_fragment(in: BallVertex) -> BallFragment {
     let ball = balls[in.index];
@@ -65,7 +75,11 @@ fn ball_fragment(in: BallVertex) -> BallFragment {
     if t <= 0.0 || t > scene.max_distance {
         discard;
     }
-    let color = ball_color(scene.eye + t * direction, n, direction, t, looks[min(ball.word & 0xffffu, arrayLength(&looks) - 1u)]);
+    var look = looks[min(ball.word & 0xffffu, arrayLength(&looks) - 1u)];
+    if look.red_at > 0.0 {
+        look.color = color_of_speed(length(ball.v) / look.red_at);
+    }
+    let color = ball_color(scene.eye + t * direction, n, direction, t, look);
     let depth = clamp(scene.near / max(t * dot(direction, scene.forward), scene.near), 0.0, 1.0);
     return BallFragment(scene_target(color, false), depth);
 }
