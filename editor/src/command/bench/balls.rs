@@ -1,8 +1,9 @@
 //! `surefoot bench --balls`: how many steps a second there are of 1,000 balls and more, on the adapter at hand.
 
 use crate::command::bar::LateBar;
-use crate::command::{Exit, Failure, compile_file, print, show_diagnostics};
+use crate::command::{Exit, Failure, compile_file, page, print, show_diagnostics};
 use std::fmt::Write;
+use std::path::Path;
 use std::time::{Duration, Instant};
 use surefoot_compiler::Options;
 use surefoot_compiler::compiled::Compiled;
@@ -35,8 +36,8 @@ impl Row {
     }
 }
 
-/// Measures each scene and prints a page of Markdown. `most` is the greatest number of balls.
-pub fn run(scenes: &[String], most: u32) -> Result<Exit, Failure> {
+/// Measures each scene and prints tables of Markdown, or makes them a section of a page. `most` is the greatest number of balls.
+pub fn run(scenes: &[String], most: u32, file: Option<&Path>) -> Result<Exit, Failure> {
     let gpu = Gpu::headless().map_err(|e| Failure { exit: Exit::NoGraphics, words: e.to_string() })?;
     let counts: Vec<u32> = COUNTS.into_iter().filter(|count| *count <= most).collect();
     let bar = LateBar::new();
@@ -56,7 +57,10 @@ pub fn run(scenes: &[String], most: u32) -> Result<Exit, Failure> {
         table(&mut text, path, compiled.summary.factor, &rows);
     }
     bar.finish();
-    print(text.as_bytes())?;
+    match file {
+        Some(file) => page::put(file, "balls", &text)?,
+        None => print(text.as_bytes())?,
+    }
     Ok(Exit::Fine)
 }
 
@@ -89,7 +93,7 @@ fn head(gpu: &Gpu, scenes: &[String]) -> String {
     let (steps, patience) = POUR;
     format!(
         "# What balls cost\n\n\
-         Written by `surefoot bench --balls {}` on {}.\n\n\
+         Written by `surefoot bench --balls {} --page docs/performance.md` on {}.\n\n\
          The balls of a scene's first group, as many as each line says and of a size that fills the same share of its box, fall for {steps} steps of a\n\
          60th of a second, or for {} s where those take longer. The steps after that are counted; each is waited for. `physics` is as the scene has it.\n",
         scenes.join(" "),

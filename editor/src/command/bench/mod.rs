@@ -62,7 +62,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         return growing(args);
     }
     if !args.balls.is_empty() {
-        return falling(&args.balls, args.most);
+        return falling(args);
     }
     if let Some(path) = &args.edits {
         return edits::run(path, args.runs);
@@ -107,12 +107,12 @@ fn growing(args: &Args) -> Result<Exit, Failure> {
 }
 
 #[cfg(feature = "gpu")]
-fn falling(scenes: &[String], most: u32) -> Result<Exit, Failure> {
-    balls::run(scenes, most)
+fn falling(args: &Args) -> Result<Exit, Failure> {
+    balls::run(&args.balls, args.most, args.error.page.as_deref())
 }
 
 #[cfg(not(feature = "gpu"))]
-fn falling(_: &[String], _: u32) -> Result<Exit, Failure> {
+fn falling(_: &Args) -> Result<Exit, Failure> {
     growing()
 }
 
