@@ -198,9 +198,6 @@ codes! {
     PreludeOnly, "prelude-only", Error,
         "A claim can be made only in the prelude; the compiler derives it for you.",
         "field f exact = length(p) - 1\nscene = f";
-    NotDrawn, "not-drawn", Warning,
-        "Understood and checked, but not drawn yet.",
-        "environment { capture: (0, 1, 0) }\nscene = sphere(1)";
     BadImage, "bad-image", Error,
         "An image that can't be read, is broken, or is too large. Whoever draws the scene says so; the rest of it is drawn. A cubemap is a folder with px, nx, py, ny, pz and nz, squares of one size; all images are PNG, JPEG or HDR.",
         "";

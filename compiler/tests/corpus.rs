@@ -24,7 +24,6 @@ use surefoot_compiler::{Loader, MemoryLoader, Options, Outcome};
 /// Codes that no program of the corpus triggers, and why.
 const WITHOUT_A_PROGRAM: &[(Code, &str)] =
     &[
-        (Code::NotDrawn, "what it speaks of changes with what is drawn"),
         (Code::BrokenFile, "the compiler opens no mesh"),
         (Code::BadImage, "who draws reads the images"),
     ];

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Disk, examples, root};
 use std::path::PathBuf;
-use surefoot_compiler::diagnostic::{self, Code};
+use surefoot_compiler::diagnostic::{self};
 use surefoot_compiler::{MemoryLoader, Options, compile, syntax};
 
 /// Files of the language below a folder, in order.
@@ -37,9 +37,7 @@ fn module(path: &str) -> String {
 fn every_example_is_free_of_errors_and_warnings() {
     let mut wrong = String::new();
     for (_, path) in examples() {
-        let mut outcome = compile(&Disk, &path, &Options::default());
-        // What is not drawn yet is no fault of the scene.
-        outcome.diagnostics.retain(|d| d.code != Code::NotDrawn);
+        let outcome = compile(&Disk, &path, &Options::default());
         wrong += &diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
     }
     assert!(wrong.is_empty(), "{wrong}");
