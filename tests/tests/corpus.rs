@@ -4,7 +4,7 @@ mod common;
 
 use common::{Disk, examples, root};
 use std::path::PathBuf;
-use surefoot_compiler::diagnostic::{self};
+use surefoot_compiler::diagnostic;
 use surefoot_compiler::{MemoryLoader, Options, compile, syntax};
 
 /// Files of the language below a folder, in order.
