@@ -1,5 +1,6 @@
 //! Calls: which declaration is meant, how arguments meet parameters, and what comes of it.
 
+use super::elsewhere::ours;
 use super::expression::kind_words;
 use super::load::{ItemRef, Resolution};
 use super::texture::Texture;
@@ -208,6 +209,12 @@ impl Elaborator<'_> {
                 }
                 match known.first().cloned() {
                     Some((receiver, _)) => Err(self.unknown_method(&receiver, name, at, env)),
+                    None if super::builtin::NAMES.contains(&name) => Err(self.error(
+                        Code::TypeMismatch,
+                        at,
+                        format!("`{name}` is no function, so it can't be called"),
+                        format!("write `{name}` alone"),
+                    )),
                     None => Err(self.unknown_name(name, at, env)),
                 }
             }
@@ -222,7 +229,7 @@ impl Elaborator<'_> {
             .into_iter()
             .chain(super::builtin::FUNCTIONS.iter().copied())
             .collect();
-        let help = match nearest(name, candidates) {
+        let help = match ours(name, &candidates).or_else(|| nearest(name, candidates)) {
             Some(near) => format!("did you mean `.{near}(…)`?"),
             None => "any `shape`, `warp` or `blend` that takes this first can stand after the dot".into(),
         };

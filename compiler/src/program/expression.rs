@@ -1,5 +1,6 @@
 //! The value of an expression.
 
+use super::elsewhere::ours;
 use super::load::{ItemRef, Resolution};
 use super::value::{together, Value};
 use super::{Elaborated, Elaborator, Env, Stop};
@@ -248,7 +249,8 @@ impl Elaborator<'_> {
             locals.push(s.name.clone());
             scope = s.outer.as_ref();
         }
-        let near = nearest(name, candidates.into_iter().chain(locals.iter().map(|n| &**n)))
+        let near = ours(name, &candidates)
+            .or_else(|| nearest(name, candidates.into_iter().chain(locals.iter().map(|n| &**n))))
             .map(str::to_owned);
         let help = match near {
             Some(near) => format!("did you mean `{near}`?"),

@@ -6,6 +6,7 @@
 pub mod blocks;
 pub mod builtin;
 pub mod call;
+mod elsewhere;
 pub mod expression;
 pub mod load;
 mod mesh;

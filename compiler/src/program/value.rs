@@ -103,6 +103,11 @@ pub fn together(a: &Value, b: &Value) -> &'static str {
     }
 }
 
+/// How a vector of `n` numbers is written.
+fn vector_words(n: usize) -> &'static str {
+    ["", "", "(x, y)", "(x, y, z)", "(x, y, z, w)"].get(n).unwrap_or(&"")
+}
+
 /// A type in words.
 pub fn type_words(ty: &Type) -> String {
     match ty {
@@ -199,6 +204,8 @@ impl Elaborator<'_> {
                     (Value::Vector(v), Type::Float | Type::Int) if v.len() <= 4 => {
                         "take one component with `.x`, or its `length(…)`".to_owned()
                     }
+                    (Value::List(_) | Value::Vector(_), Type::Vec(n)) => format!("write `{}`", vector_words(usize::from(*n))),
+                    (Value::List(_), Type::Color) => "write `(red, green, blue)`, or `#d4af37`".to_owned(),
                     (Value::Number(..), Type::Shape) => {
                         "declare the formula with `field`, and write its name here".to_owned()
                     }
@@ -344,7 +351,7 @@ impl Elaborator<'_> {
                     Code::TypeMismatch,
                     span,
                     format!("a vec{n} is needed here, and this is {found}"),
-                    format!("write {}", ["", "", "(x, y)", "(x, y, z)", "(x, y, z, w)"].get(n).unwrap_or(&"")),
+                    format!("write `{}`", vector_words(n)),
                 ))
             }
         }

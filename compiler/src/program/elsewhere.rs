@@ -1,0 +1,112 @@
+//! What is called otherwise in other tools: whoever writes such a name is told ours.
+
+/// A name of another tool, and ours. Those that begin like Quilez' (`sd`, `op`) stand without that beginning, in small letters.
+const NAMES: [(&str, &str); 65] = [
+    // Shadertoy, Quilez, hg_sdf.
+    ("smin", "smooth_union"),
+    ("smax", "smooth_intersection"),
+    ("roundbox", "rounded_box"),
+    ("cappedtorus", "capped_torus"),
+    ("boxframe", "box_frame"),
+    ("cappedcone", "capped_cone"),
+    ("roundcone", "rounded_cone"),
+    ("cappedcylinder", "cylinder"),
+    ("hexprism", "prism"),
+    ("triprism", "prism"),
+    ("verticalcapsule", "capsule"),
+    ("smoothunion", "smooth_union"),
+    ("smoothsubtraction", "smooth_difference"),
+    ("smoothintersection", "smooth_intersection"),
+    ("subtraction", "difference"),
+    ("rep", "repeat"),
+    ("replim", "repeat"),
+    ("limitedrepetition", "repeat"),
+    ("repetition", "repeat"),
+    ("cheapbend", "bend"),
+    ("tx", "translate"),
+    ("onion", "shell"),
+    ("displacement", "displace"),
+    ("extrusion", "extrude"),
+    ("revolution", "revolve"),
+    ("symx", "symmetry"),
+    ("symxz", "symmetry"),
+    ("pmod", "repeat"),
+    ("pmod1", "repeat"),
+    ("pmod2", "repeat"),
+    ("pmod3", "repeat"),
+    ("pmodpolar", "repeat_polar"),
+    ("pr", "rotate"),
+    ("fblob", "metaballs"),
+    ("itime", "time"),
+    ("iglobaltime", "time"),
+    ("u_time", "time"),
+    ("utime", "time"),
+    ("lerp", "mix"),
+    ("rsqrt", "inversesqrt"),
+    ("m_pi", "pi"),
+    ("two_pi", "tau"),
+    ("snoise", "simplex"),
+    ("cnoise", "perlin"),
+    ("worley", "cellular"),
+    ("voronoi", "cellular"),
+    // OpenSCAD, Curv, Bauble, libfive, and what people say.
+    ("cuboid", "box"),
+    ("ball", "sphere"),
+    ("move", "translate"),
+    ("linear_extrude", "extrude"),
+    ("rotate_extrude", "revolve"),
+    ("lathe", "revolve"),
+    ("merge", "union"),
+    ("subtract", "difference"),
+    ("sub", "difference"),
+    ("intersect", "intersection"),
+    ("hollow", "shell"),
+    ("thicken", "shell"),
+    ("tile", "repeat"),
+    ("kaleidoscope", "repeat_polar"),
+    ("rect", "rectangle"),
+    ("line", "segment"),
+    ("hexagon", "regular_polygon"),
+    ("triangle", "polygon"),
+    ("color", "material"),
+];
+
+/// What a name of another tool is called here. `known`: the names that a scene can use.
+pub fn ours<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    let small = name.to_ascii_lowercase();
+    let find = |name: &str| NAMES.iter().find(|(theirs, _)| *theirs == name).map(|(_, ours)| *ours);
+    let bare = || ["sd", "op", "f"].iter().filter(|_| small != name).find_map(|begin| small.strip_prefix(begin));
+    let wanted = find(&small).or_else(|| bare().map(|bare| find(bare).unwrap_or(bare)))?;
+    known.iter().find(|k| **k == wanted).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{NAMES, ours};
+    use crate::diagnostic::Code;
+    use crate::{MemoryLoader, Options, compile};
+
+    /// Whether a name is nothing that a scene can use.
+    fn is_unknown(name: &str) -> bool {
+        let loader = MemoryLoader::new().with("scene.sdf", format!("scene = sphere({name}(1))\n"));
+        let found = compile(&loader, "scene.sdf", &Options::default()).diagnostics;
+        found.iter().any(|d| d.code == Code::UnknownName)
+    }
+
+    #[test]
+    fn names_of_others_are_free_and_lead_to_ours() {
+        for (theirs, ours) in NAMES {
+            assert!(is_unknown(theirs), "`{theirs}` is a name of ours");
+            assert!(!is_unknown(ours), "`{ours}` is no name of ours");
+        }
+    }
+
+    #[test]
+    fn their_beginnings_are_left_out() {
+        let known = ["box", "smooth_union", "rounded_box", "repeat", "repeat_polar", "time"];
+        let names = ["sdBox", "opSmoothUnion", "sdRoundBox", "opRep", "pModPolar", "iTime", "lerp", "fog"];
+        let found = names.map(|name| ours(name, &known));
+        let wanted = ["box", "smooth_union", "rounded_box", "repeat", "repeat_polar", "time"].map(Some);
+        assert_eq!((&found[..6], &found[6..]), (&wanted[..], &[None, None][..]));
+    }
+}
