@@ -37,10 +37,7 @@ fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
 const LONG: &[(&str, &str)] = &[
     ("compiler/src/graph/kernel.rs", "a table of one row for each operation, and what walks it"),
     ("compiler/src/emit/write.rs", "one writer of expressions"),
-    ("compiler/src/functions.rs", "field, bound, distance and gradient are made in one walk"),
     ("compiler/src/program/blocks.rs", "one function for each key of each block"),
-    ("compiler/src/program/call.rs", "one function for each kind of declaration that can be called"),
-    ("compiler/src/program/expression.rs", "one function for each kind of expression"),
 ];
 
 #[test]

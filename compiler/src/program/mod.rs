@@ -3,13 +3,20 @@
 //! The program is *elaborated*: every declaration that the scene uses is evaluated while compiling, and what is
 //! left is a graph of formulas. Values are symbolic (a number is a node of the graph), so nothing is lost by it.
 
+mod apply;
+mod bind;
 pub mod blocks;
 pub mod builtin;
 pub mod call;
+mod choice;
 mod elsewhere;
 pub mod expression;
 pub mod load;
+mod loops;
+mod material;
 mod mesh;
+mod operator;
+mod overload;
 pub mod physics;
 pub mod repeat;
 mod surroundings;
@@ -117,7 +124,7 @@ pub struct Elaborator<'a> {
     lets: FxHashMap<ItemRef, Option<Elaborated<Value>>>,
     called: FxHashSet<ItemRef>,
     memo: FxHashMap<(ItemRef, Option<Value>, Vec<Value>), Value>,
-    requirements: FxHashMap<ItemRef, Rc<[call::Requirement]>>,
+    requirements: FxHashMap<ItemRef, Rc<[bind::Requirement]>>,
     depth: usize,
     nesting: usize,
     steps: u64,
@@ -388,7 +395,7 @@ impl Elaborator<'_> {
             }
             _ => None,
         };
-        let args = args.into_iter().map(|a| a.map(|value| call::Bound { value, span: function.name.span, parts: Vec::new() })).collect();
+        let args = args.into_iter().map(|a| a.map(|value| bind::Bound { value, span: function.name.span, parts: Vec::new() })).collect();
         self.apply(item, receiver, args, function.name.span, None).map(|_| ())
     }
 

@@ -1,0 +1,318 @@
+//! What comes of a call: a declared function with values for its parameters.
+
+use super::bind::Bound;
+use super::load::ItemRef;
+use super::value::Value;
+use super::{Elaborated, Elaborator, Env, Stop};
+use crate::diagnostic::Code;
+use crate::graph::{Claim, ClaimGroup, Function, Leaf, Node, NodeId, NodeList, ShapeId};
+use crate::source::Span;
+use crate::syntax::ast::{self, ClaimKind, FunctionKind, ItemKind, Parameter, Type};
+
+impl Elaborator<'_> {
+    /// Applies a declared function to values. `caller` is where the call stands, if it stands anywhere.
+    pub fn apply(
+        &mut self,
+        item: ItemRef,
+        receiver: Option<Value>,
+        args: Vec<Option<Bound>>,
+        span: Span,
+        caller: Option<&Env>,
+    ) -> Elaborated<Value> {
+        self.called.insert(item);
+        self.for_user(item, span, |e| e.apply_here(item, receiver, args, span, caller))
+    }
+
+    fn apply_here(
+        &mut self,
+        item: ItemRef,
+        receiver: Option<Value>,
+        args: Vec<Option<Bound>>,
+        span: Span,
+        caller: Option<&Env>,
+    ) -> Elaborated<Value> {
+        let modules = self.modules;
+        let Some(declared) = modules.item(item) else { return Err(Stop) };
+        let ItemKind::Function(function) = &declared.kind else { return Err(Stop) };
+        if let Some(claim) = &function.claim
+            && !modules.is_prelude(item.module)
+        {
+            self.error(
+                Code::PreludeOnly,
+                claim.span,
+                "only the prelude can claim a constant",
+                "leave it out: the compiler finds the constant of this formula by itself",
+            );
+        }
+        self.step(span)?;
+        // Defaults may use the parameters before them.
+        let mut env = Env::top(item.module);
+        let in_formula = caller.and_then(|c| c.point.clone());
+        let shape_operand = |b: &Bound| matches!(b.value, Value::Shape(_) | Value::Nothing);
+        let operand_count = function.parameters.iter().take_while(|p| is_operand(p)).count();
+        let any_shape = args.iter().take(operand_count).flatten().any(shape_operand);
+        let dimensions = match function.kind {
+            FunctionKind::Field | FunctionKind::Warp | FunctionKind::Shape | FunctionKind::Fn => 3,
+            FunctionKind::Field2 | FunctionKind::Warp2 | FunctionKind::Shape2 => 2,
+            FunctionKind::Blend => args
+                .iter()
+                .take(operand_count)
+                .flatten()
+                .find_map(|b| if let Value::Shape(id) = b.value { Some(self.dimensions(id)) } else { None })
+                .unwrap_or(3),
+        };
+        let leaf_point: NodeList = {
+            let point = self.graph.point();
+            point.into_iter().take(usize::from(dimensions)).collect()
+        };
+        let point: Option<NodeList> = match function.kind {
+            FunctionKind::Field | FunctionKind::Field2 => Some(leaf_point.clone()),
+            FunctionKind::Warp | FunctionKind::Warp2 => match &receiver {
+                Some(Value::Vector(v)) => Some(v.clone()),
+                _ => Some(leaf_point.clone()),
+            },
+            FunctionKind::Blend if any_shape => Some(leaf_point.clone()),
+            FunctionKind::Blend => in_formula.clone(),
+            FunctionKind::Fn | FunctionKind::Shape | FunctionKind::Shape2 => None,
+        };
+        let mut values = Vec::new();
+        let mut places = Vec::new();
+        for (parameter, arg) in function.parameters.iter().zip(args) {
+            places.push(match &arg {
+                Some(bound) => (bound.span, bound.parts.clone()),
+                None => (span, Vec::new()),
+            });
+            let value = match (arg, &parameter.default) {
+                (Some(bound), _) => bound.value,
+                (None, Some(default)) => {
+                    let is_field = matches!(parameter.ty, Some((Type::Field, _)));
+                    let place = if is_field { env.at(point.clone()) } else { env.clone() };
+                    let value = self.expression(default, &place)?;
+                    match &parameter.ty {
+                        Some((ty, _)) => self.coerce(value, ty, default.span, &place)?,
+                        None => value,
+                    }
+                }
+                (None, None) => return Err(Stop),
+            };
+            values.push(value.clone());
+            env = env.and(&parameter.name.text, value);
+        }
+        for (at, kept) in self.require(item, function, &values, &places)? {
+            if let (Some(parameter), Some(value)) = (function.parameters.get(at), values.get_mut(at)) {
+                *value = kept.clone();
+                env = env.and(&parameter.name.text, kept);
+            }
+        }
+        // Outside of formulas a number among shapes has no point at which it would be one of them.
+        if function.kind == FunctionKind::Blend && any_shape && in_formula.is_none() && caller.is_some() {
+            let number = values.iter().take(operand_count).position(|v| matches!(v, Value::Number(..)));
+            if let Some(i) = number {
+                let at = places.get(i).map_or(span, |(at, _)| *at);
+                let found = values.get(i).map(|v| v.describe(self)).unwrap_or_default();
+                return Err(self.error(
+                    Code::TypeMismatch,
+                    at,
+                    format!("a shape is needed here, and this is {found}"),
+                    "declare the formula with `field`, and write its name here",
+                ));
+            }
+        }
+        // The value depends on the arguments alone, unless it is a formula over the caller's point.
+        let memo_key = (function.kind != FunctionKind::Blend || any_shape)
+            .then(|| (item, receiver.clone(), values.clone()));
+        if let Some(key) = &memo_key
+            && let Some(value) = self.memo.get(key)
+        {
+            return Ok(value.clone());
+        }
+        // In a formula an argument may vary with `p`; then the formula stands there itself, not a shape.
+        let varies = in_formula.is_some()
+            && matches!(function.kind, FunctionKind::Field | FunctionKind::Field2)
+            && function.parameters.iter().zip(&values).any(|(p, v)| {
+                !matches!(p.ty, Some((Type::Field, _))) && self.value_depends_on_point(v)
+            });
+        let value = self.deeper(span, |e| match function.kind {
+            FunctionKind::Fn => {
+                let value = e.expression(&function.body, &env)?;
+                let value = e.claimed_value(value, function, &values, &env);
+                e.hint(&value, &function.name.text);
+                Ok(value)
+            }
+            FunctionKind::Shape | FunctionKind::Shape2 => {
+                let value = e.expression(&function.body, &env)?;
+                let id = e.to_shape(&value, dimensions, function.body.span)?;
+                Ok(Value::Shape(if modules.is_prelude(item.module) {
+                    id
+                } else {
+                    e.name_shape(id, &function.name.text, function.name.span)
+                }))
+            }
+            FunctionKind::Field | FunctionKind::Field2 if varies => {
+                let here = env.at(in_formula.clone());
+                let value = e.expression(&function.body, &here)?;
+                let node = e.to_number(&value, function.body.span, &here)?;
+                e.hint(&Value::number(node), &function.name.text);
+                Ok(Value::number(node))
+            }
+            FunctionKind::Field | FunctionKind::Field2 => {
+                let here = env.at(point.clone());
+                let value = e.expression(&function.body, &here)?;
+                let node = e.to_number(&value, function.body.span, &here)?;
+                let node = e.claimed(node, function, &values, &env);
+                let exact = matches!(&function.claim, Some(c) if c.kind == ClaimKind::Exact);
+                let name = (!modules.is_prelude(item.module)).then(|| function.name.text.clone());
+                Ok(Value::Shape(e.formula_shape(node, dimensions, name, exact, span)))
+            }
+            FunctionKind::Warp | FunctionKind::Warp2 => {
+                e.apply_warp(function, receiver.clone(), &env, point.clone(), span)
+            }
+            FunctionKind::Blend if any_shape => {
+                let mut here = env.at(point.clone());
+                let mut numbers = values.clone();
+                for (parameter, value) in function.parameters.iter().zip(numbers.iter_mut()).take(operand_count) {
+                    let number = e.to_number(value, span, &here)?;
+                    *value = Value::number(number);
+                    here = here.and(&parameter.name.text, value.clone());
+                }
+                let value = e.expression(&function.body, &here)?;
+                let node = e.to_number(&value, function.body.span, &here)?;
+                let node = e.claimed(node, function, &numbers, &here);
+                Ok(Value::Shape(e.formula_shape(node, dimensions, None, false, span)))
+            }
+            FunctionKind::Blend => {
+                let here = env.at(point.clone());
+                let value = e.expression(&function.body, &here)?;
+                let value = Value::number(e.to_number(&value, function.body.span, &here)?);
+                Ok(e.claimed_value(value, function, &values, &here))
+            }
+        })?;
+        if let (Some(key), false) = (memo_key, varies) {
+            self.memo.insert(key, value.clone());
+        }
+        Ok(value)
+    }
+
+    fn apply_warp(
+        &mut self,
+        function: &ast::Function,
+        receiver: Option<Value>,
+        env: &Env,
+        point: Option<NodeList>,
+        span: Span,
+    ) -> Elaborated<Value> {
+        let n = if function.kind == FunctionKind::Warp { 3 } else { 2 };
+        let here = env.at(point);
+        let name = &function.name.text;
+        let moved = self.expression(&function.body, &here)?;
+        let moved = self.to_vector(&moved, n, function.body.span)?;
+        match receiver {
+            Some(Value::Vector(_)) => Ok(Value::Vector(moved)),
+            Some(Value::Nothing) => Ok(Value::Nothing),
+            Some(Value::Shape(id)) if usize::from(self.dimensions(id)) == n => {
+                let at = self.fit_point(&moved, id, span)?;
+                let value = self.graph.field(id, at);
+                self.locate(value, span);
+                Ok(Value::Shape(self.make_shape(n as u8, value, span)))
+            }
+            Some(other) => {
+                let found = other.describe(self);
+                Err(self.error(
+                    Code::TypeMismatch,
+                    span,
+                    format!("`{name}` moves points of {n} dimensions, and this is {found}"),
+                    if n == 3 { "write a shape before the dot" } else { "write a drawing before the dot" },
+                ))
+            }
+            None => Err(Stop),
+        }
+    }
+
+    fn value_depends_on_point(&self, value: &Value) -> bool {
+        match value {
+            Value::Number(n, _) | Value::Bool(n) => self.graph.reads_point(*n),
+            Value::Vector(v) | Value::Matrix(_, v) => v.iter().any(|n| self.graph.reads_point(*n)),
+            Value::List(items) => items.iter().any(|i| self.value_depends_on_point(i)),
+            _ => false,
+        }
+    }
+
+    fn claimed_value(
+        &mut self,
+        value: Value,
+        function: &ast::Function,
+        args: &[Value],
+        env: &Env,
+    ) -> Value {
+        match value {
+            Value::Number(node, whole) if function.claim.is_some() => {
+                Value::Number(self.claimed(node, function, args, env), whole)
+            }
+            other => other,
+        }
+    }
+
+    /// A value with what its declaration claims of it.
+    fn claimed(&mut self, node: NodeId, function: &ast::Function, args: &[Value], env: &Env) -> NodeId {
+        let Some(claim) = &function.claim else { return node };
+        if self.graph.as_constant(node).is_some() {
+            return node;
+        }
+        let mut nodes = vec![node];
+        let mut groups = Vec::new();
+        let mut claim_env = Env::top(env.module);
+        let one = self.graph.constant(1.0);
+        let formula = match &claim.kind {
+            ClaimKind::Exact => one,
+            ClaimKind::Lipschitz(formula) => {
+                for (i, (parameter, value)) in function.parameters.iter().zip(args).enumerate() {
+                    let before = nodes.len();
+                    groups.push(match value {
+                        Value::Number(n, _) => {
+                            nodes.push(*n);
+                            ClaimGroup::Vector(1)
+                        }
+                        Value::Vector(v) => {
+                            nodes.extend(v.iter().copied());
+                            ClaimGroup::Vector(v.len() as u8)
+                        }
+                        Value::Shape(id) => {
+                            let calls = self.calls_of(node, *id);
+                            nodes.extend(calls);
+                            ClaimGroup::Values((nodes.len() - before) as u32)
+                        }
+                        _ => ClaimGroup::Values(0),
+                    });
+                    let constant = self.graph.leaf(Leaf::Variable(i as u32));
+                    claim_env = claim_env.and(&parameter.name.text, Value::number(constant));
+                    let name = format!("value:{}", parameter.name.text).into();
+                    claim_env = claim_env.and(&name, value.clone());
+                }
+                match self.expression(formula, &claim_env) {
+                    Ok(Value::Number(formula, _)) => formula,
+                    _ => return node,
+                }
+            }
+        };
+        if matches!(claim.kind, ClaimKind::Exact) {
+            // The shape itself says that it is exact.
+            return node;
+        }
+        self.graph.intern(Node::Claim(nodes.into(), Claim::Lipschitz(formula, groups.into())))
+    }
+
+    fn calls_of(&self, node: NodeId, shape: ShapeId) -> Vec<NodeId> {
+        self.graph
+            .reachable(&[node])
+            .into_iter()
+            .filter(|&id| {
+                matches!(self.graph.node(id), Node::Call(s, Function::Field, _) if *s == shape)
+            })
+            .collect()
+    }
+}
+
+/// Whether a parameter of a blend is one of the distances that it combines.
+pub fn is_operand(p: &Parameter) -> bool {
+    p.ty.is_none() && p.default.is_none() && matches!(&*p.name.text, "a" | "b" | "c" | "d")
+}

@@ -1,0 +1,386 @@
+//! How arguments meet parameters: by place or name, one by one or a vector at once, and within what the documentation requires.
+
+use super::load::ItemRef;
+use super::value::{type_words, Value};
+use super::{Elaborated, Elaborator, Env, Stop};
+use crate::diagnostic::Code;
+use crate::graph::kernel::Op;
+use crate::graph::NodeId;
+use crate::source::Span;
+use crate::syntax::ast::{self, Argument, Expr, ExprKind, Parameter, Type};
+use crate::syntax::words::nearest;
+use std::rc::Rc;
+
+/// A condition on an argument, from a `Requires:` line of its documentation.
+#[derive(Clone, Debug)]
+pub struct Requirement {
+    parameter: String,
+    relation: String,
+    bound: f64,
+}
+
+/// Where a live value must be above a limit, it is kept so far above it.
+const LEAST: f64 = 1e-5;
+
+/// A value that was given for a parameter.
+#[derive(Clone)]
+pub struct Bound {
+    /// It.
+    pub value: Value,
+    /// Where it stands.
+    pub span: Span,
+    /// Where each component stands, for a vector whose components are written out.
+    pub parts: Vec<Span>,
+}
+
+/// An argument before it has a value, or with one.
+enum Given<'a> {
+    Written(&'a Expr),
+    Known(Value, Span),
+    /// Numbers written out where one vector is wanted.
+    Group(Vec<&'a Expr>),
+    KnownGroup(Vec<Value>, Span),
+}
+
+impl Elaborator<'_> {
+    /// A value for each parameter and where it stands, `None` where its default stands.
+    #[allow(clippy::too_many_arguments)]
+    pub(super) fn bind(
+        &mut self,
+        parameters: &[Parameter],
+        known: Vec<(Value, Span)>,
+        args: &[Argument],
+        span: Span,
+        env: &Env,
+        formula_env: &Env,
+        name: &str,
+    ) -> Elaborated<Vec<Option<Bound>>> {
+        let mut positional: Vec<Given> = known.into_iter().map(|(v, s)| Given::Known(v, s)).collect();
+        positional.extend(args.iter().filter(|a| a.name.is_none()).map(|a| Given::Written(&a.value)));
+        let given = positional.len();
+        if given > parameters.len()
+            && let Some((at, n)) = vector_index(parameters)
+            && given + 1 >= n
+            && given + 1 - n <= parameters.len()
+            && at + n <= given
+        {
+            // One vector's components are written out.
+            let group: Vec<Given> = positional.drain(at..at + n).collect();
+            let all_written = group.iter().all(|g| matches!(g, Given::Written(_)));
+            let joined = if all_written {
+                Given::Group(
+                    group
+                        .into_iter()
+                        .filter_map(|g| if let Given::Written(e) = g { Some(e) } else { None })
+                        .collect(),
+                )
+            } else {
+                let mut values = Vec::new();
+                for g in group {
+                    match g {
+                        Given::Known(v, _) => values.push(v),
+                        Given::Written(e) => values.push(self.expression(e, env)?),
+                        _ => {}
+                    }
+                }
+                Given::KnownGroup(values, span)
+            };
+            positional.insert(at, joined);
+        }
+        let mut slots: Vec<Option<Given>> = parameters.iter().map(|_| None).collect();
+        let mut failed = false;
+        for (i, value) in positional.into_iter().enumerate() {
+            match slots.get_mut(i) {
+                Some(slot) => *slot = Some(value),
+                None => {
+                    let at = match value {
+                        Given::Written(e) => e.span,
+                        Given::Known(_, s) => s,
+                        _ => span,
+                    };
+                    let takes = parameters.len();
+                    let list: Vec<&str> = parameters.iter().map(|p| &*p.name.text).collect();
+                    self.error(
+                        Code::ExtraArgument,
+                        at,
+                        format!("`{name}` takes {takes} argument{}, and here are {given}", if takes == 1 { "" } else { "s" }),
+                        if takes == 0 { format!("write `{name}`") } else { format!("write `{name}({})`", list.join(", ")) },
+                    );
+                    failed = true;
+                    break;
+                }
+            }
+        }
+        for arg in args {
+            let Some(label) = &arg.name else { continue };
+            let Some(at) = parameters.iter().position(|p| p.name.text == label.text) else {
+                let names: Vec<&str> = parameters.iter().map(|p| &*p.name.text).collect();
+                let help = match nearest(&label.text, names.iter().copied()) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("its arguments are {}", names.join(", ")),
+                };
+                self.error(
+                    Code::UnknownArgument,
+                    label.span,
+                    format!("`{name}` has no argument named `{}`", label.text),
+                    help,
+                );
+                failed = true;
+                continue;
+            };
+            match slots.get_mut(at) {
+                Some(slot @ None) => *slot = Some(Given::Written(&arg.value)),
+                _ => {
+                    self.error(
+                        Code::UnknownArgument,
+                        label.span,
+                        format!("`{}` is given twice", label.text),
+                        "leave one of the two out",
+                    );
+                    failed = true;
+                }
+            }
+        }
+        let mut bound = Vec::new();
+        for (slot, parameter) in slots.into_iter().zip(parameters) {
+            let is_field = matches!(parameter.ty, Some((Type::Field, _)));
+            let place = if is_field { formula_env } else { env };
+            let parts: Vec<Span> = match &slot {
+                Some(Given::Written(Expr { kind: ExprKind::Vector(items), .. })) => {
+                    items.iter().map(|i| i.span).collect()
+                }
+                Some(Given::Group(items)) => items.iter().map(|i| i.span).collect(),
+                _ => Vec::new(),
+            };
+            let value = match slot {
+                None if parameter.default.is_some() => {
+                    bound.push(None);
+                    continue;
+                }
+                None => {
+                    if failed {
+                        continue;
+                    }
+                    let wanted = parameter.ty.as_ref().map(|(t, _)| format!(", {}", type_words(t)));
+                    self.error(
+                        Code::MissingArgument,
+                        span,
+                        format!(
+                            "`{name}` needs `{}`{}",
+                            parameter.name.text,
+                            wanted.unwrap_or_default()
+                        ),
+                        format!(
+                            "write `{name}({})`",
+                            parameters.iter().map(|p| &*p.name.text).collect::<Vec<_>>().join(", ")
+                        ),
+                    );
+                    failed = true;
+                    continue;
+                }
+                Some(Given::Known(value, at)) => Ok((value, at)),
+                Some(Given::Written(expr)) => self.expression(expr, place).map(|v| (v, expr.span)),
+                Some(Given::Group(exprs)) => {
+                    let whole = match (exprs.first(), exprs.last()) {
+                        (Some(a), Some(b)) => a.span.to(b.span),
+                        _ => span,
+                    };
+                    let mut cells = Ok(Vec::new());
+                    for e in exprs {
+                        let cell = self
+                            .expression(e, place)
+                            .and_then(|v| self.to_number(&v, e.span, place));
+                        match (&mut cells, cell) {
+                            (Ok(cells), Ok(cell)) => cells.push(cell),
+                            _ => cells = Err(Stop),
+                        }
+                    }
+                    cells.map(|c| (Value::Vector(c.into()), whole))
+                }
+                Some(Given::KnownGroup(values, at)) => {
+                    let cells: Elaborated<Vec<NodeId>> =
+                        values.iter().map(|v| self.to_number(v, at, place)).collect();
+                    cells.map(|c| (Value::Vector(c.into()), at))
+                }
+            };
+            let at = value.as_ref().map_or(span, |(_, at)| *at);
+            let typed = value.and_then(|(value, at)| match &parameter.ty {
+                Some((ty, _)) => self.coerce(value, ty, at, place),
+                None => match (&parameter.default, &value) {
+                    // Without a type the default's kind is wanted.
+                    (Some(default), Value::Text(_) | Value::Material(_) | Value::Bool(_) | Value::List(_)) => {
+                        let kind = self.expression(default, &Env::top(env.module));
+                        match kind {
+                            Ok(k) if std::mem::discriminant(&k) != std::mem::discriminant(&value) => {
+                                let (wanted, found) = (k.describe(self), value.describe(self));
+                                Err(self.error(
+                                    Code::TypeMismatch,
+                                    at,
+                                    format!("{wanted} is needed here, and this is {found}"),
+                                    format!("write {wanted}"),
+                                ))
+                            }
+                            _ => Ok(value),
+                        }
+                    }
+                    _ => Ok(value),
+                },
+            });
+            match typed {
+                Ok(value) => bound.push(Some(Bound { value, span: at, parts })),
+                Err(Stop) => failed = true,
+            }
+        }
+        if failed { Err(Stop) } else { Ok(bound) }
+    }
+
+    /// Reports constant arguments that the documentation rules out. Answers what becomes of those that are not constant and might be ruled
+    /// out at some values, by the index of their parameter: they are kept within what is allowed.
+    pub(super) fn require(
+        &mut self,
+        item: ItemRef,
+        function: &ast::Function,
+        values: &[Value],
+        places: &[(Span, Vec<Span>)],
+    ) -> Elaborated<Vec<(usize, Value)>> {
+        let mut kept = Vec::new();
+        if !self.modules.is_prelude(item.module) {
+            return Ok(kept);
+        }
+        let requirements = match self.requirements.get(&item) {
+            Some(known) => known.clone(),
+            None => {
+                let doc = self.modules.item(item).and_then(|i| i.doc.as_deref()).unwrap_or("");
+                let parsed: Rc<[Requirement]> = parse_requirements(doc).into();
+                self.requirements.insert(item, parsed.clone());
+                parsed
+            }
+        };
+        for requirement in requirements.iter() {
+            let (wanted, of_count) = match requirement.parameter.strip_suffix(".count") {
+                Some(list) => (list, true),
+                None => (requirement.parameter.as_str(), false),
+            };
+            let Some(at) = function.parameters.iter().position(|p| *p.name.text == *wanted) else {
+                continue;
+            };
+            let Some((span, parts)) = places.get(at) else { continue };
+            let nodes: Vec<NodeId> = match values.get(at) {
+                Some(Value::Number(n, _)) => vec![*n],
+                Some(Value::Vector(v)) => v.to_vec(),
+                Some(Value::List(items)) if of_count => {
+                    vec![self.graph.constant(items.len() as f64)]
+                }
+                _ => continue,
+            };
+            // A vector that may not be zero may have components that are.
+            let constants: Vec<f64> =
+                nodes.iter().filter_map(|n| self.graph.as_constant(*n)).collect();
+            let holds = |c: f64| match requirement.relation.as_str() {
+                ">=" => c >= requirement.bound,
+                ">" => c > requirement.bound,
+                "<=" => c <= requirement.bound,
+                "<" => c < requirement.bound,
+                "!=" => c != requirement.bound,
+                _ => true,
+            };
+            let broken = if requirement.relation == "!=" {
+                constants.len() == nodes.len() && !constants.iter().any(|&c| holds(c))
+            } else {
+                constants.iter().any(|&c| !holds(c))
+            };
+            if broken {
+                let bad = constants.iter().copied().find(|&c| !holds(c)).unwrap_or(0.0);
+                let part = if requirement.relation != "!=" && parts.len() == nodes.len() {
+                    let bad = |n: &NodeId| self.graph.as_constant(*n).is_some_and(|c| !holds(c));
+                    nodes.iter().position(bad).and_then(|i| parts.get(i))
+                } else {
+                    None
+                };
+                let span = *part.unwrap_or(span);
+                let (name, parameter) = (&function.name.text, &requirement.parameter);
+                return Err(self.error(
+                    Code::BadValue,
+                    span,
+                    format!("the `{parameter}` of `{name}` is {bad}"),
+                    format!(
+                        "write one that is {} {}",
+                        match requirement.relation.as_str() {
+                            ">=" => "at least",
+                            ">" => "greater than",
+                            "<=" => "at most",
+                            "<" => "less than",
+                            _ => "other than",
+                        },
+                        requirement.bound
+                    ),
+                ));
+            }
+            let limit = match requirement.relation.as_str() {
+                ">=" => (Op::Max, requirement.bound),
+                ">" => (Op::Max, requirement.bound + LEAST),
+                "<=" => (Op::Min, requirement.bound),
+                "<" => (Op::Min, requirement.bound - LEAST),
+                _ => continue,
+            };
+            let within: Vec<NodeId> = nodes.iter().map(|n| self.keep_within(*n, limit)).collect();
+            if within != nodes {
+                kept.extend(match (values.get(at), within.first()) {
+                    (Some(Value::Number(_, kind)), Some(n)) => Some((at, Value::Number(*n, *kind))),
+                    (Some(Value::Vector(_)), _) => Some((at, Value::Vector(within.into()))),
+                    _ => None,
+                });
+            }
+        }
+        Ok(kept)
+    }
+
+    /// A number that is not constant, kept on one side of a limit: `Max` keeps it at or above.
+    fn keep_within(&mut self, node: NodeId, (op, limit): (Op, f64)) -> NodeId {
+        let range = self.facts.live_range(&self.graph, node);
+        let inside = if op == Op::Max { range.lo >= limit } else { range.hi <= limit };
+        if inside || self.graph.as_constant(node).is_some() {
+            return node;
+        }
+        let limit = self.graph.constant(limit);
+        self.graph.op(op, &[node, limit])
+    }
+}
+
+/// The one parameter that is a vector, and its number of components.
+pub(super) fn vector_index(parameters: &[Parameter]) -> Option<(usize, usize)> {
+    let mut found = None;
+    for (i, p) in parameters.iter().enumerate() {
+        let n = match &p.ty {
+            Some((Type::Vec(n), _)) => usize::from(*n),
+            Some((Type::Color, _)) => 3,
+            _ => continue,
+        };
+        if found.is_some() {
+            return None;
+        }
+        found = Some((i, n));
+    }
+    found
+}
+
+/// The conditions of `Requires: radius >= 0, height > 0`.
+pub fn parse_requirements(doc: &str) -> Vec<Requirement> {
+    let mut all = Vec::new();
+    for line in doc.lines() {
+        let Some(list) = line.trim().strip_prefix("Requires:") else { continue };
+        for part in list.split(',') {
+            let words: Vec<&str> = part.split_whitespace().collect();
+            if let [parameter, relation, bound] = *words
+                && let Ok(bound) = bound.trim_end_matches('.').parse::<f64>()
+            {
+                all.push(Requirement {
+                    parameter: parameter.to_owned(),
+                    relation: relation.to_owned(),
+                    bound,
+                });
+            }
+        }
+    }
+    all
+}

@@ -1,0 +1,201 @@
+//! Materials: their entries as nodes, and shapes that have them.
+
+use super::load::ItemRef;
+use super::texture::Texture;
+use super::value::Value;
+use super::{Elaborated, Elaborator, Env, Stop};
+use crate::diagnostic::Code;
+use crate::graph::{Exactness, Material, MaterialId, Shape, ShapeId};
+use crate::source::Span;
+use crate::syntax::ast::{ItemKind, Type};
+use crate::syntax::words::nearest;
+use std::sync::Arc;
+
+impl Elaborator<'_> {
+    /// A material of a declaration and its arguments.
+    pub fn make_material(
+        &mut self,
+        item: ItemRef,
+        args: &[Option<Value>],
+        span: Span,
+    ) -> Elaborated<MaterialId> {
+        self.called.insert(item);
+        self.for_user(item, span, |e| e.deeper(span, |e| e.material_of(item, args, span)))
+    }
+
+    fn material_of(
+        &mut self,
+        item: ItemRef,
+        args: &[Option<Value>],
+        span: Span,
+    ) -> Elaborated<MaterialId> {
+        let modules = self.modules;
+        let Some(declared) = modules.item(item) else { return Err(Stop) };
+        let ItemKind::Material { name, parameters, lets, entries } = &declared.kind else {
+            return Err(Stop);
+        };
+        let mut env = Env::top(item.module);
+        for (i, parameter) in parameters.iter().enumerate() {
+            let value = match (args.get(i).cloned().flatten(), &parameter.default) {
+                (Some(value), _) => value,
+                (None, Some(default)) => {
+                    let value = self.expression(default, &env)?;
+                    match &parameter.ty {
+                        Some((ty, _)) => self.coerce(value, ty, default.span, &env)?,
+                        None => value,
+                    }
+                }
+                (None, None) => {
+                    return Err(self.error(
+                        Code::MissingArgument,
+                        span,
+                        format!("`{}` needs `{}`", name.text, parameter.name.text),
+                        format!("write `{}(…)` with it", name.text),
+                    ));
+                }
+            };
+            env = env.and(&parameter.name.text, value);
+        }
+        let point = self.graph.point();
+        env = Env { point: Some(point.into()), normal: true, ..env };
+        let env = self.bind_lets(lets, &env)?;
+        let default = self.default_material();
+        let Some(mut material) = self.graph.materials.get(default.0 as usize).cloned() else {
+            return Err(Stop);
+        };
+        material.name = name.text.clone();
+        const KEYS: [&str; 11] = [
+            "color", "roughness", "metallic", "reflectivity", "emission", "bump", "bump_height", "texture",
+            "texture_scale", "texture_sharpness", "solid",
+        ];
+        let mut texture = Texture::new(self);
+        let mut failed = false;
+        for entry in entries {
+            let key = &*entry.key.text;
+            if !KEYS.contains(&key) {
+                let help = match nearest(key, KEYS) {
+                    Some(near) => format!("did you mean `{near}`?"),
+                    None => format!("the keys of a material are {}", KEYS.join(", ")),
+                };
+                self.error(
+                    Code::UnknownKey,
+                    entry.key.span,
+                    format!("a material has no `{key}`"),
+                    help,
+                );
+                failed = true;
+                continue;
+            }
+            let Ok(value) = self.expression(&entry.value, &env) else {
+                failed = true;
+                continue;
+            };
+            let at = entry.value.span;
+            if texture.takes(key, &value) {
+                failed |= texture.put(self, key, value, at, &env).is_err();
+                continue;
+            }
+            let done = match key {
+                "color" | "emission" => self.coerce(value, &Type::Color, at, &env).map(|v| {
+                    if let Value::Vector(v) = v
+                        && let [r, g, b] = *v
+                    {
+                        if key == "color" {
+                            material.color = [r, g, b];
+                        } else {
+                            material.emission = [r, g, b];
+                        }
+                    }
+                }),
+                "roughness" | "metallic" | "reflectivity" => {
+                    self.to_number(&value, at, &env).and_then(|n| {
+                        if let Some(c) = self.graph.as_constant(n)
+                            && !(0.0..=1.0).contains(&c)
+                        {
+                            return Err(self.error(
+                                Code::BadValue,
+                                at,
+                                format!("`{key}` is {c}"),
+                                "write a number from 0 to 1",
+                            ));
+                        }
+                        match key {
+                            "roughness" => material.roughness = n,
+                            "metallic" => material.metallic = n,
+                            _ => material.reflectivity = n,
+                        }
+                        Ok(())
+                    })
+                }
+                "solid" => self.coerce(value, &Type::Bool, at, &env).and_then(|v| {
+                    if let Value::Bool(node) = v {
+                        match self.graph.as_constant(node) {
+                            Some(c) => material.solid = c != 0.0,
+                            None => {
+                                return Err(self.error(
+                                    Code::NotConstant,
+                                    at,
+                                    "`solid` must be known while compiling",
+                                    "write `on` or `off`",
+                                ));
+                            }
+                        }
+                    }
+                    Ok(())
+                }),
+                _ => texture.put(self, key, value, at, &env),
+            };
+            failed |= done.is_err();
+        }
+        if failed {
+            return Err(Stop);
+        }
+        texture.lay_on(self, &mut material);
+        Ok(self.graph.add_material(material))
+    }
+
+    /// What a shape without a material looks like.
+    pub fn default_material(&mut self) -> MaterialId {
+        let grey = self.graph.constant(0.55);
+        let zero = self.graph.constant(0.0);
+        let roughness = self.graph.constant(0.6);
+        self.graph.add_material(Material {
+            name: "default".into(),
+            color: [grey; 3],
+            emission: [zero; 3],
+            roughness,
+            metallic: zero,
+            reflectivity: zero,
+            relief: None,
+            images: Arc::default(),
+            solid: true,
+        })
+    }
+
+    /// A shape with a material, or painted with one where `mask` is negative.
+    pub fn with_material(
+        &mut self,
+        shape: ShapeId,
+        mask: Option<ShapeId>,
+        material: MaterialId,
+        span: Span,
+    ) -> Value {
+        let dimensions = self.dimensions(shape);
+        let point = self.graph.point();
+        let value = self.graph.field(shape, point);
+        let (own, paints) = match mask {
+            None => (Some(material), Arc::default()),
+            Some(mask) => (None, [(mask, material)].into()),
+        };
+        Value::Shape(self.graph.add_shape(Shape {
+            name: None,
+            dimensions,
+            value,
+            variables: Arc::default(),
+            exactness: Exactness::Formula,
+            material: own,
+            paints,
+            span: self.place(span),
+        }))
+    }
+}
