@@ -1,16 +1,13 @@
 //! What the compiler hands over: a module of WGSL, what a host must write into its uniform block, and the scene around it.
 
 pub use crate::emit::table::{ModuleTables, Tables};
+pub use crate::frame::{CAPTURE_SIZES, Camera, CaptureNodes, Frame, Light, LightKind, LightNodes, MAX_BOUNCES, SceneBlocks, Shadow, Sky};
 
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::functions::{Functions, Summary};
 use crate::graph::algebra::Reals;
 use crate::graph::{multiple_of, Graph, Leaf, NodeId, Proof, ShapeId};
-use crate::images::EnvironmentFile;
 pub use crate::loader::{Loader, MemoryLoader};
-use crate::mesh::MeshNodes;
-use crate::physics::{BallsNodes, PhysicsNodes};
-use crate::reference::shade;
 use crate::source::{Sources, Span};
 use crate::syntax::ast::Type;
 use std::rc::Rc;
@@ -255,162 +252,6 @@ impl Module {
     }
 }
 
-/// A point and direction of view.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Camera {
-    /// Where the eye is.
-    pub eye: [f64; 3],
-    /// What it looks at.
-    pub target: [f64; 3],
-    /// Vertical angle of view, radians.
-    pub fov: f64,
-}
-
-/// How a light throws shadows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shadow {
-    /// None.
-    None,
-    /// With a sharp edge.
-    Hard,
-    /// With a penumbra; larger is sharper.
-    Soft(f64),
-    /// From a shadow map, the field's too; where there are none, as [`Shadow::Hard`].
-    Map,
-}
-
-/// Where light comes from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LightKind {
-    /// From infinitely far: the direction in which it travels, not necessarily of length one.
-    Direction([f64; 3]),
-    /// From a point; its strength falls with the square of the distance.
-    Position([f64; 3]),
-}
-
-/// A light at one moment.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Light {
-    /// Its name.
-    pub name: String,
-    /// Where it comes from.
-    pub kind: LightKind,
-    /// Linear colour times intensity.
-    pub radiance: [f64; 3],
-    /// How it throws shadows.
-    pub shadow: Shadow,
-}
-
-/// What surrounds the scene, linear colours.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sky {
-    /// Colour straight up.
-    pub zenith: [f64; 3],
-    /// Colour at the horizon and below.
-    pub horizon: [f64; 3],
-}
-
-/// Everything around the field at one moment.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
-    /// Cameras with their names; the first is the one that is used. Never empty.
-    pub cameras: Vec<(String, Camera)>,
-    /// Lights in the order of the text.
-    pub lights: Vec<Light>,
-    /// What surrounds the scene.
-    pub sky: Sky,
-    /// Whether images stand for it.
-    pub has_environment: bool,
-    /// How far occlusion reaches and how strong it is, 0 to 1.
-    pub ambient_occlusion: (f64, f64),
-    /// Whether there are shadows at all.
-    pub shadows: bool,
-    /// Beyond this distance from the eye nothing is drawn.
-    pub max_distance: f64,
-    /// Radius about the origin beyond which nothing is drawn and nothing is proven.
-    pub extent: f64,
-    /// Exposure in stops.
-    pub exposure: f64,
-    /// How often a mirrored ray is followed through the field, 0 to [`MAX_BOUNCES`].
-    pub reflections: u32,
-    /// From where the scene itself is drawn into a cubemap, which stands for what surfaces mirror.
-    pub capture: Option<[f64; 3]>,
-}
-
-/// A ray is mirrored at most so often.
-pub const MAX_BOUNCES: u32 = 8;
-
-/// The scene drawn into a cubemap.
-#[derive(Clone, Copy, Debug)]
-pub struct CaptureNodes {
-    /// From where.
-    pub place: [NodeId; 3],
-    /// Pixels of a side of its faces: one of [`CAPTURE_SIZES`].
-    pub size: u32,
-}
-
-/// Pixels of a captured face's side.
-pub const CAPTURE_SIZES: [u32; 7] = [16, 32, 64, 128, 256, 512, 1024];
-
-/// Entries of the scene's blocks, as nodes over parameters and time.
-#[derive(Clone, Debug, Default)]
-pub struct SceneBlocks {
-    /// Name, eye, target, field of view.
-    pub cameras: Vec<(String, [NodeId; 3], [NodeId; 3], NodeId)>,
-    /// Lights.
-    pub lights: Vec<LightNodes>,
-    /// Zenith and horizon.
-    pub sky: Option<([NodeId; 3], [NodeId; 3])>,
-    /// Images that stand for the sky; where they can't be had the sky is that of a scene that names none.
-    pub environment: Option<EnvironmentFile>,
-    /// Where the scene itself is drawn for what mirrors it.
-    pub capture: Option<CaptureNodes>,
-    /// How often a mirrored ray is followed; none or a constant 0: never.
-    pub reflections: Option<NodeId>,
-    /// Reach and strength.
-    pub ambient_occlusion: Option<(NodeId, NodeId)>,
-    /// A condition.
-    pub shadows: Option<NodeId>,
-    /// Distance from the eye.
-    pub max_distance: Option<NodeId>,
-    /// Radius about the origin; constant.
-    pub extent: f64,
-    /// Stops.
-    pub exposure: Option<NodeId>,
-    /// How balls move, where the text says.
-    pub physics: Option<PhysicsNodes>,
-    /// The groups of balls, in the order of the text.
-    pub balls: Vec<BallsNodes>,
-    /// The meshes, in the order of the text.
-    pub meshes: Vec<MeshNodes>,
-}
-
-impl SceneBlocks {
-    /// How far occlusion reaches and how strong it is.
-    pub fn occlusion(&self, graph: &Graph, live: &Live) -> (f64, f64) {
-        let Some((reach, strength)) = self.ambient_occlusion else { return (0.5, 1.0) };
-        let value = |node| live.values(graph, &[node]).first().copied().unwrap_or(0.0);
-        (value(reach).max(0.0), value(strength).clamp(0.0, 1.0))
-    }
-}
-
-/// A light's entries as nodes.
-#[derive(Clone, Debug)]
-pub struct LightNodes {
-    /// Its name.
-    pub name: String,
-    /// Whether `vector` is a position and not a direction.
-    pub position: bool,
-    /// Direction or position.
-    pub vector: [NodeId; 3],
-    /// Linear colour.
-    pub color: [NodeId; 3],
-    /// Intensity.
-    pub intensity: NodeId,
-    /// Shadow, and its penumbra's number where it is soft.
-    pub shadow: (Shadow, Option<NodeId>),
-}
-
 /// A compiled scene.
 #[derive(Clone, Debug)]
 pub struct Compiled {
@@ -541,66 +382,5 @@ impl Compiled {
     pub fn sampled_factor(&self, factor: usize, samples: usize) -> f64 {
         let search = self.functions.searches.get(factor).and_then(Option::as_ref);
         search.map_or(1.0, |s| s.sample(&self.graph, samples))
-    }
-
-    /// The scene around the field at one moment.
-    pub fn frame(&self, live: &Live) -> Frame {
-        let one = |node: NodeId| self.values(live, &[node]).first().copied().unwrap_or(0.0);
-        let three = |nodes: &[NodeId; 3]| {
-            let v = self.values(live, nodes);
-            [0, 1, 2].map(|i| v.get(i).copied().unwrap_or(0.0))
-        };
-        let blocks = &self.blocks;
-        let mut cameras: Vec<(String, Camera)> = blocks
-            .cameras
-            .iter()
-            .map(|(name, eye, target, fov)| {
-                let camera = Camera { eye: three(eye), target: three(target), fov: one(*fov) };
-                (name.clone(), camera)
-            })
-            .collect();
-        if cameras.is_empty() {
-            let camera = Camera { eye: [4.0, 3.0, 6.0], target: [0.0; 3], fov: 0.7 };
-            cameras.push((String::new(), camera));
-        }
-        let lights = blocks
-            .lights
-            .iter()
-            .map(|light| {
-                let vector = three(&light.vector);
-                let (color, intensity) = (three(&light.color), one(light.intensity));
-                let shadow = match light.shadow {
-                    (Shadow::Soft(_), Some(k)) => Shadow::Soft(one(k).max(0.1)),
-                    (shadow, _) => shadow,
-                };
-                Light {
-                    name: light.name.clone(),
-                    kind: if light.position {
-                        LightKind::Position(vector)
-                    } else {
-                        LightKind::Direction(vector)
-                    },
-                    radiance: color.map(|c| c * intensity),
-                    shadow,
-                }
-            })
-            .collect();
-        let sky = match &blocks.sky {
-            Some((zenith, horizon)) => Sky { zenith: three(zenith), horizon: three(horizon) },
-            None => shade::PLAIN_SKY,
-        };
-        Frame {
-            cameras,
-            lights,
-            sky,
-            has_environment: blocks.environment.is_some(),
-            ambient_occlusion: blocks.occlusion(&self.graph, live),
-            shadows: blocks.shadows.is_none_or(|s| one(s) != 0.0),
-            max_distance: blocks.max_distance.map_or(100.0, |d| one(d).max(1e-3)),
-            extent: blocks.extent,
-            exposure: blocks.exposure.map_or(0.0, one),
-            capture: blocks.capture.map(|capture| three(&capture.place)),
-            reflections: blocks.reflections.map_or(0.0, one).round().clamp(0.0, f64::from(MAX_BOUNCES)) as u32,
-        }
     }
 }

@@ -8,6 +8,7 @@ pub mod diagnostic;
 pub mod emit;
 pub mod evaluate;
 pub mod factors;
+mod frame;
 pub mod functions;
 pub mod graph;
 pub mod images;
