@@ -1,9 +1,13 @@
-//! A program with a wgpu device, a texture and a render pass of its own. It lets Surefoot draw into that pass and writes a PNG file:
+//! A program with a wgpu device, a texture and a render pass of its own. It lets Surefoot draw into that pass and writes a PNG file; the
+//! balls of the scene fall on that device for so many seconds before:
 //!
 //!     cargo run -- ../../still_life.sdf picture.png
+//!     cargo run -- ../../balls_bowl.sdf picture.png 2
 
 use surefoot_compiler::{Loader, Options, compile, diagnostic};
-use surefoot_runtime::{Gpu, Picture, View, ViewMode};
+use surefoot_runtime::frame::depth_attachment;
+use surefoot_runtime::physics::STEP;
+use surefoot_runtime::{Gpu, Physics, Picture, View, ViewMode};
 
 const WIDTH: u32 = 960;
 const HEIGHT: u32 = 540;
@@ -20,8 +24,9 @@ impl Loader for Disk {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let (Some(scene), Some(out)) = (arguments.next(), arguments.next()) else {
-        return Err("usage: surefoot-host SCENE.sdf PICTURE.png".into());
+        return Err("usage: surefoot-host SCENE.sdf PICTURE.png [SECONDS]".into());
     };
+    let seconds: f64 = arguments.next().map_or(Ok(0.0), |text| text.parse())?;
     let outcome = compile(&Disk, &scene, &Options::default());
     eprint!("{}", diagnostic::render(&outcome.sources, &outcome.diagnostics, false));
     let compiled = outcome.compiled.ok_or("the scene has errors")?;
@@ -52,10 +57,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // What Surefoot adds: a picture on that device, and a call within the pass.
     let gpu = Gpu::from_parts(device.clone(), queue.clone());
     let mut picture = Picture::prepare(&gpu, &compiled, texture.format(), ViewMode::Shaded)?;
-    let live = compiled.live();
+    let mut live = compiled.live();
+    // Its balls, one step after another; `physics.buffer()` is where they are, for a program that draws them itself.
+    if let Some(mut physics) = Physics::prepare(&gpu, &compiled, &live)? {
+        while live.time + STEP <= seconds + 1e-6 {
+            let before = live.clone();
+            live.time += STEP;
+            physics.step(&compiled, &before, &live)?;
+        }
+        picture.show_balls(&compiled, &live, Some(&physics));
+        println!("{} balls, {} steps", physics.count(), physics.steps());
+    }
     let (_, camera) = compiled.frame(&live).cameras[0];
     let view = View { camera, size: [WIDTH as f32, HEIGHT as f32], corner: [0.0, 0.0] };
     picture.update(&queue, &compiled, &live, &view);
+    let depth = picture.depth(size);
     let target = texture.create_view(&Default::default());
     let mut encoder = device.create_command_encoder(&Default::default());
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -65,6 +81,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             resolve_target: None,
             ops: wgpu::Operations::default(),
         })],
+        depth_stencil_attachment: depth.as_ref().map(depth_attachment),
         ..Default::default()
     });
     picture.draw(&mut pass);
