@@ -236,6 +236,9 @@ pub struct Module {
     /// Whether rounding grows with the distance from the module's own origin alone: all that it reads of the scene's point are ways from
     /// places far out.
     pub near: bool,
+    /// More text, for what draws meshes: a function `sf_mesh_0(p: vec3f, normal: vec3f) -> sf_Surface` and so on for each of
+    /// [`Functions::meshes`], and `sf_mesh_layers_0` with its struct for one that is layered. `p` is in the mesh's own space.
+    pub meshes: String,
     /// The unions of many operands, which are tables; none in most modules.
     pub tables: Option<Arc<ModuleTables>>,
 }

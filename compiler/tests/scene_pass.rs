@@ -28,7 +28,8 @@ const OCCLUSION: [&str; 2] = [
     include_str!("../../runtime/src/passes/scene/occlusion.wgsl"),
     include_str!("../../runtime/src/passes/scene/no_occlusion.wgsl"),
 ];
-const MET: &str = include_str!("../../runtime/src/passes/layers/none.wgsl");
+const MET: &str =
+    concat!(include_str!("../../runtime/src/passes/layers/met.wgsl"), include_str!("../../runtime/src/passes/layers/none.wgsl"));
 const SHADED: &str = include_str!("../../runtime/src/passes/scene/view_shaded.wgsl");
 const OTHERS: [&str; 3] = [
     include_str!("../../runtime/src/passes/scene/view_normals.wgsl"),

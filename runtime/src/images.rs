@@ -60,9 +60,8 @@ impl Gallery {
                 }
             }
         }
-        let surface = &compiled.functions.surface;
         let mut kept = HashMap::new();
-        for (i, (image, kind)) in surface.textures().into_iter().enumerate() {
+        for (i, (image, kind)) in compiled.functions.textures().into_iter().enumerate() {
             let Some(file) = compiled.graph.images.get(image as usize) else { continue };
             let texture = match self.texture(&file.path, kind, loader) {
                 _ if i >= MOST_TEXTURES => Err(format!("`{}` is one image too many: a scene may have {MOST_TEXTURES}", file.path)),

@@ -47,7 +47,7 @@ pub enum Code {
     /// The surface's struct from its fields.
     Surface,
     /// The struct of what lies on it from its fields.
-    Layers,
+    Layers(u32),
     /// The struct of where a point lies in its part from its fields.
     Carry,
     /// The value so far of a union, or its gradient and value: so many components.
@@ -77,7 +77,7 @@ impl Code {
             Code::VectorOp(op, _) => (12, op as u64),
             Code::Splat(n) => (13, u64::from(n)),
             Code::Surface => (14, 0),
-            Code::Layers => (15, 0),
+            Code::Layers(which) => (15, u64::from(which)),
             Code::Carry => (19, 0),
             Code::Value(n) => (18, u64::from(n)),
             Code::Aside(n) => (16, u64::from(n)),

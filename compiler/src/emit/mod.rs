@@ -115,7 +115,13 @@ pub fn emit(
             counted.push((target, 1));
         }
     }
-    let standing = plans.complete(&counted, surface.iter().chain(&layers).chain(&carry))?;
+    let mut meshes = Vec::new();
+    for surface in functions.meshes.iter().filter(|_| asked) {
+        let layers = surface.is_layered().then(|| plans.plan(&surface.layer_nodes(), [].into()));
+        meshes.push((surface, plans.plan(&surface.look(), [].into()), layers));
+    }
+    let of_meshes = meshes.iter().flat_map(|(_, plan, layers)| std::iter::once(plan).chain(layers));
+    let standing = plans.complete(&counted, surface.iter().chain(&layers).chain(&carry).chain(of_meshes))?;
 
     let mut module = reserved_names(prefix);
     let mut context = Context {
@@ -145,6 +151,10 @@ pub fn emit(
     if let Some(plan) = &carry {
         carry_function(&mut context, root, plan, &mut body, &mut texts)?;
     }
+    let mut meshes_text = String::new();
+    for (i, (surface, plan, layers)) in (0..).zip(&meshes) {
+        mesh_functions(&mut context, i, surface, plan, layers.as_ref(), &mut body, &mut meshes_text)?;
+    }
 
     // What the library reads.
     if exports.iter().any(|e| matches!(e, Export::Trace | Export::Shadow)) {
@@ -172,7 +182,7 @@ pub fn emit(
     let declared = |buffers: bool, text: &mut String| {
         declarations(&context, &facts, buffers, text);
         if layered {
-            layers_struct(prefix, &functions.surface, text);
+            layers_struct(prefix, 0, &functions.surface, text);
         }
         if carry.is_some() {
             let _ = write!(text, "\nstruct {prefix}Carry {{\n  point: vec3f,\n  x: vec3f,\n  y: vec3f,\n  z: vec3f,\n}}\n");
@@ -197,6 +207,7 @@ pub fn emit(
         operations,
         skipped,
         near,
+        meshes: meshes_text,
         tables: buffered.map(|code| Arc::new(ModuleTables::new(tables, code))),
     })
 }
@@ -218,9 +229,17 @@ fn surface_plan(graph: &Graph, root: ShapeId, nodes: &[NodeId], plans: &mut Plan
     plans.plan(nodes, variables)
 }
 
+/// Name of the struct of what lies on a surface: 0 is the scene's, the others are the meshes'.
+fn layers_name(which: u32) -> Cow<'static, str> {
+    match which.checked_sub(1) {
+        None => "Layers".into(),
+        Some(mesh) => format!("MeshLayers{mesh}").into(),
+    }
+}
+
 /// Writes what lies on the surface: of each image its weight, where on it, how that grows along each axis, and how sharp its sides are.
-fn layers_struct(prefix: &str, surface: &Surface, wgsl: &mut String) {
-    let _ = write!(wgsl, "\nstruct {prefix}Layers {{\n");
+fn layers_struct(prefix: &str, which: u32, surface: &Surface, wgsl: &mut String) {
+    let _ = write!(wgsl, "\nstruct {prefix}{} {{\n", layers_name(which));
     if surface.relief.is_some() {
         wgsl.push_str("  relief: vec3f,\n");
     }
@@ -249,7 +268,21 @@ fn layers_function(
     context.uniforms.read(UniformSource::Origin);
     body.clear();
     let space = scene_space(graph, root, body, true);
-    let results = body.open(context.plans, graph, plan, &space, &context.uniforms)?;
+    let result = layers_value(context, 0, surface, plan, &space, body)?;
+    write::write(context, body, result, &["p", "q", "normal"], text);
+    text.push_str("}\n");
+    Ok(())
+}
+
+fn layers_value(
+    context: &Context,
+    which: u32,
+    surface: &Surface,
+    plan: &Plan,
+    space: &Space,
+    body: &mut Body,
+) -> Result<body::ExprId, EmitError> {
+    let results = body.open(context.plans, context.graph, plan, space, &context.uniforms)?;
     let mut fields = Vec::new();
     let (relief, layers) = results.split_at_checked(if surface.relief.is_some() { 3 } else { 0 }).unwrap_or((&results, &[]));
     fields.extend(relief.chunks(3).map(|v| body.vector(v)));
@@ -258,9 +291,40 @@ fn layers_function(
         fields.extend(vectors.chunks(3).map(|v| body.vector(v)));
         fields.extend_from_slice(sharpness);
     }
-    let result = body.add(Code::Layers, &fields);
-    write::write(context, body, result, &["p", "q", "normal"], text);
+    Ok(body.add(Code::Layers(which), &fields))
+}
+
+/// Writes what a mesh is made of, in its own space.
+fn mesh_functions(
+    context: &mut Context,
+    mesh: u32,
+    surface: &Surface,
+    plan: &Plan,
+    layers: Option<&Plan>,
+    body: &mut Body,
+    text: &mut String,
+) -> Result<(), EmitError> {
+    let prefix = context.prefix;
+    let space = |body: &mut Body| {
+        body.clear();
+        let (space, _) = own_space(body, 3, &[]);
+        Space { normal: Some(body.add(Code::Normal, &[])), ..space }
+    };
+    let _ = writeln!(text, "\nfn {prefix}mesh_{mesh}(p: vec3f, normal: vec3f) -> {prefix}Surface {{");
+    let own = space(body);
+    let results = body.open(context.plans, context.graph, plan, &own, &context.uniforms)?;
+    let result = surface_struct(body, &results);
+    write::write(context, body, result, &["p", "normal"], text);
     text.push_str("}\n");
+    if let Some(plan) = layers {
+        layers_struct(prefix, mesh + 1, surface, text);
+        let name = layers_name(mesh + 1);
+        let _ = writeln!(text, "\nfn {prefix}mesh_layers_{mesh}(p: vec3f, normal: vec3f) -> {prefix}{name} {{");
+        let own = space(body);
+        let result = layers_value(context, mesh + 1, surface, plan, &own, body)?;
+        write::write(context, body, result, &["p", "normal"], text);
+        text.push_str("}\n");
+    }
     Ok(())
 }
 

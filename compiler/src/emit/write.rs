@@ -546,13 +546,14 @@ impl Writer<'_, '_> {
                 self.put(vector_type(count));
                 self.list(args)
             }
-            Code::Surface | Code::Layers | Code::Carry => {
+            Code::Surface | Code::Carry => {
                 self.scratch.push_str(self.context.prefix);
-                self.put(match code {
-                    Code::Layers => "Layers",
-                    Code::Carry => "Carry",
-                    _ => "Surface",
-                });
+                self.put(if code == Code::Carry { "Carry" } else { "Surface" });
+                self.list(args)
+            }
+            Code::Layers(which) => {
+                self.scratch.push_str(self.context.prefix);
+                self.put(&super::layers_name(which));
                 self.list(args)
             }
             Code::Call(target) => {

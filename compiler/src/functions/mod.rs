@@ -32,12 +32,30 @@ pub struct Functions {
     pub formulas: FxHashMap<(ShapeId, Function), NodeId>,
     /// The root's surface, in the scene's space: it reads `p`, `Normal`, and calls fields.
     pub surface: Surface,
+    /// What meshes are made of whose material is not the same everywhere, each once, in the mesh's own space: of a layer the axes are those of
+    /// that space too.
+    pub meshes: Vec<Surface>,
+    /// Of each mesh of the text the one among them; none where its material is the same everywhere.
+    pub mesh_surfaces: Vec<Option<u32>>,
     /// What each of [`Graph::factors`] was found from; none for one that is measured.
     pub searches: Vec<Option<Search>>,
     /// Unions of many operands, by the function that each one is.
     pub unions: FxHashMap<unions::Of, unions::Union>,
     /// How what is solid moves, where balls ask for it and it does.
     pub carry: Option<Carry>,
+}
+
+impl Functions {
+    /// What is made of the images of the field's surface and of the meshes', each once: which image, and for what. Those of the field come first.
+    pub fn textures(&self) -> Vec<(u32, TextureKind)> {
+        let mut textures = self.surface.textures();
+        for texture in self.meshes.iter().flat_map(Surface::textures) {
+            if !textures.contains(&texture) {
+                textures.push(texture);
+            }
+        }
+        textures
+    }
 }
 
 /// How the surface at a point answers light.
@@ -265,8 +283,9 @@ pub fn build(
         (root, Function::Gradient(2)),
     ];
     builder.build_surface();
-    let surface = &builder.built.surface;
-    let surface_nodes: Vec<NodeId> = surface.look().into_iter().chain(surface.layer_nodes()).collect();
+    builder.build_meshes(&blocks.meshes);
+    let surfaces = builder.built.meshes.iter().chain([&builder.built.surface]);
+    let surface_nodes: Vec<NodeId> = surfaces.flat_map(|s| s.look().into_iter().chain(s.layer_nodes())).collect();
     functions.extend(builder.calls(&surface_nodes));
     while let Some((shape, function)) = functions.pop() {
         if builder.built.formulas.contains_key(&(shape, function)) {

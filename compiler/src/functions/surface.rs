@@ -2,7 +2,8 @@
 
 use super::{Builder, Layer, Look, Surface};
 use crate::graph::kernel::Op;
-use crate::graph::{Function, Graph, Leaf, MaterialId, Node, NodeId, ShapeId, kernel, WORLD};
+use crate::graph::{Function, Graph, Leaf, Material, MaterialId, Node, NodeId, ShapeId, kernel, WORLD};
+use crate::mesh::MeshNodes;
 use std::rc::Rc;
 
 /// The looks of the shapes that a formula calls.
@@ -39,12 +40,43 @@ impl Builder<'_> {
             Some(look) => look,
             None => self.default_look(),
         };
+        self.built.surface = self.surface_of(look);
+    }
+
+    fn surface_of(&mut self, look: Look) -> Surface {
         let [r, g, b, er, eg, eb, roughness, metallic, reflectivity, x, y, z] = look.values;
         let zero = self.graph.constant(0.0);
         let relief = Some([x, y, z]).filter(|slope| slope.iter().any(|s| *s != zero));
         let (color, emission) = ([r, g, b], [er, eg, eb]);
-        let layers = look.layers.to_vec();
-        self.built.surface = Surface { color, emission, roughness, metallic, reflectivity, relief, layers };
+        Surface { color, emission, roughness, metallic, reflectivity, relief, layers: look.layers.to_vec() }
+    }
+
+    /// The surfaces of meshes whose materials are not the same everywhere.
+    pub(super) fn build_meshes(&mut self, meshes: &[MeshNodes]) {
+        for mesh in meshes {
+            let material = mesh.material.and_then(|id| self.graph.materials.get(id.0 as usize)).cloned();
+            let varies = |m: &Material| m.relief.is_some() || !m.images.is_empty() || m.nodes().iter().any(|n| !self.is_uniform(*n));
+            let Some(mut material) = material.filter(varies) else {
+                self.built.mesh_surfaces.push(None);
+                continue;
+            };
+            let point = self.graph.point();
+            let world = mesh.world(self.graph, point);
+            let mut inner = material.nodes();
+            inner = self.graph.substitute(&inner, |leaf| match leaf {
+                Leaf::Variable(v) if v < WORLD + 3 => world.get((v - WORLD) as usize).copied(),
+                _ => None,
+            });
+            material.put_nodes(&inner);
+            let look = self.dressed(&material, point, |_, nodes| nodes.to_vec());
+            let surface = self.surface_of(look);
+            let known = self.built.meshes.iter().position(|other| *other == surface);
+            let index = known.unwrap_or_else(|| {
+                self.built.meshes.push(surface);
+                self.built.meshes.len() - 1
+            });
+            self.built.mesh_surfaces.push(Some(index as u32));
+        }
     }
 
     pub(super) fn default_look(&mut self) -> Look {
@@ -94,28 +126,31 @@ impl Builder<'_> {
     pub(super) fn look_of_material(&mut self, shape: ShapeId, material: MaterialId, args: &[NodeId]) -> Option<Look> {
         let m = self.graph.materials.get(material.0 as usize)?.clone();
         let zero = self.graph.constant(0.0);
-        let [r, g, b, er, eg, eb, roughness, metallic, reflectivity] = self.graph.open_all(shape, m.look(), args);
-        let [x, y, z] = match m.relief {
-            Some(height) => {
-                let height = self.graph.open(shape, height, args);
-                self.slopes(height)
-            }
-            None => [zero; 3],
-        };
-        let mut layers = Vec::new();
-        if !m.images.is_empty() {
-            let own: [NodeId; 3] = [0, 1, 2].map(|i| args.get(i).copied().unwrap_or(zero));
-            for on in m.images.iter() {
-                let [wr, wg, wb] = on.weight;
-                let opened = self.graph.open_all(shape, [wr, wg, wb, on.scale, on.sharpness], args);
-                let [wr, wg, wb, scale, sharpness] = opened;
-                let point = own.map(|q| self.graph.op(Op::Mul, &[q, scale]));
-                let axes = point.map(|q| self.slopes(q));
-                layers.push(Layer { image: on.image, slot: on.slot, weight: [wr, wg, wb], point, axes, sharpness });
-            }
+        let own: [NodeId; 3] = [0, 1, 2].map(|i| args.get(i).copied().unwrap_or(zero));
+        Some(self.dressed(&m, own, |graph, nodes| graph.open_list(shape, nodes, args)))
+    }
+
+    /// What a material says where its own point is `own`; `open` brings its nodes there.
+    fn dressed(&mut self, m: &Material, own: [NodeId; 3], open: impl Fn(&mut Graph, &[NodeId]) -> Vec<NodeId>) -> Look {
+        let zero = self.graph.constant(0.0);
+        let mut values = [zero; 12];
+        let (look, slope) = values.split_at_mut(9);
+        look.copy_from_slice(&open(self.graph, &m.look()));
+        if let Some(height) = m.relief
+            && let &[height] = open(self.graph, &[height]).as_slice()
+        {
+            slope.copy_from_slice(&self.slopes(height));
         }
-        let values = [r, g, b, er, eg, eb, roughness, metallic, reflectivity, x, y, z];
-        Some(Look { values, layers: layers.into() })
+        let mut layers = Vec::new();
+        for on in m.images.iter() {
+            let [wr, wg, wb] = on.weight;
+            let opened = open(self.graph, &[wr, wg, wb, on.scale, on.sharpness]);
+            let &[wr, wg, wb, scale, sharpness] = opened.as_slice() else { continue };
+            let point = own.map(|q| self.graph.op(Op::Mul, &[q, scale]));
+            let axes = point.map(|q| self.slopes(q));
+            layers.push(Layer { image: on.image, slot: on.slot, weight: [wr, wg, wb], point, axes, sharpness });
+        }
+        Look { values, layers: layers.into() }
     }
 
     /// How a number changes along the axes of the scene's space.

@@ -254,6 +254,16 @@ impl Material {
         let images = self.images.iter().flat_map(|i| i.weight.into_iter().chain([i.scale, i.sharpness]));
         self.look().into_iter().chain(self.relief).chain(images).collect()
     }
+
+    /// Takes other nodes for its own, in the order of [`Material::nodes`].
+    pub fn put_nodes(&mut self, nodes: &[NodeId]) {
+        let images = Arc::make_mut(&mut self.images).iter_mut().flat_map(|i| i.weight.iter_mut().chain([&mut i.scale, &mut i.sharpness]));
+        let look = self.color.iter_mut().chain(&mut self.emission);
+        let look = look.chain([&mut self.roughness, &mut self.metallic, &mut self.reflectivity]);
+        for (slot, node) in look.chain(&mut self.relief).chain(images).zip(nodes) {
+            *slot = *node;
+        }
+    }
 }
 
 /// An image that a material is made of.

@@ -138,27 +138,27 @@ impl Graph {
         opened
     }
 
-    /// The same for several formulas of one shape.
+    /// The same for so many formulas of one shape.
     pub fn open_all<const N: usize>(&mut self, shape: ShapeId, roots: [NodeId; N], args: &[NodeId]) -> [NodeId; N] {
-        let Some(variables) = self.shape(shape).map(|s| s.variables.clone()) else { return roots };
+        self.open_list(shape, &roots, args).try_into().unwrap_or(roots)
+    }
+
+    /// The same for several formulas of one shape.
+    pub fn open_list(&mut self, shape: ShapeId, roots: &[NodeId], args: &[NodeId]) -> Vec<NodeId> {
+        let Some(variables) = self.shape(shape).map(|s| s.variables.clone()) else { return roots.to_vec() };
         // What reads nothing of the space stays as it is.
         if roots.iter().all(|&r| self.reads(r).nothing()) {
-            return roots;
+            return roots.to_vec();
         }
-        let order = self.needed(&roots, |id| !self.reads(id).nothing());
-        let new = self.rewrite(&order, &roots, |leaf| match leaf {
+        let order = self.needed(roots, |id| !self.reads(id).nothing());
+        self.rewrite(&order, roots, |leaf| match leaf {
             Leaf::P(i) => args.get(i as usize).copied(),
             Leaf::Variable(v) => {
                 let at = variables.binary_search(&v).ok()?;
                 args.get(3 + at).copied()
             }
             _ => None,
-        });
-        let mut opened = roots;
-        for (slot, new) in opened.iter_mut().zip(new) {
-            *slot = new;
-        }
-        opened
+        })
     }
 
     /// The roots with every call of a field replaced by the formula that it stands for, everywhere.

@@ -33,16 +33,19 @@ impl Elaborator<'_> {
         let translate = self.vec3_entry(entry("translate"), env, [0.0; 3]);
         let rotate = self.vec3_entry(entry("rotate"), env, [0.0; 3]);
         let scale = self.mesh_scale(entry("scale"), env);
-        let look = match entry("material") {
+        let material = match entry("material") {
             Some(expr) => self.expression(expr, env).and_then(|value| match self.coerce(value, &Type::Material, expr.span, env)? {
-                Value::Material(id) => Ok(self.graph.materials.get(id.0 as usize).map(Material::look)),
+                Value::Material(id) => Ok(Some(id)),
                 _ => Err(Stop),
             }),
             None => Ok(None),
         };
-        let (Some((file, span)), translate, rotate, scale, look) = (file, translate?, rotate?, scale?, look?) else { return Err(Stop) };
+        let (Some((file, span)), translate, rotate, scale, material) = (file, translate?, rotate?, scale?, material?) else {
+            return Err(Stop);
+        };
         let from = self.modules.path(env.module);
-        Ok(MeshNodes { name, file: join(from, file), span: *span, translate, rotate, scale, look })
+        let look = material.and_then(|id| self.graph.materials.get(id.0 as usize)).map(Material::look);
+        Ok(MeshNodes { name, file: join(from, file), span: *span, translate, rotate, scale, material, look })
     }
 
     /// A number, or one for each of the mesh's axes.

@@ -153,7 +153,7 @@ impl Reference {
             layers: s.is_layered().then(|| tape(&s.layer_nodes()).map(|tape| (s.clone(), tape))).transpose()?,
             images: Images {
                 environment: compiled.blocks.environment.as_ref().map(|_| Arc::new(shade::plain_sky())),
-                textures: s.textures().into_iter().map(|(_, kind)| Arc::new(Texture::missing(kind))).collect(),
+                textures: functions.textures().into_iter().map(|(_, kind)| Arc::new(Texture::missing(kind))).collect(),
             },
         })
     }

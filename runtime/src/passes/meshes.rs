@@ -1,5 +1,6 @@
 //! Meshes over the field: triangles that share its uniforms, its light and its depth.
 
+use super::layers;
 use super::scene::{Features, ViewMode};
 use super::surroundings;
 use crate::gpu::{Gpu, PipelineKey, storage_layout};
@@ -30,6 +31,8 @@ pub(super) struct Triangles {
     pub group: wgpu::BindGroup,
     places: wgpu::Buffer,
     written: Vec<Place>,
+    /// Of each mesh of the text its material, where that is not the same everywhere.
+    materials: Vec<Option<u32>>,
     /// One for each mesh of the text; none where its file is broken.
     uploaded: Vec<Option<Arc<Uploaded>>>,
     /// Grows with each change of the meshes themselves.
@@ -55,22 +58,23 @@ struct Place {
     z: [f32; 3],
     reflectivity: f32,
     origin: [f32; 3],
-    padding_a: u32,
+    material: u32,
     color: [f32; 3],
-    padding_b: u32,
+    mapped: u32,
     emission: [f32; 3],
-    padding_c: u32,
+    padding: u32,
 }
 
 impl Place {
-    /// `origin` is the scene's point at which the module's `p` is zero.
-    fn of(placed: &Placed, origin: [f64; 3]) -> Self {
+    /// `origin` is the scene's point at which the module's `p` is zero; `material` is a place among those that are not the same everywhere.
+    fn of(placed: &Placed, origin: [f64; 3], material: Option<u32>, mapped: bool) -> Self {
         let narrow = |v: [f64; 3]| v.map(|c| c as f32);
         let [x, y, z] = placed.axes.map(narrow);
         let [r, g, b, er, eg, eb, roughness, metallic, reflectivity] = placed.look.map(|c| c as f32);
         let origin = narrow(sub(placed.origin, origin));
         let (color, emission) = ([r, g, b], [er, eg, eb]);
-        Self { x, roughness, y, metallic, z, reflectivity, origin, padding_a: 0, color, padding_b: 0, emission, padding_c: 0 }
+        let (material, mapped) = (material.unwrap_or(u32::MAX), u32::from(mapped));
+        Self { x, roughness, y, metallic, z, reflectivity, origin, material, color, mapped, emission, padding: 0 }
     }
 }
 
@@ -151,7 +155,10 @@ fn pipeline(
     sections.extend(shading.iter().map(|s| &**s));
     sections.push(include_str!("meshes/place.wgsl"));
     sections.push(include_str!("meshes/vertex.wgsl"));
+    sections.push(include_str!("meshes/own.wgsl"));
     sections.push(include_str!("meshes/mesh.wgsl"));
+    let met = if features.view == ViewMode::Shaded { layers::mesh_text(compiled) } else { Vec::new() };
+    sections.extend(met.iter().map(|s| &**s));
     sections.push(match features.view {
         ViewMode::Normals => include_str!("meshes/normals.wgsl"),
         ViewMode::Depth => include_str!("meshes/depth.wgsl"),
@@ -190,7 +197,8 @@ impl Triangles {
             layout: &layout,
             entries: &[wgpu::BindGroupEntry { binding: 0, resource: places.as_entire_binding() }],
         });
-        Self { layout, group, places, written: Vec::new(), uploaded: Vec::new(), version: 0 }
+        let materials = compiled.functions.mesh_surfaces.clone();
+        Self { layout, group, places, written: Vec::new(), materials, uploaded: Vec::new(), version: 0 }
     }
 
     /// Takes the meshes of the scene, in the order of the text. One that several blocks name is kept once.
@@ -216,7 +224,11 @@ impl Triangles {
 
     /// Writes where the meshes stand. Answers whether anything changed.
     pub fn update(&mut self, queue: &wgpu::Queue, placed: &[Placed], origin: [f64; 3]) -> bool {
-        let places: Vec<Place> = placed.iter().map(|placed| Place::of(placed, origin)).collect();
+        let place = |(i, placed): (usize, &Placed)| {
+            let mapped = self.uploaded.get(i).is_some_and(|u| u.as_ref().is_some_and(|u| u.mesh.mapped));
+            Place::of(placed, origin, self.materials.get(i).copied().flatten(), mapped)
+        };
+        let places: Vec<Place> = placed.iter().enumerate().map(place).collect();
         if places == self.written {
             return false;
         }

@@ -63,7 +63,7 @@ impl Features {
             shadows: shaded && thrown && !off,
             occlusion: shaded && !blocks.ambient_occlusion.is_some_and(nothing),
             environment: shaded && blocks.environment.is_some(),
-            textures: if shaded { compiled.functions.surface.textures().len().min(MOST_TEXTURES) as u32 } else { 0 },
+            textures: if shaded { compiled.functions.textures().len().min(MOST_TEXTURES) as u32 } else { 0 },
             reflections: shaded && blocks.reflections.is_some_and(|n| constant(n) != Some(0.0)),
             capture: blocks.capture.filter(|_| shaded).map(|capture| capture.size),
             captures: false,
@@ -122,7 +122,7 @@ impl Features {
         });
         let mut met = Vec::new();
         if self.view == ViewMode::Shaded {
-            met = layers::text(&compiled.functions.surface);
+            met = layers::text(&compiled.functions);
             sections.push(match self.environment {
                 true => include_str!("scene/sky_images.wgsl"),
                 false => include_str!("scene/sky_gradient.wgsl"),

@@ -94,7 +94,7 @@ impl SceneImages {
 
     /// Those of a scene whose images are not read yet.
     pub fn missing(gpu: &Gpu, features: Features, compiled: &Compiled) -> Self {
-        let textures = compiled.functions.surface.textures();
+        let textures = compiled.functions.textures();
         let textures = textures.iter().map(|(_, kind)| Arc::new(Texture::missing(*kind))).collect();
         Self::new(gpu, features, &Images { environment: None, textures })
     }

@@ -1,11 +1,5 @@
 // What lies on the surface: images from three sides, and relief. The twin is compiler/src/images/texture.rs.
 
-// How a place answers light, and which way it seems to face.
-struct SceneMet {
-    surface: sf_Surface,
-    normal: vec3f,
-}
-
 // Slopes of the coordinates of an image's space along the axes of the scene's.
 struct SceneAxes {
     across: vec3f,

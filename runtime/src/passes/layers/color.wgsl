@@ -1,6 +1,5 @@
 // The colour of layer # by texture TEXTURE.
     if any(layers.weight_# != vec3f(0.0)) {
-        let axes = SceneAxes(layers.across_#, layers.up_#, layers.along_#);
-        let shares = scene_sides(axes, n, layers.sharpness_#);
-        surface.color += layers.weight_# * scene_lay(scene_image_TEXTURE, layers.point_#, shares, scene_widths(axes, t));
+        let axes = AXES(layers.across_#, layers.up_#, layers.along_#);
+        surface.color += layers.weight_# * LAID(scene_image_TEXTURE, layers.point_#, axes, n, layers.sharpness_#, t);
     }

@@ -1,2 +1,2 @@
 // The relief that formulas say.
-    rise += layers.relief;
+    rise += SLOPE(layers.relief);

@@ -30,3 +30,14 @@ fn scene_rise(image: texture_2d<f32>, p: vec3f, shares: vec3f, widths: f32) -> v
     let z = scene_image(image, vec2f(p.x, -p.y), level);
     return shares.x * vec3f(0.0, -x.y, x.x) + shares.y * vec3f(y.x, 0.0, y.y) + shares.z * vec3f(z.x, -z.y, 0.0);
 }
+
+// What an image says where it is laid on from three sides; `t` is how far the eye is.
+fn scene_laid(image: texture_2d<f32>, p: vec3f, axes: SceneAxes, n: vec3f, sharpness: f32, t: f32) -> vec3f {
+    return scene_lay(image, p, scene_sides(axes, n, sharpness), scene_widths(axes, t));
+}
+
+// How steeply an image that is laid on so rises along the axes of the scene.
+fn scene_risen(image: texture_2d<f32>, p: vec3f, axes: SceneAxes, n: vec3f, sharpness: f32, t: f32) -> vec3f {
+    let own = scene_rise(image, p, scene_sides(axes, n, sharpness), scene_widths(axes, t));
+    return own.x * axes.across + own.y * axes.up + own.z * axes.along;
+}

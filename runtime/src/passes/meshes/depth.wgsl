@@ -1,5 +1,5 @@
 // How far a mesh is, in the greys of the field.
-fn mesh_color(p: vec3f, n: vec3f, facet: vec3f, direction: vec3f, t: f32, place: MeshPlace) -> vec3f {
+fn mesh_color(p: vec3f, n: vec3f, facet: vec3f, direction: vec3f, t: f32) -> vec3f {
     let share = clamp(t / scene.max_distance, 0.0, 1.0);
     return vec3f(1.0 - log2(1.0 + 63.0 * share) / 6.0);
 }

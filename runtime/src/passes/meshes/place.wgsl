@@ -10,11 +10,13 @@ struct MeshPlace {
     reflectivity: f32,
     // Where the mesh's origin is, in the space of the module's `p`.
     origin: vec3f,
-    padding_a: u32,
+    // Which of the materials that are not the same everywhere; above all of them: none.
+    material: u32,
     color: vec3f,
-    padding_b: u32,
+    // 1 where its file says where it lies on images.
+    mapped: u32,
     emission: vec3f,
-    padding_c: u32,
+    padding: u32,
 }
 
 @group(2) @binding(0) var<storage, read> meshes: array<MeshPlace>;

@@ -17,6 +17,8 @@ struct MeshSeen {
     @location(4) lift: vec3f,
     @location(5) squares: vec3f,
     @location(6) products: vec3f,
+    // In the mesh's own space.
+    @location(7) own: vec3f,
 }
 
 // Where a point of a mesh is, seen from the eye.
@@ -31,5 +33,5 @@ fn mesh_vertex(in: MeshVertex, @builtin(instance_index) index: u32) -> MeshSeen 
     // Normals stay upright on what is stretched: the axes' cofactors.
     let normal = in.normal.x * cross(place.y, place.z) + in.normal.y * cross(place.z, place.x) + in.normal.z * cross(place.x, place.y);
     let n = normal / max(length(normal), 1e-30);
-    return MeshSeen(scene_project(way), way, n, in.coordinates, index, dot(way, n) * n, n * n, n * n.yzx);
+    return MeshSeen(scene_project(way), way, n, in.coordinates, index, dot(way, n) * n, n * n, n * n.yzx, in.position);
 }
