@@ -154,6 +154,12 @@ impl Picture {
         self.scene.capture().map_or(0, |capture| capture.side())
     }
 
+    /// Draws everything again with the next update, though nothing moved: shadow maps and the scene's own cubemap too.
+    pub fn forget(&mut self) {
+        self.forget_maps();
+        self.forget_capture();
+    }
+
     /// Draws that cubemap again with the next update, though nothing moved.
     pub(crate) fn forget_capture(&mut self) {
         if let Some(capture) = self.scene.capture() {

@@ -8,6 +8,7 @@ mod body;
 mod header;
 mod library;
 mod names;
+mod layers;
 mod plan;
 pub mod table;
 pub mod tracer;
@@ -22,11 +23,12 @@ mod tests;
 pub use translate::{Target, translate, validate};
 
 use crate::compiled::{Export, Live, Module, ModuleTables, Options, Parameter, SceneBlocks, UniformSource};
-use crate::functions::{Functions, Surface};
+use crate::functions::Functions;
 use crate::graph::kernel::Terms;
 use crate::graph::{Function, Graph, NodeId, ShapeId, WORLD};
 use crate::source::Sources;
 use body::{Body, Code, Space, world_count};
+use layers::{layers_function, layers_struct, mesh_functions};
 use library::Helpers;
 use names::{Scope, identifier};
 use plan::{Group, Plan, Plans, TargetId};
@@ -227,105 +229,6 @@ fn reserved_names(prefix: &str) -> Scope {
 fn surface_plan(graph: &Graph, root: ShapeId, nodes: &[NodeId], plans: &mut Plans) -> Plan {
     let variables = graph.shape(root).map(|s| s.variables.clone()).unwrap_or_default();
     plans.plan(nodes, variables)
-}
-
-/// Name of the struct of what lies on a surface: 0 is the scene's, the others are the meshes'.
-fn layers_name(which: u32) -> Cow<'static, str> {
-    match which.checked_sub(1) {
-        None => "Layers".into(),
-        Some(mesh) => format!("MeshLayers{mesh}").into(),
-    }
-}
-
-/// Writes what lies on the surface: of each image its weight, where on it, how that grows along each axis, and how sharp its sides are.
-fn layers_struct(prefix: &str, which: u32, surface: &Surface, wgsl: &mut String) {
-    let _ = write!(wgsl, "\nstruct {prefix}{} {{\n", layers_name(which));
-    if surface.relief.is_some() {
-        wgsl.push_str("  relief: vec3f,\n");
-    }
-    for i in 0..surface.layers.len() {
-        for name in ["weight", "point", "across", "up", "along"] {
-            let _ = writeln!(wgsl, "  {name}_{i}: vec3f,");
-        }
-        let _ = writeln!(wgsl, "  sharpness_{i}: f32,");
-    }
-    wgsl.push_str("}\n");
-}
-
-/// Writes the function that gives it.
-fn layers_function(
-    context: &mut Context,
-    root: ShapeId,
-    surface: &Surface,
-    plan: &Plan,
-    body: &mut Body,
-    text: &mut String,
-) -> Result<(), EmitError> {
-    let (graph, prefix) = (context.graph, context.prefix);
-    text.push_str("\n// How steeply the surface looks to rise, and the images that lie on it.\n");
-    let _ = writeln!(text, "fn {prefix}layers(p: vec3f, normal: vec3f) -> {prefix}Layers {{");
-    let _ = writeln!(text, "  let q = p + {}.origin;", context.uniform_name);
-    context.uniforms.read(UniformSource::Origin);
-    body.clear();
-    let space = scene_space(graph, root, body, true);
-    let result = layers_value(context, 0, surface, plan, &space, body)?;
-    write::write(context, body, result, &["p", "q", "normal"], text);
-    text.push_str("}\n");
-    Ok(())
-}
-
-fn layers_value(
-    context: &Context,
-    which: u32,
-    surface: &Surface,
-    plan: &Plan,
-    space: &Space,
-    body: &mut Body,
-) -> Result<body::ExprId, EmitError> {
-    let results = body.open(context.plans, context.graph, plan, space, &context.uniforms)?;
-    let mut fields = Vec::new();
-    let (relief, layers) = results.split_at_checked(if surface.relief.is_some() { 3 } else { 0 }).unwrap_or((&results, &[]));
-    fields.extend(relief.chunks(3).map(|v| body.vector(v)));
-    for layer in layers.chunks(16) {
-        let (vectors, sharpness) = layer.split_at_checked(15).unwrap_or((layer, &[]));
-        fields.extend(vectors.chunks(3).map(|v| body.vector(v)));
-        fields.extend_from_slice(sharpness);
-    }
-    Ok(body.add(Code::Layers(which), &fields))
-}
-
-/// Writes what a mesh is made of, in its own space.
-fn mesh_functions(
-    context: &mut Context,
-    mesh: u32,
-    surface: &Surface,
-    plan: &Plan,
-    layers: Option<&Plan>,
-    body: &mut Body,
-    text: &mut String,
-) -> Result<(), EmitError> {
-    let prefix = context.prefix;
-    let space = |body: &mut Body| {
-        body.clear();
-        let (space, _) = own_space(body, 3, &[]);
-        Space { normal: Some(body.add(Code::Normal, &[])), ..space }
-    };
-    let _ = writeln!(text, "\nfn {prefix}mesh_{mesh}(p: vec3f, normal: vec3f) -> {prefix}Surface {{");
-    let own = space(body);
-    let results = body.open(context.plans, context.graph, plan, &own, &context.uniforms)?;
-    let result = surface_struct(body, &results);
-    write::write(context, body, result, &["p", "normal"], text);
-    text.push_str("}\n");
-    if let Some(plan) = layers {
-        layers_struct(prefix, mesh + 1, surface, text);
-        let name = layers_name(mesh + 1);
-        let _ = writeln!(text, "\nfn {prefix}mesh_layers_{mesh}(p: vec3f, normal: vec3f) -> {prefix}{name} {{");
-        let own = space(body);
-        let result = layers_value(context, mesh + 1, surface, plan, &own, body)?;
-        write::write(context, body, result, &["p", "normal"], text);
-        text.push_str("}\n");
-    }
-    Ok(())
 }
 
 /// Writes the function that says where a point lies in the space of the part that it belongs to, and how each coordinate there grows.

@@ -553,7 +553,7 @@ impl Writer<'_, '_> {
             }
             Code::Layers(which) => {
                 self.scratch.push_str(self.context.prefix);
-                self.put(&super::layers_name(which));
+                self.put(&super::layers::layers_name(which));
                 self.list(args)
             }
             Code::Call(target) => {

@@ -18,10 +18,15 @@ const ON_FIELDS: [(&str, &str); 4] =
 const ON_MESHES: [(&str, &str); 4] =
     [("AXES", "mesh_axes"), ("LAID", "mesh_laid"), ("RISEN", "mesh_risen"), ("SLOPE", "mesh_slope")];
 
-/// The text that says of a place of the field what is there: the function `scene_met`.
-pub(super) fn text(functions: &Functions) -> Vec<Cow<'static, str>> {
+/// The textures of a scene that a pass has which takes so many.
+fn textures(functions: &Functions, most: u32) -> Vec<(u32, TextureKind)> {
+    functions.textures().into_iter().take(most as usize).collect()
+}
+
+/// The text that says of a place of the field what is there: the function `scene_met`. `most` textures are looked at.
+pub(super) fn text(functions: &Functions, most: u32) -> Vec<Cow<'static, str>> {
     let surface = &functions.surface;
-    let textures = functions.textures();
+    let textures = textures(functions, most);
     let mut text: Vec<Cow<'static, str>> = vec![include_str!("layers/met.wgsl").into()];
     if surface.is_layered() || !textures.is_empty() {
         text.push(include_str!("layers/base.wgsl").into());
@@ -29,7 +34,7 @@ pub(super) fn text(functions: &Functions) -> Vec<Cow<'static, str>> {
     if !textures.is_empty() {
         text.push(include_str!("layers/images.wgsl").into());
     }
-    for texture in 0..textures.len().min(MOST_TEXTURES) {
+    for texture in 0..textures.len() {
         let binding = FIRST_TEXTURE + texture as u32;
         let image = include_str!("layers/image.wgsl");
         text.push(image.replace("TEXTURE", &texture.to_string()).replace("BINDING", &binding.to_string()).into());
@@ -44,14 +49,14 @@ pub(super) fn text(functions: &Functions) -> Vec<Cow<'static, str>> {
 }
 
 /// The text that says of a place of a mesh what is there: the function `mesh_met`. Stands after [`text`] and the mesh's place.
-pub(super) fn mesh_text(compiled: &Compiled) -> Vec<Cow<'static, str>> {
+pub(super) fn mesh_text(compiled: &Compiled, most: u32) -> Vec<Cow<'static, str>> {
     let functions = &compiled.functions;
-    let textures = functions.textures();
+    let textures = textures(functions, most);
     let mut text: Vec<Cow<'static, str>> = vec![include_str!("meshes/plain.wgsl").into(), compiled.module.meshes.clone().into()];
     if functions.meshes.iter().any(Surface::is_layered) {
         text.push(include_str!("meshes/axes.wgsl").into());
     }
-    if functions.meshes.iter().any(|s| !s.layers.is_empty()) {
+    if functions.meshes.iter().any(|s| !s.layers.is_empty()) && !textures.is_empty() {
         text.push(include_str!("meshes/laid.wgsl").into());
     }
     let mut cases = String::new();
@@ -77,7 +82,7 @@ fn lines(surface: &Surface, textures: &[(u32, TextureKind)], words: &[(&str, &st
     }
     for (i, layer) in surface.layers.iter().enumerate() {
         let wanted = (layer.image, TextureKind::of(layer.slot));
-        let Some(texture) = textures.iter().position(|t| *t == wanted).filter(|t| *t < MOST_TEXTURES) else { continue };
+        let Some(texture) = textures.iter().position(|t| *t == wanted) else { continue };
         let lines = match layer.slot {
             Slot::Color => include_str!("layers/color.wgsl"),
             Slot::Roughness => include_str!("layers/roughness.wgsl"),

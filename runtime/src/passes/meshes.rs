@@ -157,7 +157,7 @@ fn pipeline(
     sections.push(include_str!("meshes/vertex.wgsl"));
     sections.push(include_str!("meshes/own.wgsl"));
     sections.push(include_str!("meshes/mesh.wgsl"));
-    let met = if features.view == ViewMode::Shaded { layers::mesh_text(compiled) } else { Vec::new() };
+    let met = if features.view == ViewMode::Shaded { layers::mesh_text(compiled, features.textures) } else { Vec::new() };
     sections.extend(met.iter().map(|s| &**s));
     sections.push(match features.view {
         ViewMode::Normals => include_str!("meshes/normals.wgsl"),

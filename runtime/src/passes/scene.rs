@@ -122,7 +122,7 @@ impl Features {
         });
         let mut met = Vec::new();
         if self.view == ViewMode::Shaded {
-            met = layers::text(&compiled.functions);
+            met = layers::text(&compiled.functions, self.textures);
             sections.push(match self.environment {
                 true => include_str!("scene/sky_images.wgsl"),
                 false => include_str!("scene/sky_gradient.wgsl"),

@@ -8,6 +8,8 @@ mod error;
 mod factors;
 #[cfg(feature = "gpu")]
 mod many;
+#[cfg(feature = "gpu")]
+mod parts;
 
 use super::{Exit, Failure, compile_file, print, show_diagnostics};
 use crate::files::FileLoader;
@@ -19,7 +21,7 @@ use surefoot_compiler::{Loader, MemoryLoader, Options, Outcome, Stage, compile_o
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scenes whose rays are followed by several methods, each judged by certified truth.
-    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls"])]
+    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls", "parts"])]
     scenes: Vec<String>,
     #[cfg(feature = "gpu")]
     #[command(flatten)]
@@ -42,6 +44,9 @@ pub struct Args {
     /// The balls of these scenes, 1,000 to 1,000,000 of them: how many steps a second.
     #[arg(long, value_name = "SCENES", num_args = 1.., conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many"])]
     balls: Vec<String>,
+    /// Frames of these scenes, with one part after the other switched off.
+    #[arg(long, value_name = "SCENES", num_args = 1.., conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls"])]
+    parts: Vec<String>,
     /// No more balls than this.
     #[arg(long, default_value_t = 1_000_000, value_name = "N", requires = "balls")]
     most: u32,
@@ -63,6 +68,9 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     }
     if !args.balls.is_empty() {
         return falling(args);
+    }
+    if !args.parts.is_empty() {
+        return taking_apart(args);
     }
     if let Some(path) = &args.edits {
         return edits::run(path, args.runs);
@@ -111,9 +119,19 @@ fn falling(args: &Args) -> Result<Exit, Failure> {
     balls::run(&args.balls, args.most, args.error.page.as_deref())
 }
 
+#[cfg(feature = "gpu")]
+fn taking_apart(args: &Args) -> Result<Exit, Failure> {
+    parts::run(&args.parts, args.error.page.as_deref())
+}
+
 #[cfg(not(feature = "gpu"))]
-fn falling(_: &Args) -> Result<Exit, Failure> {
-    growing()
+fn taking_apart(args: &Args) -> Result<Exit, Failure> {
+    growing(args)
+}
+
+#[cfg(not(feature = "gpu"))]
+fn falling(args: &Args) -> Result<Exit, Failure> {
+    growing(args)
 }
 
 #[cfg(not(feature = "gpu"))]
