@@ -49,6 +49,7 @@ pub fn sphere_in(wgsl: &str, radius: f64, (min, max): (f64, f64)) -> Compiled {
         uniform_size: 16,
         operations: (8, 8),
         skipped: Vec::new(),
+        meshes: String::new(),
         tables: None,
         near: false,
     };
