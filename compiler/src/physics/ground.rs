@@ -186,5 +186,9 @@ fn way(slopes: [Vec3; 3], growth: Vec3) -> Vec3 {
     }
     let [a, b, c] = columns;
     let whole = dot(a, cross(b, c));
+    // Coordinates that hardly grow anywhere say nothing.
+    if whole < 1e-30 {
+        return [0.0; 3];
+    }
     [cross(b, c), cross(c, a), cross(a, b)].map(|row| dot(row, right) / whole)
 }

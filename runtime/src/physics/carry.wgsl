@@ -10,5 +10,10 @@ fn carried(p: vec3f) -> vec3f {
     let b = now.x * now.x.y + now.y * now.y.y + now.z * now.z.y + vec3f(0.0, 1e-6 * trace + 1e-30, 0.0);
     let c = now.x * now.x.z + now.y * now.y.z + now.z * now.z.z + vec3f(0.0, 0.0, 1e-6 * trace + 1e-30);
     let right = now.x * growth.x + now.y * growth.y + now.z * growth.z;
-    return vec3f(dot(cross(b, c), right), dot(cross(c, a), right), dot(cross(a, b), right)) / dot(a, cross(b, c));
+    let whole = dot(a, cross(b, c));
+    // Coordinates that hardly grow anywhere say nothing.
+    if whole < 1e-30 {
+        return vec3f(0.0);
+    }
+    return vec3f(dot(cross(b, c), right), dot(cross(c, a), right), dot(cross(a, b), right)) / whole;
 }
