@@ -48,15 +48,16 @@ fn agrees(gpu: &Gpu, compiled: &Compiled, half: f64) {
 fn agrees_at(gpu: &Gpu, compiled: &Compiled, live: &Live, half: f64) {
     let points = points(half);
     let field = values(compiled, live, Function::Field, &points);
+    let distance = values(compiled, live, Function::Distance, &points);
     let bound = values(compiled, live, Function::Bound, &points);
     let of = |export| evaluate(gpu, compiled, live, [0.0; 3], export, &points).unwrap();
     let gradients: Vec<f32> = of(Export::Gradient).chunks(4).map(|g| g[3]).collect();
     let found = [of(Export::Field), gradients, of(Export::Distance), of(Export::Bound)];
     for (i, point) in points.iter().enumerate() {
         let room = 1e-5 * point.iter().fold(1.0, |m: f64, c| m.max(f64::from(c.abs())));
-        for (name, values) in ["field", "gradient", "distance"].iter().zip(&found) {
-            let off = (f64::from(values[i]) - field[i]).abs();
-            assert!(off < room, "{name} at {point:?}: {} and not {}", values[i], field[i]);
+        for ((name, formula), values) in [("field", &field), ("gradient", &field), ("distance", &distance)].iter().zip(&found) {
+            let off = (f64::from(values[i]) - formula[i]).abs();
+            assert!(off < room, "{name} at {point:?}: {} and not {}", values[i], formula[i]);
         }
         let device = f64::from(found[3][i]);
         assert!(device < bound[i] + room, "bound at {point:?}: {device} above {}", bound[i]);
@@ -68,7 +69,7 @@ fn agrees_at(gpu: &Gpu, compiled: &Compiled, live: &Live, half: f64) {
 #[test]
 fn the_device_agrees_with_the_formulas() {
     let gpu = gpu();
-    for (name, half) in [("spheres", 1.2), ("boxes", 1.4), ("city", 18.0)] {
+    for (name, half) in [("spheres", 1.2), ("boxes", 1.4), ("city", 18.0), ("urchin", 1.6)] {
         let compiled = corpus(name);
         assert!(compiled.module.tables.is_some(), "{name} has no table");
         agrees(&gpu, &compiled, half);
@@ -114,6 +115,17 @@ fn a_number_that_changes_is_the_same_code() {
     let (a, b) = (scene(&text), scene(&text.replace("hash(i, 3)", "hash(i, 4)")));
     assert_eq!(a.module.code(), b.module.code());
     assert_ne!(a.module.tables.as_ref().unwrap().tables.rows, b.module.tables.as_ref().unwrap().tables.rows);
+}
+
+#[test]
+fn what_is_beside_a_union_is_no_part_of_it() {
+    // Sand without end, of a long formula and of another material.
+    let compiled = corpus("urchin");
+    let lines = |text: &str| text.lines().count();
+    assert!(lines(compiled.module.code()) < 1000, "{} lines", lines(compiled.module.code()));
+    let tables = &compiled.module.tables.as_ref().unwrap().tables.tables;
+    let found: Vec<(usize, bool)> = tables.values().map(|t| (t.entries.len(), t.region.is_some())).collect();
+    assert!(found.iter().all(|t| *t == (1001, true)), "{found:?}");
 }
 
 #[test]

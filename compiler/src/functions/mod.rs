@@ -286,7 +286,8 @@ pub fn build(
     builder.build_meshes(&blocks.meshes);
     let surfaces = builder.built.meshes.iter().chain([&builder.built.surface]);
     let surface_nodes: Vec<NodeId> = surfaces.flat_map(|s| s.look().into_iter().chain(s.layer_nodes())).collect();
-    functions.extend(builder.calls(&surface_nodes));
+    let asked = builder.calls(&surface_nodes);
+    functions.extend(&asked);
     while let Some((shape, function)) = functions.pop() {
         if builder.built.formulas.contains_key(&(shape, function)) {
             continue;
@@ -296,7 +297,7 @@ pub fn build(
             functions.extend(builder.calls(&[formula]));
         }
     }
-    builder.built.unions = unions::find(builder.graph, builder.facts, &builder.built);
+    builder.built.unions = unions::find(builder.graph, builder.facts, &builder.built, &asked);
     let summary = builder.summary();
     (builder.built, summary, builder.diagnostics)
 }

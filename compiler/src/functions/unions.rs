@@ -19,6 +19,9 @@ pub const MANY: usize = 24;
 /// Intervals are rounded outward.
 const WIDER: f64 = 1.0 + 1e-9;
 
+/// An operand of more steps is better alone: it has hardly its like.
+const LONGEST: usize = 500;
+
 /// So many calls within each other are followed.
 const DEEPEST: usize = 64;
 
@@ -94,14 +97,16 @@ impl Joint {
     }
 }
 
-/// Finds the unions among functions: the widest ones, not those inside of others.
-pub fn find(graph: &Graph, facts: &mut Facts, functions: &Functions) -> FxHashMap<Of, Union> {
+/// Finds the unions among functions: the widest ones of which each operand is fit to be a row. `asked`: the functions that the surface asks by
+/// themselves, to tell which material is seen.
+pub fn find(graph: &Graph, facts: &mut Facts, functions: &Functions, asked: &[Of]) -> FxHashMap<Of, Union> {
     let mut unions = FxHashMap::default();
     // Of a union of so many each join has a formula.
     if functions.formulas.len() < MANY {
         return unions;
     }
-    let mut finder = Finder { graph, functions, joints: FxHashMap::default() };
+    let mut finder = Finder { graph, functions, asked: FxHashSet::default(), joints: FxHashMap::default(), below: FxHashMap::default() };
+    finder.asked = asked.iter().map(|of| finder.passed_on(*of)).collect();
     // What is the same as another function of its shape is computed as that one.
     let own = |of: &Of| !matches!(of.1, Function::Gradient(_)) && finder.first(*of) == *of;
     let mut all: Vec<Of> = functions.formulas.keys().copied().filter(own).collect();
@@ -110,8 +115,12 @@ pub fn find(graph: &Graph, facts: &mut Facts, functions: &Functions) -> FxHashMa
     let operands = joints.iter().flat_map(|(_, j)| j.operands());
     let inner: FxHashSet<Of> = operands.map(|of| finder.passed_on(*of)).collect();
     for (of, _) in joints.iter().filter(|(of, _)| !inner.contains(of)) {
-        if let Some(union) = finder.union(*of, facts) {
-            unions.insert(*of, union);
+        for root in finder.roots(*of, facts) {
+            if !unions.contains_key(&root)
+                && let Some(union) = finder.union(root, facts)
+            {
+                unions.insert(root, union);
+            }
         }
     }
     // Where all operands are alike, so is the whole.
@@ -133,7 +142,20 @@ pub fn find(graph: &Graph, facts: &mut Facts, functions: &Functions) -> FxHashMa
 struct Finder<'a> {
     graph: &'a Graph,
     functions: &'a Functions,
+    asked: FxHashSet<Of>,
     joints: FxHashMap<Of, Option<Joint>>,
+    below: FxHashMap<Of, Below>,
+}
+
+/// What is below a function that is a joint, or an operand.
+#[derive(Clone, Copy, Debug)]
+struct Below {
+    /// How many operands. A joint that stands in two places counts twice.
+    count: usize,
+    /// Whether one of them is better alone: it has no end, or too long a formula, or the surface asks for what is beside it.
+    parted: bool,
+    /// A box that holds an operand's solid.
+    region: Box3,
 }
 
 impl Finder<'_> {
@@ -276,29 +298,63 @@ impl Finder<'_> {
         self.graph.evaluate(&mut Apart(apart), &[formula], leaf, call).first().copied().flatten()
     }
 
-    /// The union whose last join is a function; none where it has few operands.
-    fn union(&mut self, root: Of, facts: &mut Facts) -> Option<Union> {
-        // Operands below each join. A join that stands in two places counts twice.
-        let mut counts: FxHashMap<Of, usize> = FxHashMap::default();
+    /// The unions that a tree of joints is cut into: all of it, or its parts of many operands where what is beside them is better alone, and
+    /// few are lost by that.
+    fn roots(&mut self, root: Of, facts: &mut Facts) -> Vec<Of> {
+        let (mut found, mut open, mut kept) = (Vec::new(), vec![root], 0usize);
+        while let Some(of) = open.pop() {
+            let below = self.below(of, facts);
+            let inner = if below.parted { self.large(of, facts) } else { Vec::new() };
+            if inner.is_empty() {
+                kept = kept.saturating_add(below.count);
+                found.push(of);
+            }
+            open.extend(inner);
+        }
+        if 2 * kept < self.below(root, facts).count { vec![root] } else { found }
+    }
+
+    /// The operands of a joint that are joints of many.
+    fn large(&mut self, of: Of, facts: &mut Facts) -> Vec<Of> {
+        let operands = self.joint(of).map(|j| j.operands().to_vec()).unwrap_or_default();
+        let inner: Vec<Of> = operands.into_iter().map(|o| self.passed_on(o)).collect();
+        inner.into_iter().filter(|o| self.below(*o, facts).count >= MANY).collect()
+    }
+
+    fn below(&mut self, root: Of, facts: &mut Facts) -> Below {
         let mut stack = vec![(root, false)];
         while let Some((of, ready)) = stack.pop() {
-            if counts.contains_key(&of) {
+            if self.below.contains_key(&of) {
                 continue;
             }
             let Some(joint) = self.joint(of) else {
-                counts.insert(of, 1);
+                let value = self.graph.shape(of.0).map(|s| s.value);
+                let region = value.map_or(Box3::ALL, |v| facts.rough_region(self.graph, v, &Domain::of(Box3::ALL)));
+                let long = self.formula(of).is_some_and(|f| facts.weight(self.graph, f) > LONGEST);
+                self.below.insert(of, Below { count: 1, parted: long || !region.is_empty() && !region.is_finite(), region });
                 continue;
             };
-            let inner = joint.operands().iter().map(|o| self.passed_on(*o));
-            if ready {
-                let count = inner.map(|o| counts.get(&o).copied().unwrap_or(1)).fold(0, usize::saturating_add);
-                counts.insert(of, count);
-            } else {
+            let inner: Vec<Of> = joint.operands().iter().map(|o| self.passed_on(*o)).collect();
+            if !ready {
                 stack.push((of, true));
-                stack.extend(inner.map(|o| (o, false)));
+                stack.extend(inner.iter().map(|o| (*o, false)));
+                continue;
             }
+            let mut all = Below { count: 0, parted: false, region: Box3::ALL };
+            for operand in inner {
+                let Some(below) = self.below.get(&operand) else { continue };
+                let asked = matches!(joint, Joint::Least(_)) && below.count >= MANY && self.asked.contains(&operand);
+                all.count = all.count.saturating_add(below.count);
+                all.parted |= below.parted || asked;
+            }
+            self.below.insert(of, all);
         }
-        let total = counts.get(&root).copied().unwrap_or(0);
+        self.below.get(&root).copied().unwrap_or(Below { count: 1, parted: true, region: Box3::ALL })
+    }
+
+    /// The union whose last join is a function; none where it has few operands.
+    fn union(&mut self, root: Of, facts: &mut Facts) -> Option<Union> {
+        let total = self.below(root, facts).count;
         if !(MANY..=MOST).contains(&total) {
             return None;
         }
@@ -323,9 +379,7 @@ impl Finder<'_> {
                 }
                 Task::Open(of, join, begins) => match (self.joint(of), begins) {
                     (None, _) => {
-                        let value = self.graph.shape(of.0).map(|s| s.value);
-                        let domain = Domain::of(Box3::ALL);
-                        let region = value.map_or(Box3::ALL, |v| facts.rough_region(self.graph, v, &domain));
+                        let region = self.below(of, facts).region;
                         let operand = Operand { of, steepness: self.steepness(of, facts), region };
                         union.steps.push(Step::Operand(operand, join));
                     }
@@ -337,10 +391,10 @@ impl Finder<'_> {
                         tasks.extend([Task::Do(Step::Pop(join)), Task::Open(of, join, true), Task::Do(Step::Push)]);
                     }
                     (Some(joint), true) => {
-                        let count = |o: &Of| counts.get(&self.passed_on(*o)).copied().unwrap_or(1);
                         // What is largest comes first, so that few values wait.
                         let mut operands = joint.operands().to_vec();
-                        let largest = (0..operands.len()).rev().max_by_key(|&i| operands.get(i).map_or(0, count)).unwrap_or(0);
+                        let counts: Vec<usize> = operands.iter().map(|o| self.below(self.passed_on(*o), facts).count).collect();
+                        let largest = (0..counts.len()).rev().max_by_key(|&i| counts.get(i)).unwrap_or(0);
                         if let Some(first) = operands.get_mut(..=largest) {
                             first.rotate_right(1);
                         }
