@@ -30,7 +30,7 @@ pub struct Stage {
     trouble: Option<String>,
 }
 
-/// So many steps of the balls are ordered for a frame at most; a device that is slower lets them fall slowly.
+/// So many steps of the balls are ordered for a frame at most; on a device that is slower the time of their scene passes slowly.
 const MOST_STEPS: u32 = 3;
 
 impl Stage {
@@ -173,9 +173,10 @@ impl Stage {
         }
     }
 
-    /// Lets so many seconds pass, if time runs.
+    /// Lets so many seconds pass, if time runs: fewer where the balls can't follow, or what moves would hit them faster than it goes.
     pub fn advance(&mut self, seconds: f64) {
         if self.playing {
+            let seconds = if self.balls.is_some() { seconds.min(STEP * f64::from(MOST_STEPS)) } else { seconds };
             self.set_time(self.time + seconds);
             self.passed += seconds;
         }

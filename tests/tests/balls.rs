@@ -352,6 +352,29 @@ balls b { count: 0 }",
 }
 
 #[test]
+fn a_lift_goes_as_fast_as_it_is_however_the_frames_come() {
+    let gpu = gpu();
+    let compiled = scene("scene = plane(y).translate(0, 0.5 * time, 0)\nballs b { count: 0 }");
+    let live = compiled.live();
+    let mut physics = Physics::with(&gpu, &compiled, &[Ball::at([0.0, 0.1, 0.0], 0.1)]).unwrap();
+    let (mut now, mut steps) = (live.clone(), 0);
+    let (mut slowest, mut fastest) = (f64::MAX, f64::MIN);
+    for frame in 0..120 {
+        let passed = [0.009, 0.031, 0.017, 0.012][frame % 4];
+        now.time += passed;
+        steps += physics.advance(&compiled, &now, passed, 3).unwrap();
+        let speed = physics.read().unwrap()[0].velocity[1];
+        if frame > 20 {
+            (slowest, fastest) = (slowest.min(speed), fastest.max(speed));
+        }
+    }
+    println!("{steps} steps, lifted at {slowest:.3} to {fastest:.3}");
+    assert!(slowest > 0.48 && fastest < 0.52);
+    let ball = physics.read().unwrap()[0];
+    assert!((ball.position[1] - 0.1 - 0.5 * now.time).abs() < 0.5 / 60.0 + 1e-3, "{ball:?}");
+}
+
+#[test]
 fn two_balls_keep_their_momentum() {
     let gpu = gpu();
     let compiled = scene("scene = plane(y, -50)");

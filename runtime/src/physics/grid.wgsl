@@ -15,9 +15,10 @@ fn cell_of(p: vec3f) -> vec3i {
     return vec3i(clamp(floor(p / law.side), vec3f(-1e9), vec3f(1e9)));
 }
 
-// pcg3d: Jarzynski and Olano, "Hash Functions for GPU Rendering" (2020).
+// Cells of a block of 4×4×4 have their buckets side by side, so that what is near lies near in memory; a block's are anywhere. pcg3d: Jarzynski
+// and Olano, "Hash Functions for GPU Rendering" (2020).
 fn bucket_of(cell: vec3i) -> u32 {
-    var v = bitcast<vec3u>(cell) * 1664525u + 1013904223u;
+    var v = bitcast<vec3u>(cell >> vec3u(2u)) * 1664525u + 1013904223u;
     v.x += v.y * v.z;
     v.y += v.z * v.x;
     v.z += v.x * v.y;
@@ -25,15 +26,23 @@ fn bucket_of(cell: vec3i) -> u32 {
     v.x += v.y * v.z;
     v.y += v.z * v.x;
     v.z += v.x * v.y;
-    return v.x & law.mask;
+    let within = bitcast<vec3u>(cell & vec3i(3));
+    return ((v.x << 6u) | within.x | (within.y << 2u) | (within.z << 4u)) & law.mask;
+}
+
+// The bucket of a ball; one that is gone is in any, and nobody's neighbour.
+fn home_of(index: u32) -> u32 {
+    if (source[index].word & GONE) != 0u {
+        return (index * 2654435769u) & law.mask;
+    }
+    return bucket_of(cell_of(source[index].p));
 }
 
 @compute @workgroup_size(64)
 fn count(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= law.count || (source[id.x].word & GONE) != 0u {
-        return;
+    if id.x < law.count {
+        atomicAdd(&counts[home_of(id.x)], 1u);
     }
-    atomicAdd(&counts[bucket_of(cell_of(source[id.x].p))], 1u);
 }
 
 var<workgroup> shared_sums: array<u32, 256>;
@@ -88,10 +97,10 @@ fn scan_sums(@builtin(local_invocation_index) local: u32) {
 // Each ball into its bucket. After this `counts` holds the ends of the buckets.
 @compute @workgroup_size(64)
 fn scatter(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= law.count || (source[id.x].word & GONE) != 0u {
+    if id.x >= law.count {
         return;
     }
-    let bucket = bucket_of(cell_of(source[id.x].p));
+    let bucket = home_of(id.x);
     let place = atomicAdd(&counts[bucket], 1u) + sums[bucket / 256u];
     order[place] = id.x;
 }
@@ -134,12 +143,14 @@ fn put_in_order(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
+// From here on balls are worked on in the order of their buckets: threads side by side ask for the same neighbours.
 @compute @workgroup_size(64)
 fn neighbours(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= law.count {
         return;
     }
-    let ball = source[id.x];
+    let index = order[id.x];
+    let ball = source[index];
     var found = 0u;
     if (ball.word & GONE) == 0u {
         let middle = cell_of(ball.p);
@@ -151,17 +162,17 @@ fn neighbours(@builtin(global_invocation_id) id: vec3u) {
                 let other = order[i];
                 let q = source[other].p;
                 // Buckets are shared by cells far apart.
-                if other == id.x || any(cell_of(q) != cell) {
+                if other == index || any(cell_of(q) != cell) || (source[other].word & GONE) != 0u {
                     continue;
                 }
                 if distance(q, ball.p) < 1.05 * (ball.r + source[other].r) && found < NEIGHBOURS {
-                    lists[id.x * NEIGHBOURS + found] = other;
+                    lists[index * NEIGHBOURS + found] = other;
                     found += 1u;
                 }
             }
         }
     }
-    lists[law.count * NEIGHBOURS + id.x] = found;
+    lists[law.count * NEIGHBOURS + index] = found;
 }
 
 fn touching(index: u32) -> u32 {
@@ -253,13 +264,13 @@ fn meet(index: u32, first: bool) {
 @compute @workgroup_size(64)
 fn meet_first(@builtin(global_invocation_id) id: vec3u) {
     if id.x < law.count {
-        meet(id.x, true);
+        meet(order[id.x], true);
     }
 }
 
 @compute @workgroup_size(64)
 fn meet_again(@builtin(global_invocation_id) id: vec3u) {
     if id.x < law.count {
-        meet(id.x, false);
+        meet(order[id.x], false);
     }
 }

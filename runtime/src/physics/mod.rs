@@ -288,22 +288,27 @@ impl Physics {
     /// does not stop the window. Meanwhile the field goes from where it was at the last call to `now`. Answers how many steps were ordered.
     pub fn advance(&mut self, compiled: &Compiled, now: &Live, seconds: f64, most: u32) -> Result<u32, String> {
         self.owed += seconds.max(0.0);
+        let behind = self.owed;
         let steps = ((self.owed / STEP + 1e-6).floor() as u32).min(most);
         if self.owed > STEP * f64::from(most) {
             self.owed = STEP * f64::from(most);
         }
         if steps == 0 {
+            // What the field did before anyone looked is nothing that pushes.
+            self.last.get_or_insert_with(|| now.clone());
             return Ok(0);
         }
         let start = self.last.take().filter(|last| last.components.len() == now.components.len()).unwrap_or_else(|| now.clone());
+        // The field goes as far as the balls do, or a surface would push faster than it is; where the device falls behind it goes on.
+        let share = if steps == most { 1.0 } else { (STEP * f64::from(steps) / behind).min(1.0) };
         let law = compiled.law(now);
         let ordered = Instant::now();
         for step in 0..steps {
-            let at = |step: u32| start.between(now, f64::from(step) / f64::from(steps));
+            let at = |step: u32| start.between(now, share * f64::from(step) / f64::from(steps));
             self.step_for(compiled, &law, &at(step), &at(step + 1), STEP)?;
             self.owed = (self.owed - STEP).max(0.0);
         }
-        self.last = Some(now.clone());
+        self.last = Some(start.between(now, share));
         let cost = self.cost.clone();
         self.gpu.queue().on_submitted_work_done(move || {
             let each = ordered.elapsed() / steps;
