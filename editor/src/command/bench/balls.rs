@@ -25,6 +25,8 @@ struct Row {
     pour: (u32, Duration),
     /// The same of the steps after them.
     after: (u32, Duration),
+    /// What they took of all processors, where a program computes them.
+    processor: Option<Duration>,
     /// How many of them sleep at the end.
     asleep: usize,
 }
@@ -34,6 +36,21 @@ impl Row {
     fn rate(&self) -> f64 {
         f64::from(self.after.0) / self.after.1.as_secs_f64().max(1e-9)
     }
+
+    /// Seconds of a step: of the processors where a program computes it, so that it does not count what else the machine does.
+    fn cost(&self) -> f64 {
+        self.processor.map_or(1.0 / self.rate(), |took| took.as_secs_f64() / f64::from(self.after.0))
+    }
+}
+
+/// What all threads of this program had of the processors so far, where the system says it.
+fn processor() -> Option<Duration> {
+    let mut sum = 0;
+    for thread in std::fs::read_dir("/proc/self/task").ok()?.flatten() {
+        let said = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;
+        sum += said.split(' ').next()?.parse::<u64>().ok()?;
+    }
+    Some(Duration::from_nanos(sum))
 }
 
 /// Measures each scene and prints tables of Markdown, or makes them a section of a page. `most` is the greatest number of balls.
@@ -84,9 +101,12 @@ fn row(gpu: &Gpu, compiled: &Compiled, group: &Group, count: u32) -> Result<Row,
         }
         Ok::<_, String>((steps, begun.elapsed()))
     };
-    let (pour, after) = (go(POUR)?, go(MEASURE)?);
+    let pour = go(POUR)?;
+    let before = processor();
+    let after = go(MEASURE)?;
+    let took = processor().zip(before).map(|(after, before)| after.saturating_sub(before));
     let asleep = physics.read()?.iter().filter(|b| b.state == State::Asleep).count();
-    Ok(Row { count, pour, after, asleep })
+    Ok(Row { count, pour, after, processor: took.filter(|_| gpu.is_software()), asleep })
 }
 
 fn head(gpu: &Gpu, scenes: &[String]) -> String {
@@ -95,10 +115,15 @@ fn head(gpu: &Gpu, scenes: &[String]) -> String {
         "# What balls cost\n\n\
          Written by `surefoot bench --balls {} --page docs/performance.md` on {}.\n\n\
          The balls of a scene's first group, as many as each line says and of a size that fills the same share of its box, fall for {steps} steps of a\n\
-         60th of a second, or for {} s where those take longer. The steps after that are counted; each is waited for. `physics` is as the scene has it.\n",
+         60th of a second, or for {} s where those take longer. The steps after that are counted; each is waited for. `physics` is as the scene has it.\n\
+         {}\n",
         scenes.join(" "),
         gpu.name(),
         patience.as_secs(),
+        match gpu.is_software() {
+            true => "What a step costs is the time of all processors; on a machine that does nothing else, two of them take half of it.",
+            false => "What a step costs is the time until it is done.",
+        }
     )
 }
 
@@ -106,23 +131,23 @@ fn table(text: &mut String, path: &str, factor: f64, rows: &[Row]) {
     let _ = write!(
         text,
         "\n## {path}\n\nThe field's factor is {factor:.2}.\n\n\
-         | balls | steps a second | ms a step | µs a ball and step | of the line before | while falling | asleep |\n\
+         | balls | steps a second | ms of a step | µs a ball | of the line before | while falling | asleep |\n\
          |---:|---:|---:|---:|---:|---:|---:|\n"
     );
     let mut last: Option<f64> = None;
     for row in rows {
-        let rate = row.rate();
+        let (rate, cost) = (row.rate(), row.cost());
         let (steps, took) = row.pour;
         let falling = f64::from(steps) / took.as_secs_f64().max(1e-9);
-        let times = last.map_or("-".to_owned(), |last| format!("{:.1} ×", last / rate));
+        let times = last.map_or("-".to_owned(), |last| format!("{:.1} ×", cost / last));
         let _ = writeln!(
             text,
-            "| {} | {rate:.2} | {:.1} | {:.3} | {times} | {falling:.2} | {} |",
+            "| {} | {rate:.2} | {:.1} | {:.2} | {times} | {falling:.2} | {} |",
             row.count,
-            1e3 / rate,
-            1e6 / rate / f64::from(row.count),
+            1e3 * cost,
+            1e6 * cost / f64::from(row.count),
             row.asleep
         );
-        last = Some(rate);
+        last = Some(cost);
     }
 }
