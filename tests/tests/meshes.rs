@@ -243,6 +243,37 @@ fn a_frame_is_what_its_scene_needs() {
     }
 }
 
+/// A pass is bound to what its scene needs and to nothing else, and has no text of what it does not do.
+#[test]
+fn a_pass_has_the_bindings_that_its_scene_needs() {
+    use surefoot_runtime::passes::scene::Features;
+    let bindings = |text: &str| {
+        let (compiled, _) = common::alike::scene(&MemoryLoader::new().with("main.sdf", format!("scene = plane(y)\n{text}")));
+        let wgsl = Features::of(&compiled, ViewMode::Shaded).wgsl(&compiled);
+        let number = |text: &str, word: &str| text.split_once(word).and_then(|(_, rest)| rest.split_once(')')).map(|(n, _)| n.to_owned());
+        let found = wgsl.lines().filter(|line| line.starts_with("@group("));
+        let found = found.map(|line| format!("{}.{}", number(line, "@group(").unwrap(), number(line, "@binding(").unwrap()));
+        (found.collect::<Vec<_>>().join(" "), wgsl)
+    };
+    let (plain, text) = bindings("light l { direction: (0, -1, 0), shadow: none }\nrender { ambient_occlusion: (0, 0) }\n");
+    assert_eq!(plain, "1.0");
+    for word in ["sf_shadow", "sf_occlusion", "shadow_", "scene_cube", "scene_captured", "scene_followed", "scene_image", "scene_before", "frag_depth"] {
+        assert!(!text.contains(word), "{word}");
+    }
+    let scenes = [
+        ("mesh m \"box.obj\" { }\n", "1.0 3.0 3.1 3.2 2.0", "scene_before"),
+        ("render { reflections: 1 }\n", "1.0", "scene_followed"),
+        ("environment { sky: cubemap(\"sky/\") }\n", "1.0 1.1 1.2 1.3", "scene_cube"),
+        ("environment { capture: (0, 1, 0) }\n", "1.0 1.13 1.14", "scene_captured"),
+        ("material m { texture: \"a.png\" }\nmesh m \"box.obj\" { material: m }\nrender { shadows: off }\n", "1.0 1.4 1.5 2.0", "scene_image"),
+    ];
+    for (text, wanted, word) in scenes {
+        let (found, wgsl) = bindings(text);
+        assert_eq!(found, wanted, "{text}");
+        assert!(wgsl.contains(word), "{word}");
+    }
+}
+
 /// The meshes' depth drawn before the field, so that rays end at it, or the field drawn first: the same picture. `ORDER=1` measures both, on
 /// scenes where the mesh hides much, a little and nothing.
 #[test]

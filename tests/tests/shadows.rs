@@ -236,3 +236,19 @@ fn a_coarse_mesh_is_lit_as_its_shape() {
         assert!(counted.seen > 300 && counted.acne == 0, "{light:?}: {counted:?}");
     }
 }
+
+/// A union of many, whose operands stand in buffers, is in a light's map as it is.
+#[test]
+fn a_union_of_many_is_in_a_map() {
+    let gpu = gpu();
+    let text = |shadow: &str| {
+        format!(
+            "scene = plane(y) | for i in 0..40 {{ sphere(0.3).translate(3 * hash(i, 1) - 1.5, 0.4 + hash(i, 2), 3 * hash(i, 3) - 1.5) }}
+            light l {{ direction: (-0.4, -1, -0.3), shadow: {shadow} }}\n"
+        )
+    };
+    let (map, traced) = (draw(&gpu, &text("map")), draw(&gpu, &text("hard")));
+    let apart = map.rgba.chunks(4).zip(traced.rgba.chunks(4)).filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 40)).count();
+    println!("{apart} pixels differ");
+    assert!(apart * 50 < map.rgba.len() / 4, "{apart}");
+}
