@@ -352,6 +352,37 @@ balls b { count: 0 }",
 }
 
 #[test]
+fn what_is_held_goes_where_the_hand_is_and_through_nothing() {
+    let gpu = gpu();
+    let compiled = scene("scene = plane(y)");
+    let (law, live) = (law(0.5, 0.3, 0.0), compiled.live());
+    let balls = [Ball::at([0.0, 0.1, 0.0], 0.1), Ball::at([2.0, 0.1, 0.0], 0.1)];
+    let ground = Field::new(&compiled, &live, None).unwrap();
+    let mut world = World::new(balls.to_vec());
+    let mut physics = Physics::with(&gpu, &compiled, &balls).unwrap();
+    let mut go = |place: [f64; 3]| {
+        physics.hold(0, place);
+        world.held = Some((0, place));
+        for _ in 0..60 {
+            world.step(&law, STEP, |_, _| ground.clone());
+        }
+        run(&mut physics, &compiled, &law, &mut live.clone(), 60);
+        let device = physics.read().unwrap();
+        let apart = world.balls.iter().zip(&device).map(|(a, b)| length(sub(a.position, b.position))).fold(0.0, f64::max);
+        assert!(apart < 1e-4, "{apart}");
+        device[0].position
+    };
+    let up = go([1.0, 0.6, 0.3]);
+    assert!(length(sub(up, [1.0, 0.6, 0.3])) < 1e-2, "{up:?}");
+    let down = go([1.0, -0.5, 0.3]);
+    assert!((down[1] - 0.1).abs() < 2e-4, "the floor holds it: {down:?}");
+    physics.throw([0.0, 3.0, 0.0]);
+    run(&mut physics, &compiled, &law, &mut live.clone(), 6);
+    let thrown = physics.read().unwrap()[0];
+    assert!((thrown.velocity[1] - (3.0 - 0.981)).abs() < 1e-3, "{thrown:?}");
+}
+
+#[test]
 fn a_lift_goes_as_fast_as_it_is_however_the_frames_come() {
     let gpu = gpu();
     let compiled = scene("scene = plane(y).translate(0, 0.5 * time, 0)\nballs b { count: 0 }");

@@ -34,10 +34,13 @@ impl World {
                 self.balls = meet::meet(&self.balls, &lists, law, h, turn == 0);
             }
             for (i, ball) in self.balls.iter_mut().enumerate() {
-                if let Some((_, place)) = self.held.filter(|(index, _)| *index == i) {
+                let held = self.held.filter(|(index, _)| *index == i);
+                if let Some((_, place)) = held {
                     travel::pull(ball, place);
                 }
-                travel::travel(ball, law, &ground, h);
+                // A ball that is held does not bounce.
+                let restitution = if held.is_some() { 0.0 } else { law.restitution };
+                travel::travel(ball, &Law { restitution, ..*law }, &ground, h);
             }
         }
         self.time = start + seconds;

@@ -5,6 +5,9 @@ const SETTLES: u32 = 4u;
 const IMPROVEMENTS: u32 = 10u;
 // How fast a ball that is held goes where the hand is, in parts of the way a second.
 const PULL: f32 = 16.0;
+
+// The law's; a ball that is held does not bounce.
+var<private> restitution: f32;
 // A way to the centre that leans by no more than this is upright.
 const UPRIGHT: f32 = 0.01;
 
@@ -164,7 +167,7 @@ fn go(ball: Ball) -> Ball {
             continue;
         }
         if across < -law.rest {
-            let press = (1.0 + law.restitution) * -across;
+            let press = (1.0 + restitution) * -across;
             b.v += n * press;
             b = rub(b, n, press, surface);
             continue;
@@ -204,7 +207,7 @@ fn wall(ball: Ball, n: vec3f, end: vec3f) -> Ball {
     if across < 0.0 {
         var press = -across;
         if across < -law.rest {
-            press *= 1.0 + law.restitution;
+            press *= 1.0 + restitution;
         }
         b.v += n * press;
         b = rub(b, n, press, vec3f(0.0));
@@ -241,7 +244,9 @@ fn travel(@builtin(global_invocation_id) id: vec3u) {
         goal[id.x] = b;
         return;
     }
+    restitution = law.restitution;
     if id.x == law.held {
+        restitution = 0.0;
         b = wake(b);
         b.v = (law.place - b.p) * PULL;
         b.spin = vec3f(0.0);
