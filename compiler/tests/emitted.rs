@@ -194,6 +194,8 @@ fn what_is_far_out_is_as_exact_as_what_is_near() {
     for text in [
         "scene = sphere(1).translate(100000, 100000, -100000)",
         "scene = plane(y).translate(100000, 100000, -100000)",
+        "scene = torus(0.8, 0.1).translate(100000, 100000, -100000)",
+        "scene = link(0.8, 0.4, 0.1).translate(100000, 100000, -100000) | torus(0.8, 0.1).translate(100000, 100000, -100000)",
         "scene = smooth_union(box(1).rotate(x, 30deg), sphere(0.6).translate(0.5, 0, 0), 0.2).translate(100000, 100000, -100000)",
     ] {
         let far = scene(text);

@@ -90,7 +90,7 @@ pub fn render_with(
         (None, None) => return Err("the scene has no camera".to_owned()),
     };
     let (tile_width, tile_height) = (width.min(TILE), height.min(TILE));
-    let target = Target::new(gpu, tile_width, tile_height)?;
+    let target = Target::new(gpu, tile_width, tile_height, FORMAT)?;
     let mut film = match picture.format() == LINEAR {
         true => Some(Film::new(gpu, [tile_width, tile_height], FORMAT)?),
         false => None,
@@ -123,6 +123,25 @@ pub fn render_with(
     Ok(pixels)
 }
 
+/// One picture as light, before it is encoded for a screen: red, green, blue and opacity of each pixel, row by row, as 16-bit floats hold
+/// them. Of at most 512 pixels a side; of one sample.
+pub fn light(gpu: &Gpu, compiled: &Compiled, live: &Live, shot: &Shot) -> Result<Vec<[f32; 4]>, String> {
+    let Shot { width, height, .. } = *shot;
+    if width == 0 || height == 0 || width.max(height) > TILE {
+        return Err(format!("a picture of {width} by {height} pixels is no single tile"));
+    }
+    let mut picture = Picture::prepare(gpu, compiled, LINEAR, shot.mode)?;
+    let frame = compiled.frame(live);
+    let camera = shot.camera.or(frame.cameras.first().map(|(_, camera)| *camera)).ok_or("the scene has no camera")?;
+    let target = Target::new(gpu, width, height, LINEAR)?;
+    let view = View { camera, size: [width as f32, height as f32], corner: [0.0; 2] };
+    picture.update(gpu.queue(), compiled, live, &view);
+    let bytes = target.draw(gpu, &picture)?;
+    let rows = bytes.chunks_exact(target.stride()).map(|row| &row[..8 * width as usize]);
+    let number = |pair: &[u8]| half::f16::from_le_bytes([pair[0], pair[1]]).to_f32();
+    Ok(rows.flat_map(|row| row.chunks_exact(8)).map(|pixel| [0, 2, 4, 6].map(|at| number(&pixel[at..at + 2]))).collect())
+}
+
 /// Draws one pixel and waits for it. Some drivers make the machine code only at the first draw; after this it is made.
 pub(crate) fn warm_up(
     gpu: &Gpu,
@@ -149,12 +168,12 @@ struct Target {
 }
 
 impl Target {
-    fn new(gpu: &Gpu, width: u32, height: u32) -> Result<Self, String> {
+    fn new(gpu: &Gpu, width: u32, height: u32, format: wgpu::TextureFormat) -> Result<Self, String> {
         gpu.catch(|| {
-            let texture = texture(gpu, width, height, FORMAT);
+            let texture = texture(gpu, width, height, format);
             let buffer = gpu.device().create_buffer(&wgpu::BufferDescriptor {
                 label: Some("surefoot pixels"),
-                size: u64::from(stride(width)) * u64::from(height),
+                size: u64::from(stride(&texture)) * u64::from(height),
                 usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
                 mapped_at_creation: false,
             });
@@ -164,7 +183,7 @@ impl Target {
 
     /// Bytes from one row to the next.
     fn stride(&self) -> usize {
-        stride(self.texture.width()) as usize
+        stride(&self.texture) as usize
     }
 
     fn draw(&self, gpu: &Gpu, picture: &Picture) -> Result<Vec<u8>, String> {
@@ -190,7 +209,7 @@ impl Target {
                     buffer: &self.buffer,
                     layout: wgpu::TexelCopyBufferLayout {
                         offset: 0,
-                        bytes_per_row: Some(stride(self.texture.width())),
+                        bytes_per_row: Some(stride(&self.texture)),
                         rows_per_image: None,
                     },
                 },
@@ -251,8 +270,9 @@ fn encode(gpu: &Gpu, picture: &Picture, texture: &wgpu::Texture) -> wgpu::Comman
 }
 
 /// Rows of a copy are multiples of 256 bytes.
-fn stride(width: u32) -> u32 {
-    (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
+fn stride(texture: &wgpu::Texture) -> u32 {
+    let bytes = texture.format().block_copy_size(None).unwrap_or(4);
+    (bytes * texture.width()).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
 }
 
 fn copy_tile(tile: &[u8], stride: usize, pixels: &mut Pixels, left: u32, top: u32) {

@@ -4,6 +4,7 @@
 //! Where such a number is used by itself too, it is read from the vector.
 
 use super::body::{Body, Code, ExprId};
+use super::write::FAR_OUT;
 use crate::graph::index::Index;
 use crate::graph::kernel::{Op, Terms};
 use rustc_hash::FxHasher;
@@ -260,6 +261,12 @@ impl Body {
             };
             inner.push(x);
             amounts.push(y);
+        }
+        // The way from a place far out is taken from the module's origin first: so where all of it is such a way, or by itself.
+        let of_scene = |id: ExprId| matches!(self.code(id), Code::Component(_)) && self.code(self.argument(id, 0)) == Code::Scene;
+        let far = |id: ExprId| id != NONE && self.as_constant(id).is_some_and(|c| c.abs() > FAR_OUT);
+        if inner.iter().zip(amounts.iter()).any(|(&x, &y)| of_scene(x) && far(y)) && !inner.iter().all(|&x| of_scene(x)) {
+            return None;
         }
         let all = parts.len() as u32;
         let alike = sums.0 == all || differences.0 == all;

@@ -92,7 +92,7 @@ impl Text {
 
 /// From a place further out than this the way is taken from the module's origin first, of which no digit is lost: near the eye both are near it,
 /// and the point of the scene is not.
-const FAR_OUT: f64 = 64.0;
+pub const FAR_OUT: f64 = 64.0;
 
 /// A nested expression longer than this is split.
 const LONGEST: u32 = 78;
@@ -143,7 +143,7 @@ pub fn write(
     for &id in &order {
         let code = writer.body.code(id);
         let reads = writer.body.arguments(id).iter().any(|&a| writer.of_scene(a).is_some());
-        if reads && !matches!(code, Code::Component(_)) && !writer.is_far_out(code, writer.body.arguments(id)) {
+        if reads && !matches!(code, Code::Component(_) | Code::Swizzle(..)) && !writer.is_far_out(code, writer.body.arguments(id)) {
             writer.context.reads_scene = true;
         }
     }
@@ -527,11 +527,7 @@ impl Writer<'_, '_> {
             }
             Code::Swizzle(count, order) => {
                 self.put_argument(first, 9);
-                self.put(".");
-                for i in 0..count {
-                    let name = component_name((order >> (4 * i) & 3) as u8);
-                    self.scratch.push_str(name.trim_start_matches('.'));
-                }
+                self.put_components(count, order);
                 9
             }
             Code::Vector(count) => {
@@ -581,11 +577,21 @@ impl Writer<'_, '_> {
     }
 
     /// Of the scene's point, and of a component of it, what stands after its name.
-    fn of_scene(&self, id: ExprId) -> Option<&'static str> {
+    fn of_scene(&self, id: ExprId) -> Option<(u8, u16)> {
+        let inside = || self.body.code(self.argument(id, 0)) == Code::Scene;
         match self.body.code(id) {
-            Code::Scene => Some(""),
-            Code::Component(i) if self.body.code(self.argument(id, 0)) == Code::Scene => Some(component_name(i)),
+            Code::Scene => Some((0, 0)),
+            Code::Component(i) if inside() => Some((1, u16::from(i))),
+            Code::Swizzle(count, order) if inside() => Some((count, order)),
             _ => None,
+        }
+    }
+
+    /// Components in some order, four bits each, after a dot; nothing where there are none.
+    fn put_components(&mut self, count: u8, order: u16) {
+        for i in 0..count {
+            let name = component_name((order >> (4 * i) & 3) as u8);
+            self.put(if i == 0 { name } else { name.trim_start_matches('.') });
         }
     }
 
@@ -607,13 +613,13 @@ impl Writer<'_, '_> {
     /// `a op b` for the four operators of numbers.
     fn infix(&mut self, code: Code, op: Op, args: &[ExprId]) -> u8 {
         let &[mut a, mut b] = args else { return 0 };
-        if let Some(component) = self.of_scene(a).filter(|_| self.is_far_out(code, args)) {
+        if let Some((count, order)) = self.of_scene(a).filter(|_| self.is_far_out(code, args)) {
             self.put("p");
-            self.put(component);
+            self.put_components(count, order);
             self.put(" + (");
             self.scratch.push_str(&self.context.uniform_name);
             self.put(".origin");
-            self.put(component);
+            self.put_components(count, order);
             self.put(if op == Op::Add { " + " } else { " - " });
             self.put_number(b, 9);
             self.put(")");

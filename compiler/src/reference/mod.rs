@@ -129,6 +129,8 @@ pub struct Reference {
     /// What lies on the surface, where anything does: [`Surface::layer_nodes`].
     layers: Option<(Surface, Tape)>,
     images: Images,
+    /// Whether rounding grows with the way from the eye alone ([`crate::compiled::Module::near`]).
+    near: bool,
 }
 
 impl Reference {
@@ -155,6 +157,7 @@ impl Reference {
                 environment: compiled.blocks.environment.as_ref().map(|_| Arc::new(shade::plain_sky())),
                 textures: functions.textures().into_iter().map(|(_, kind)| Arc::new(Texture::missing(kind))).collect(),
             },
+            near: compiled.module.near,
         })
     }
 
@@ -182,6 +185,11 @@ impl Reference {
     /// The estimate of the distance that light and contact use.
     pub fn distance(&self) -> &Tape {
         &self.distance
+    }
+
+    /// What rounding in 32 bits grows with, at a point so far along a ray.
+    fn rounded(&self, point: Vec3, t: f64) -> f64 {
+        1.0 + if self.near { t } else { length(point) }
     }
 
     /// The field's gradients at points that lie close together.
@@ -229,7 +237,7 @@ impl Reference {
         let state = |look: &Look| states.get(look.ray).map_or(Follow::START, Cell::get);
         let tolerance = |look: &Look, step: u32| {
             let pixels = TRACER.tolerance + Tracer::TIRED * f64::from(step) / f64::from(TRACER.budget);
-            (pixels * footprint * look.t).max(4e-7 * (length(look.point) + 1.0))
+            (pixels * footprint * look.t).max(4e-7 * self.rounded(look.point, look.t))
         };
         // Only a hit asks for the distance; where it costs next to nothing it comes along.
         let scene = match self.both.operations() * 5 <= self.bound.operations() * 6 {
@@ -271,7 +279,7 @@ impl Reference {
     pub fn shadow(&self, rays: &[Ray], softness: f64, extent: f64) -> Vec<f64> {
         let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
         let mut lit: Vec<(f64, u32)> = vec![(1.0, 0); rays.len()];
-        let tolerance = |p: Vec3| 2e-6 * (length(p) + 1.0);
+        let tolerance = |look: &Look| 2e-6 * self.rounded(look.point, look.t);
         let scene = match softness > 0.0 {
             true => Scene::Both(&self.both),
             false => Scene::Apart(&self.bound, &self.distance),
@@ -279,11 +287,11 @@ impl Reference {
         march(
             scene,
             &clipped,
-            |look| softness > 0.0 && look.free > tolerance(look.point),
+            |look| softness > 0.0 && look.free > tolerance(look),
             |look, distance| {
                 let (lit, steps) = lit.get_mut(look.ray)?;
                 let end = clipped.get(look.ray).copied().flatten()?.t_max;
-                let tolerance = tolerance(look.point);
+                let tolerance = tolerance(look);
                 if look.free <= tolerance {
                     *lit = 0.0;
                     return None;
@@ -515,7 +523,7 @@ impl Reference {
                 let mirrored = mul(rest, shading.mirror(leaving.mirror, leaving.roughness));
                 *light = add(*light, add(mul(weight, leaving.light), mirrored));
                 if followed > 0.0 {
-                    let off = shade::shadow_offset(seen.point, seen.t, footprint);
+                    let off = shade::shadow_offset(self.rounded(seen.point, seen.t), seen.t, footprint);
                     // As if the ray came straight from the eye: pixels grow with the whole way.
                     let start = add(seen.point, scale(seen.normal, off));
                     let origin = sub(start, scale(leaving.mirror, seen.t));
@@ -550,7 +558,7 @@ impl Reference {
                 let Some(arriving) = shading.arriving(lamp, seen.point, seen.normal) else {
                     continue;
                 };
-                let off = shade::shadow_offset(seen.point, seen.t, footprint);
+                let off = shade::shadow_offset(self.rounded(seen.point, seen.t), seen.t, footprint);
                 rays.push(Ray {
                     origin: add(seen.point, scale(seen.normal, off)),
                     direction: arriving.direction,

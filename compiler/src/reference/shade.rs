@@ -370,10 +370,10 @@ pub fn followed(roughness: f64, share: Vec3) -> f64 {
     (1.0 - smooth(0.25, 0.5, roughness)) * smooth(0.01, 0.03, most)
 }
 
-/// How far off the surface, along its normal, a ray starts that leaves it. `point` is seen from the scene's origin, `t` is how far it is from the eye,
-/// `footprint` the width of a pixel at distance one.
-pub fn shadow_offset(point: Vec3, t: f64, footprint: f64) -> f64 {
-    (0.5 * footprint * t).max(12e-6 * (length(point) + 1.0))
+/// How far off the surface, along its normal, a ray starts that leaves it. `rounded` is what rounding in 32 bits grows with there, `t` is how far it is
+/// from the eye, `footprint` the width of a pixel at distance one.
+pub fn shadow_offset(rounded: f64, t: f64, footprint: f64) -> f64 {
+    (0.5 * footprint * t).max(12e-6 * rounded)
 }
 
 /// The colour of a number of steps, 64 and more the brightest: the colours "inferno" of matplotlib (van der Walt and Smith), as the

@@ -11,6 +11,8 @@ mod page;
 mod reference;
 mod render;
 mod simulate;
+#[cfg(feature = "gpu")]
+mod stress;
 mod values;
 mod verify;
 mod view;
@@ -57,6 +59,9 @@ enum Command {
     Simulate(simulate::Args),
     /// Measure.
     Bench(bench::Args),
+    /// Try what is hard for a field, for rays and for balls.
+    #[cfg(feature = "gpu")]
+    Stress(stress::Args),
     /// Explain what the compiler says.
     Explain(explain::Args),
     /// Write the language's reference: a page, and its pictures.
@@ -105,6 +110,8 @@ pub fn run() -> ExitCode {
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Simulate(args)) => simulate::run(&args),
         Some(Command::Bench(args)) => bench::run(&args),
+        #[cfg(feature = "gpu")]
+        Some(Command::Stress(args)) => stress::run(&args),
         Some(Command::Explain(args)) => explain::run(&args),
         Some(Command::Reference(args)) => reference::run(&args),
     };

@@ -4,7 +4,7 @@
 mod balls;
 mod edits;
 #[cfg(feature = "gpu")]
-mod error;
+pub mod error;
 mod factors;
 #[cfg(feature = "gpu")]
 mod many;

@@ -3,7 +3,7 @@
 mod methods;
 mod plot;
 mod report;
-mod truth;
+pub mod truth;
 
 use crate::command::bar::LateBar;
 use crate::command::{Exit, Failure, compile_file, print, show_diagnostics};
@@ -17,7 +17,7 @@ use surefoot_compiler::reference::Reference;
 use surefoot_compiler::{Export, Options};
 use surefoot_runtime::Gpu;
 use surefoot_runtime::passes::rays::{Follower, Rays};
-use truth::{Errors, View};
+use truth::{Answer, BOXES, Errors, View};
 
 /// How scenes are measured.
 #[derive(Debug, clap::Args)]
@@ -136,7 +136,7 @@ fn measure(gpu: &Gpu, path: &str, scene: &Compiled, args: &Args, show: &(dyn Fn(
         }
     };
     let views: Vec<View> =
-        cameras.iter().map(|camera| View::new(scene, &live, camera, args.size, &progress)).collect::<Result<_, _>>()?;
+        cameras.iter().map(|camera| View::new(scene, &live, camera, args.size, BOXES, &progress)).collect::<Result<_, _>>()?;
     let mut left_out = Vec::new();
     let mut methods: Vec<Method> = Vec::new();
     for (name, _) in METHODS.iter().filter(|(name, _)| args.methods.is_empty() || args.methods.iter().any(|m| m == name)) {
@@ -158,7 +158,8 @@ fn measure(gpu: &Gpu, path: &str, scene: &Compiled, args: &Args, show: &(dyn Fn(
         for view in &views {
             let rays = followed(gpu, scene, &live, method, view, true)?;
             rays.run()?;
-            view.judge(&reference, &rays.read()?, &mut errors);
+            let answers: Vec<Answer> = rays.read()?.iter().map(Answer::from).collect();
+            view.judge(&reference, &answers, &mut errors);
         }
         let operations: f64 = errors.looks.iter().zip(weights).map(|(n, w)| *n as f64 * w).sum();
         let operations = operations / errors.rays.max(1) as f64;

@@ -3,14 +3,14 @@
 use rayon::prelude::*;
 use surefoot_compiler::certify::{Hit, Truth};
 use surefoot_compiler::compiled::{Camera, Compiled, Frame, Live, UniformSource};
-use surefoot_compiler::reference::Reference;
+use surefoot_compiler::reference::{self, Reference};
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
-use surefoot_compiler::reference::vector::{Vec3, dot, length, sub};
+use surefoot_compiler::reference::vector::{Vec3, add, dot, length, sub};
 use surefoot_runtime::passes::rays::{GpuRay, RayPicture, Traced};
 
 /// Boxes that one ray may cost.
-const BOXES: usize = 20_000;
+pub const BOXES: usize = 20_000;
 /// Operations of the field at most.
 const LIMIT: usize = 2_000_000;
 
@@ -32,14 +32,40 @@ pub enum Pixel {
     Unknown,
 }
 
+/// What a tracer answers.
+#[derive(Clone, Copy, Debug)]
+pub struct Answer {
+    /// Where it ended.
+    pub t: f64,
+    /// Whether it met the surface.
+    pub hit: bool,
+    /// How often it looked.
+    pub steps: u32,
+    /// How often it evaluated field, bound and distance, where that was counted.
+    pub looks: [u32; 3],
+}
+
+impl From<&Traced> for Answer {
+    fn from(a: &Traced) -> Self {
+        Self { t: f64::from(a.t), hit: a.hit == 1, steps: a.steps, looks: a.looks }
+    }
+}
+
+impl From<&reference::Hit> for Answer {
+    fn from(a: &reference::Hit) -> Self {
+        Self { t: a.t, hit: a.hit, steps: a.steps, looks: [0; 3] }
+    }
+}
+
 /// The rays of one view and what is certain of them.
 pub struct View {
     /// For the GPU.
     pub picture: RayPicture,
-    rays: Vec<Ray>,
+    /// The same in 64 bits.
+    pub rays: Vec<Ray>,
     pixels: Vec<Pixel>,
     /// Whether the surface ends, or nearly does, within a pixel.
-    silhouette: Vec<bool>,
+    pub silhouette: Vec<bool>,
 }
 
 /// Errors of one method at one view, or of several added up.
@@ -61,6 +87,8 @@ pub struct Errors {
     pub silhouettes_apart: usize,
     /// |t - t*| over the width of a pixel there, of all hits.
     pub depth: Vec<f64>,
+    /// How far from the surface that is: the same times the cosine between ray and normal, or the field over its gradient where that is less.
+    pub off: Vec<f64>,
     /// Angle between the normals, degrees.
     pub normal: Vec<f64>,
     /// Steps, and looks at field, bound and distance, of all rays.
@@ -85,34 +113,51 @@ pub fn cameras(frame: &Frame, count: u32) -> Vec<Camera> {
 }
 
 impl View {
-    /// The rays of a camera's picture, and the truth of each.
+    /// The rays of a camera's picture, and the truth of each, which may cost so many boxes.
     pub fn new(
         scene: &Compiled,
         live: &Live,
         camera: &Camera,
         size: (u32, u32),
+        boxes: usize,
+        progress: &(dyn Fn() + Sync),
+    ) -> Result<Self, String> {
+        let basis = Basis::of(camera);
+        let places = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
+        let aimed: Vec<(Vec3, Vec3)> = places.map(|at| (camera.eye, basis.direction(at, size))).collect();
+        let mut view = Self::aimed(scene, live, &aimed, size, basis.footprint(size.1), boxes, progress)?;
+        view.silhouette = silhouettes(&view.pixels, size, basis.footprint(size.1));
+        Ok(view)
+    }
+
+    /// Rays that are no picture's, each from a point in a direction, and the truth of each. None of them is a silhouette.
+    pub fn aimed(
+        scene: &Compiled,
+        live: &Live,
+        aimed: &[(Vec3, Vec3)],
+        size: (u32, u32),
+        footprint: f64,
+        boxes: usize,
         progress: &(dyn Fn() + Sync),
     ) -> Result<Self, String> {
         let frame = scene.frame(live);
-        let basis = Basis::of(camera);
-        let places = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
         // The truth is that of the rays that the GPU gets, and it gets them as the picture does: from the eye on, where that can be.
         let narrow = |v: Vec3| v.map(|c| c as f32);
         let moves = scene.module.uniforms.iter().any(|u| u.source == UniformSource::Origin);
-        let eye = narrow(camera.eye).map(f64::from);
-        let origin = if moves { eye } else { [0.0; 3] };
-        let gpu: Vec<GpuRay> = places
-            .map(|at| GpuRay {
-                origin: narrow(sub(eye, origin)),
+        let origin = if moves { aimed.first().map_or([0.0; 3], |(eye, _)| narrow(*eye).map(f64::from)) } else { [0.0; 3] };
+        let gpu: Vec<GpuRay> = aimed
+            .iter()
+            .map(|(from, direction)| GpuRay {
+                origin: narrow(sub(*from, origin)),
                 t_min: 0.0,
-                direction: narrow(basis.direction(at, size)),
+                direction: narrow(*direction),
                 t_max: frame.max_distance as f32,
             })
             .collect();
         let rays: Vec<Ray> = gpu
             .iter()
             .map(|r| Ray {
-                origin: eye,
+                origin: add(r.origin.map(f64::from), origin),
                 direction: r.direction.map(f64::from),
                 t_min: f64::from(r.t_min),
                 t_max: f64::from(r.t_max),
@@ -126,7 +171,7 @@ impl View {
                 |prover, ray| {
                     progress();
                     let Some(ray) = ray.clip(frame.extent) else { return Hit::Miss };
-                    prover.first_hit(ray.origin, ray.direction, ray.t_min, ray.t_max, BOXES)
+                    prover.first_hit(ray.origin, ray.direction, ray.t_min, ray.t_max, boxes)
                 },
             )
             .collect();
@@ -144,24 +189,27 @@ impl View {
                 Hit::Ambiguous(_) | Hit::Exhausted(_) => Pixel::Unknown,
             })
             .collect();
-        let footprint = basis.footprint(size.1);
-        let silhouette = silhouettes(&pixels, size, footprint);
+        let silhouette = vec![false; pixels.len()];
         let picture = RayPicture { size, rays: gpu, origin, footprint: footprint as f32 };
         Ok(Self { picture, rays, pixels, silhouette })
     }
 
     /// Judges what a tracer answered.
-    pub fn judge(&self, reference: &Reference, answers: &[Traced], errors: &mut Errors) {
+    pub fn judge(&self, reference: &Reference, answers: &[Answer], errors: &mut Errors) {
         let footprint = f64::from(self.picture.footprint);
-        let points: Vec<Vec3> = self.rays.iter().zip(answers).map(|(ray, a)| ray.at(f64::from(a.t))).collect();
-        let normals = unit_all(reference.gradients(&points));
+        let points: Vec<Vec3> = self.rays.iter().zip(answers).map(|(ray, a)| ray.at(a.t)).collect();
+        let gradients = reference.gradients(&points);
+        let mut fields = vec![0.0; points.len()];
+        reference.field().evaluator().at(&points, &[], |i, values| fields[i] = values[0]);
+        let from: Vec<f64> = fields.iter().zip(&gradients).map(|(f, g)| f.abs() / length(*g).max(1e-30)).collect();
+        let normals = unit_all(gradients);
         errors.rays += answers.len();
         for (i, answer) in answers.iter().enumerate() {
             errors.steps += u64::from(answer.steps);
             for (sum, looks) in errors.looks.iter_mut().zip(answer.looks) {
                 *sum += u64::from(looks);
             }
-            let hit = answer.hit == 1;
+            let hit = answer.hit;
             match self.pixels[i] {
                 Pixel::Unknown => errors.unknown += 1,
                 pixel if self.silhouette[i] => {
@@ -179,9 +227,10 @@ impl View {
                         continue;
                     }
                     let width = footprint * t;
-                    let ahead = f64::from(answer.t) - t;
+                    let ahead = answer.t - t;
                     errors.inside += usize::from(ahead * facing > 0.5 * width);
                     errors.depth.push(ahead.abs() / width);
+                    errors.off.push((ahead.abs() * facing).min(from[i]) / width);
                     errors.normal.push(dot(normals[i], normal).clamp(-1.0, 1.0).acos().to_degrees());
                 }
             }
