@@ -239,6 +239,8 @@ pub struct Module {
     /// More text, for what draws meshes: a function `sf_mesh_0(p: vec3f, normal: vec3f) -> sf_Surface` and so on for each of
     /// [`Functions::meshes`], and `sf_mesh_layers_0` with its struct for one that is layered. `p` is in the mesh's own space.
     pub meshes: String,
+    /// Whether the bound is the estimate of the distance itself.
+    pub one: bool,
     /// The unions of many operands, which are tables; none in most modules.
     pub tables: Option<Arc<ModuleTables>>,
 }

@@ -236,7 +236,7 @@ pub const STRUCTURES: [&str; 3] = ["Hit", "Contact", "Surface"];
 /// The text of an exported function that is the same for every scene. `one`: whether the bound is the distance.
 pub fn function(export: Export, one: bool) -> Option<Cow<'static, str>> {
     match export {
-        Export::Trace => Some(Tracer::DEFAULT.wgsl().into()),
+        Export::Trace => Some(Tracer::DEFAULT.wgsl(one).into()),
         Export::Shadow if one => Some(SHADOW.replace("sf_distance(p)", "free").into()),
         Export::Shadow => Some(SHADOW.into()),
         Export::Collision => Some(COLLISION.into()),

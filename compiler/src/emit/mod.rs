@@ -210,6 +210,7 @@ pub fn emit(
         skipped,
         near,
         meshes: meshes_text,
+        one: one_target(&roots),
         tables: buffered.map(|code| Arc::new(ModuleTables::new(tables, code))),
     })
 }
@@ -288,6 +289,12 @@ fn shape_function(
     Ok(())
 }
 
+/// Whether the bound is the estimate of the distance.
+fn one_target(roots: &[(Export, TargetId)]) -> bool {
+    let of = |export| roots.iter().find(|r| r.0 == export).map(|r| r.1);
+    of(Export::Bound) == of(Export::Distance)
+}
+
 /// Writes the exports. The answer: operations of the field and of the bound.
 fn export_functions(
     context: &mut Context,
@@ -301,7 +308,7 @@ fn export_functions(
     let (graph, plans, prefix) = (context.graph, context.plans, context.prefix);
     let mut written: Vec<(TargetId, Export, usize)> = Vec::new();
     let target_of = |export| roots.iter().find(|r| r.0 == export).map(|r| r.1);
-    let one = target_of(Export::Bound) == target_of(Export::Distance);
+    let one = one_target(roots);
     for &export in exports {
         let _ = writeln!(text, "\n// {}", library::purpose(export));
         if let Some(function) = library::function(export, one) {

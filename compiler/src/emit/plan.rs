@@ -201,7 +201,12 @@ pub struct Plans<'a> {
     round: u32,
     /// The nodes of the plan that is being made; room that is kept.
     nodes: Vec<NodeId>,
+    /// Pairs of formulas that were compared, and whether they compute the same.
+    compared: FxHashMap<(NodeId, NodeId), bool>,
 }
+
+/// Formulas that are nested deeper than this are not compared.
+const DEEPEST: u32 = 200;
 
 impl<'a> Plans<'a> {
     /// No function yet.
@@ -209,7 +214,7 @@ impl<'a> Plans<'a> {
         let seen = vec![(0, 0); graph.len()];
         let shapes = graph.shapes().len();
         let (targets, index, nodes) = (Vec::with_capacity(shapes), vec![[None; 4]; shapes], Vec::new());
-        Self { graph, functions, tables, targets, index, seen, round: 0, nodes }
+        Self { graph, functions, tables, targets, index, seen, round: 0, nodes, compared: FxHashMap::default() }
     }
 
     /// Whether a shape has the formulas of a group.
@@ -223,7 +228,7 @@ impl<'a> Plans<'a> {
         if let Some(id) = self.known(shape, group) {
             return id;
         }
-        let same = self.same(shape, group);
+        let same = self.same(shape, group, 0);
         let id = match self.known(shape, same) {
             Some(id) => id,
             None => {
@@ -419,9 +424,11 @@ impl<'a> Plans<'a> {
         }
     }
 
-    /// The first group of a shape whose formula is this one's: the same node, or a call that passes everything on.
-    fn same(&self, shape: ShapeId, group: Group) -> Group {
-        let formula = |f: Function| self.functions.formulas.get(&(shape, f)).copied();
+    /// The first group of a shape whose formula computes the same: the same node, a call that passes everything on, or one that differs in calls of
+    /// functions alone that compute the same.
+    fn same(&mut self, shape: ShapeId, group: Group, depth: u32) -> Group {
+        let functions = self.functions;
+        let formula = |f: Function| functions.formulas.get(&(shape, f)).copied();
         let (first, earlier): (Function, &[(Function, Group)]) = match group {
             Group::Bound => (Function::Bound, &[(Function::Field, Group::Field)]),
             Group::Distance => (
@@ -434,14 +441,39 @@ impl<'a> Plans<'a> {
         for &(function, other) in earlier {
             let union = self.functions.unions.get(&(shape, first));
             let alike = union.is_some_and(|u| u.same == Some(function)) && self.tables.get((shape, function)).is_some();
-            if alike || formula(function) == Some(own) || self.passes_on(own, shape, function) {
+            if alike || self.passes_on(own, shape, function) || formula(function).is_some_and(|f| self.computes(own, f, depth)) {
                 if group == Group::Bound && self.region_of(shape).is_some() {
                     return group;
                 }
-                return self.same(shape, other);
+                return self.same(shape, other, depth);
             }
         }
         group
+    }
+
+    /// Whether two formulas are the same but for calls of functions that are.
+    fn computes(&mut self, one: NodeId, other: NodeId, depth: u32) -> bool {
+        if one == other || depth >= DEEPEST {
+            return one == other;
+        }
+        if let Some(known) = self.compared.get(&(one, other)) {
+            return *known;
+        }
+        let graph = self.graph;
+        let mut all = |a: &[NodeId], b: &[NodeId]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| self.computes(*a, *b, depth + 1));
+        let alike = match (graph.node(one), graph.node(other)) {
+            (Node::Op(op, a), Node::Op(other, b)) => op == other && all(a, b),
+            (Node::Claim(a, _), Node::Claim(b, _)) => all(a.get(..1).unwrap_or(&[]), b.get(..1).unwrap_or(&[])),
+            (Node::Call(s, f, a), Node::Call(t, g, b)) => {
+                let slope = |f: &Function| matches!(f, Function::Gradient(_));
+                let groups = (Group::of(*f).0, Group::of(*g).0);
+                let same = s == t && (f == g || !slope(f) && !slope(g));
+                same && all(a, b) && (f == g || self.same(*s, groups.0, depth + 1) == self.same(*s, groups.1, depth + 1))
+            }
+            _ => false,
+        };
+        self.compared.insert((one, other), alike);
+        alike
     }
 
     fn passes_on(&self, node: NodeId, shape: ShapeId, function: Function) -> bool {

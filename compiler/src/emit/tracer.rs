@@ -32,8 +32,8 @@ impl Tracer {
     /// The slope at which a step is longest.
     pub const STEEPEST: f64 = 0.75;
 
-    /// The function `sf_trace`, which calls `sf_clip`, `sf_bound` and `sf_distance`.
-    pub fn wgsl(&self) -> String {
+    /// The function `sf_trace`, which calls `sf_clip`, `sf_bound` and, unless that is the bound itself (`one`), `sf_distance`.
+    pub fn wgsl(&self, one: bool) -> String {
         let Self { factor, relaxation, tolerance, budget } = *self;
         let times = if factor == 1.0 { String::new() } else { format!("{factor:?} * ") };
         let relaxed = relaxation > 0.0;
@@ -75,13 +75,12 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
 ",
             );
         }
+        text.push_str(match one {
+            true => "    if free <= tolerance {\n      return sf_Hit(t, true, step);\n    }\n",
+            false => "    if free <= tolerance {\n      if sf_distance(p) <= tolerance {\n        return sf_Hit(t, true, step);\n      }\n    }\n",
+        });
         text.push_str(
-            "    if free <= tolerance {
-      if sf_distance(p) <= tolerance {
-        return sf_Hit(t, true, step);
-      }
-    }
-    // The end itself is looked at before it counts as a miss.
+            "    // The end itself is looked at before it counts as a miss.
     if t >= span.y {
       return sf_Hit(t, false, step);
     }

@@ -52,6 +52,7 @@ pub fn sphere_in(wgsl: &str, radius: f64, (min, max): (f64, f64)) -> Compiled {
         meshes: String::new(),
         tables: None,
         near: false,
+        one: false,
     };
     compiled
 }

@@ -7,6 +7,8 @@ mod edits;
 pub mod error;
 mod factors;
 #[cfg(feature = "gpu")]
+mod hand;
+#[cfg(feature = "gpu")]
 mod many;
 #[cfg(feature = "gpu")]
 mod parts;
@@ -21,7 +23,7 @@ use surefoot_compiler::{Loader, MemoryLoader, Options, Outcome, Stage, compile_o
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scenes whose rays are followed by several methods, each judged by certified truth.
-    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls", "parts"])]
+    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls", "parts", "hand"])]
     scenes: Vec<String>,
     #[cfg(feature = "gpu")]
     #[command(flatten)]
@@ -47,6 +49,9 @@ pub struct Args {
     /// Frames of these scenes, with one part after the other switched off.
     #[arg(long, value_name = "SCENES", num_args = 1.., conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls"])]
     parts: Vec<String>,
+    /// WGSL that a person wrote (tests/hand/*.wgsl), beside the modules of the same scenes: time and error.
+    #[arg(long, value_name = "WGSL", num_args = 1.., conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls"])]
+    hand: Vec<std::path::PathBuf>,
     /// No more balls than this.
     #[arg(long, default_value_t = 1_000_000, value_name = "N", requires = "balls")]
     most: u32,
@@ -71,6 +76,9 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     }
     if !args.parts.is_empty() {
         return taking_apart(args);
+    }
+    if !args.hand.is_empty() {
+        return by_hand(args);
     }
     if let Some(path) = &args.edits {
         return edits::run(path, args.runs);
@@ -131,6 +139,16 @@ fn taking_apart(args: &Args) -> Result<Exit, Failure> {
 
 #[cfg(not(feature = "gpu"))]
 fn falling(args: &Args) -> Result<Exit, Failure> {
+    growing(args)
+}
+
+#[cfg(feature = "gpu")]
+fn by_hand(args: &Args) -> Result<Exit, Failure> {
+    hand::run(&args.hand, args.error.page.as_deref())
+}
+
+#[cfg(not(feature = "gpu"))]
+fn by_hand(args: &Args) -> Result<Exit, Failure> {
     growing(args)
 }
 

@@ -41,8 +41,8 @@ const RELAXED: &str = include_str!("relaxed.wgsl");
 const FIXED: &str = include_str!("fixed.wgsl");
 
 /// Our tracer with other numbers.
-fn ours(tracer: Tracer) -> String {
-    tracer.wgsl().replace("fn sf_trace(", "fn traced(")
+fn ours(tracer: Tracer, scene: &Compiled) -> String {
+    tracer.wgsl(scene.module.one).replace("fn sf_trace(", "fn traced(")
 }
 
 /// A method by its name; none where there is no such method, and a reason where the scene has none.
@@ -51,9 +51,9 @@ pub fn method(name: &str, scene: &Compiled) -> Option<Result<Method, &'static st
     let whole = Tracer::DEFAULT;
     let scaled = |scale: f64| format!("{HEAD}{}", SCALED.replace("SCALE", &format!("{scale:?}")));
     let wgsl = match name {
-        "ours" => ours(whole),
-        "whole-steps" => ours(Tracer { relaxation: 0.0, ..whole }),
-        "half-pixel" => ours(Tracer { tolerance: 0.5, ..whole }),
+        "ours" => ours(whole, scene),
+        "whole-steps" => ours(Tracer { relaxation: 0.0, ..whole }, scene),
+        "half-pixel" => ours(Tracer { tolerance: 0.5, ..whole }, scene),
         "relaxed-1.2" | "relaxed-1.6" => format!("{HEAD}{}", RELAXED.replace("OMEGA", &name[8..])),
         "root" => match root_constant(scene) {
             Some(constant) => scaled(1.0 / constant),
@@ -67,10 +67,10 @@ pub fn method(name: &str, scene: &Compiled) -> Option<Result<Method, &'static st
 }
 
 /// Ours with one number changed at a time, for the curves.
-pub fn sweep() -> Vec<Method> {
+pub fn sweep(scene: &Compiled) -> Vec<Method> {
     let whole = Tracer::DEFAULT;
     let mut all = Vec::new();
-    let mut add = |name: String, about, tracer| all.push(Method { name, about, wgsl: ours(tracer) });
+    let mut add = |name: String, about, tracer| all.push(Method { name, about, wgsl: ours(tracer, scene) });
     for times in [4.0, 2.0, 0.5, 0.25, 0.0625, 0.015625] {
         let tolerance = times * whole.tolerance;
         add(format!("tolerance x{times:?}"), "ours with another tolerance", Tracer { tolerance, ..whole });

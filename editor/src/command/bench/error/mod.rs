@@ -147,7 +147,7 @@ fn measure(gpu: &Gpu, path: &str, scene: &Compiled, args: &Args, show: &(dyn Fn(
         }
     }
     if args.sweep {
-        methods.extend(methods::sweep());
+        methods.extend(methods::sweep(scene));
     }
     let reference = Reference::new(scene, &live).map_err(|e| e.to_string())?;
     let weights = [reference.field(), reference.bound(), reference.distance()].map(|tape| tape.operations() as f64);
