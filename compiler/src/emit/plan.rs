@@ -424,8 +424,7 @@ impl<'a> Plans<'a> {
         }
     }
 
-    /// The first group of a shape whose formula computes the same: the same node, a call that passes everything on, or one that differs in calls of
-    /// functions alone that compute the same.
+    /// The first group of a shape whose formula computes the same: the same node, a call that passes everything on, or see [`Plans::computes`].
     fn same(&mut self, shape: ShapeId, group: Group, depth: u32) -> Group {
         let functions = self.functions;
         let formula = |f: Function| functions.formulas.get(&(shape, f)).copied();
@@ -467,8 +466,8 @@ impl<'a> Plans<'a> {
             (Node::Call(s, f, a), Node::Call(t, g, b)) => {
                 let slope = |f: &Function| matches!(f, Function::Gradient(_));
                 let groups = (Group::of(*f).0, Group::of(*g).0);
-                let same = s == t && (f == g || !slope(f) && !slope(g));
-                same && all(a, b) && (f == g || self.same(*s, groups.0, depth + 1) == self.same(*s, groups.1, depth + 1))
+                let called = s == t && (f == g || !slope(f) && !slope(g)) && all(a, b);
+                called && (f == g || self.same(*s, groups.0, depth + 1) == self.same(*s, groups.1, depth + 1))
             }
             _ => false,
         };
