@@ -142,3 +142,42 @@ fn the_estimate_is_hardly_over_the_distance() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// Light asks the distance where the bound says that nothing is near, so outside it may not be less.
+#[test]
+fn the_estimate_is_no_less_than_the_bound() {
+    let mut wrong = Vec::new();
+    for text in [
+        "sphere(0.3).repeat((1, 0, 1), (3, 1, 3)) | plane(y, -0.3)",
+        "box(1).repeat((1, 0, 0), (3, 1, 1))",
+        "box((0.3, 0.2, 0.2)).translate(1, 0, 0).repeat_polar(y, 8) | plane(y, -0.1)",
+        "sphere(0.3).repeat((1, 0, 1)) & plane(y, 2)",
+        "flat | plane(y, -1)",
+        "box(1).stretched",
+        "uneven | plane(y, -1)",
+        "smooth_union(sphere(0.6).translate(-0.4, 0, 0), sphere(0.5).translate(0.5, 0.2, 0), 0.4)",
+    ] {
+        let scene = format!(
+            "field flat = 0.1 * (length(p) - 1)\nwarp stretched = p * (1 + 0.5 * sin(p.y))\n\
+             field uneven = (length(p) - 1) * (1 + 0.9 * sin(5 * p.y))\nscene = {text}\n"
+        );
+        let loader = MemoryLoader::new().with("main.sdf", scene);
+        let scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
+        let root = [Function::Distance, Function::Bound].map(|f| scene.functions.formulas[&(scene.root, f)]);
+        let tape = Tape::new(&scene.graph, &scene.functions, &root, &scene.live(), 4_000_000).unwrap();
+        let mut random = Random(5);
+        let points: Vec<[f64; 3]> = (0..5000).map(|i| random.within([2.0, 6.0][i % 2])).collect();
+        let mut least = (1.0, [0.0; 3]);
+        tape.evaluator().at(&points, &[], |i, values| {
+            let ratio = values[0] / values[1];
+            if values[1] > 1e-3 && ratio < least.0 {
+                least = (ratio, points[i]);
+            }
+        });
+        println!("{:.4} at {:?} {text}", least.0, least.1);
+        if least.0 < 0.99 {
+            wrong.push(format!("{text}: {} of the bound at {:?}", least.0, least.1));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}

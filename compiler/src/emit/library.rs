@@ -261,7 +261,7 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
     if free <= tolerance {
       return 0.0;
     }
-    // The distance is no less than the bound: it is looked at where it can matter.
+    // The distance is looked at where the bound says that it can matter.
     if softness > 0.0 && softness * free < lit * max(t, tolerance) {
       lit = min(lit, softness * sf_distance(p) / max(t, tolerance));
       if lit < 0.002 {

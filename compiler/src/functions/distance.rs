@@ -3,10 +3,13 @@
 use super::{Builder, BUDGET, STEEPEST, UNIT};
 use crate::analysis::{Box3, Domain};
 use crate::graph::kernel::Op;
-use crate::graph::{Claim, Function, Leaf, Node, NodeId, ShapeId, kernel};
+use crate::graph::{Claim, FAR, Function, Leaf, Node, NodeId, ShapeId, kernel};
 
 /// A moved shape of more parts than this is one formula: each part costs its own gradient.
 const PARTS: usize = 16;
+
+/// A formula that is no steeper than this is flat.
+const FLAT: f64 = 0.99;
 
 impl Builder<'_> {
     /// The estimate of the distance: composed under `min` and `max`, a field where it is no steeper than a distance, else the field over
@@ -51,21 +54,48 @@ impl Builder<'_> {
                     return self.graph.call(inner, Function::Distance, &args);
                 }
                 let whole = self.facts.constant(self.graph, node, &everywhere, 1);
-                if whole.lipschitz <= STEEPEST {
-                    return self.part_by_part(node, whole.lipschitz);
+                if whole.lipschitz <= UNIT {
+                    return self.over_gradient(node, whole.lipschitz);
                 }
-                let near = match self.region_of(node, domain) {
-                    Some((region, reach)) => domain.at(region.grow(reach)),
-                    None => return node,
-                };
-                let constant = self.facts.constant(self.graph, node, &near, BUDGET);
-                self.part_by_part(node, constant.lipschitz)
+                let Some((region, reach)) = self.region_of(node, domain) else { return node };
+                let near = domain.at(region.grow(reach));
+                let known = whole.lipschitz <= STEEPEST;
+                let constant = if known { whole } else { self.facts.constant(self.graph, node, &near, BUDGET) };
+                let estimate = self.part_by_part(node, constant.lipschitz);
+                self.no_less_than_to(region, estimate)
             }
             _ => {
                 let Some(treatment) = self.treatment(shape, node, domain, true) else { return node };
-                self.over_gradient(node, treatment.constant)
+                let estimate = self.over_gradient(node, treatment.constant);
+                match treatment.region {
+                    Some((region, _)) => self.no_less_than_to(region, estimate),
+                    None => estimate,
+                }
             }
         }
+    }
+
+    /// An estimate, or outside of a region the distance to it, if that is more: far from its solid a formula may say anything.
+    fn no_less_than_to(&mut self, region: Box3, estimate: NodeId) -> NodeId {
+        if region.is_empty() {
+            return self.graph.constant(FAR);
+        }
+        let zero = self.graph.constant(0.0);
+        let mut ways = [zero; 3];
+        for (i, coordinate) in self.graph.point().into_iter().enumerate() {
+            let side = region.axis(i);
+            if let Some(slot) = ways.get_mut(i).filter(|_| side.is_finite()) {
+                let (low, high) = (self.graph.constant(side.lo), self.graph.constant(side.hi));
+                let below = self.graph.op(Op::Sub, &[low, coordinate]);
+                let above = self.graph.op(Op::Sub, &[coordinate, high]);
+                let way = self.graph.op(Op::Max, &[below, above]);
+                *slot = self.graph.op(Op::Max, &[way, zero]);
+            }
+        }
+        let away = self.graph.op(Op::Length3, &ways);
+        let outside = self.graph.op(Op::Lt, &[zero, away]);
+        let more = self.graph.op(Op::Max, &[estimate, away]);
+        self.graph.op(Op::Select, &[outside, more, estimate])
     }
 
     pub(super) fn scaled_distance(&mut self, args: &[NodeId], domain: &Domain) -> Option<NodeId> {
@@ -168,6 +198,11 @@ impl Builder<'_> {
     /// within a hundredth of a scene's size. A look at the foot of that way, and the chord from there, leaves a tenth of that; but it makes
     /// a picture a fifth to a third slower, for soft shadows ask at each step, so it is not taken.
     pub(super) fn over_gradient(&mut self, node: NodeId, constant: f64) -> NodeId {
+        // What is flatter than a distance everywhere is as much less than one.
+        if constant < FLAT && constant > 1e-6 {
+            let steepness = self.graph.constant(constant);
+            return self.graph.op(Op::Div, &[node, steepness]);
+        }
         if constant <= UNIT || !constant.is_finite() {
             return node;
         }

@@ -108,7 +108,8 @@ pub fn find(graph: &Graph, facts: &mut Facts, functions: &Functions, asked: &[Of
     let mut finder = Finder { graph, functions, asked: FxHashSet::default(), joints: FxHashMap::default(), below: FxHashMap::default() };
     finder.asked = asked.iter().map(|of| finder.passed_on(*of)).collect();
     // What is the same as another function of its shape is computed as that one.
-    let own = |of: &Of| !matches!(of.1, Function::Gradient(_)) && finder.first(*of) == *of;
+    let solid = |of: &Of| graph.shape(of.0).is_some_and(|s| s.dimensions == 3);
+    let own = |of: &Of| !matches!(of.1, Function::Gradient(_)) && solid(of) && finder.first(*of) == *of;
     let mut all: Vec<Of> = functions.formulas.keys().copied().filter(own).collect();
     all.sort_unstable();
     let joints: Vec<(Of, Joint)> = all.iter().filter_map(|&of| Some((of, finder.joint(of)?))).collect();

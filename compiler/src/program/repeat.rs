@@ -147,7 +147,6 @@ impl Elaborator<'_> {
                 "make the cells larger, or the body smaller",
             ));
         }
-        let id = self.place_cells(&axes, &variables, body, dimensions, span);
         // All cells together: those of a counted axis reach so far, those of an endless one everywhere.
         let mut around = region;
         for axis in &axes {
@@ -161,6 +160,7 @@ impl Elaborator<'_> {
             };
             around = around.with_axis(axis.index, side);
         }
+        let id = self.place_cells(&axes, &variables, body, &around, dimensions, span);
         if let Some(value) = self.graph.shape(id).map(|s| s.value) {
             self.facts.know_solid(value, around);
         }
@@ -172,6 +172,7 @@ impl Elaborator<'_> {
         axes: &[Axis],
         variables: &[u32],
         body: ShapeId,
+        around: &Box3,
         dimensions: usize,
         span: Span,
     ) -> ShapeId {
@@ -262,13 +263,41 @@ impl Elaborator<'_> {
         }
         let nearest = self.balanced(Op::Min, &copies, FAR);
         let value = match cap {
-            Some(cap) => self.graph.op(Op::Min, &[nearest, cap]),
+            Some(cap) => {
+                let cap = self.at_least_outside(cap, around, dimensions);
+                self.graph.op(Op::Min, &[nearest, cap])
+            }
             None => nearest,
         };
         // At a wall between cells the copies that are looked at change, and the cap is at or below what
         // comes and goes; so the jumps of the cell's number cancel.
         let value = self.graph.intern(Node::Claim([value].into(), Claim::Continuous));
         self.make_shape(dimensions as u8, value, span)
+    }
+
+    /// A cap, or the distance to a box that holds all copies, if that is more: none is nearer than that either.
+    fn at_least_outside(&mut self, cap: NodeId, around: &Box3, dimensions: usize) -> NodeId {
+        let zero = self.graph.constant(0.0);
+        let mut ways = Vec::new();
+        for (i, coordinate) in self.graph.point().into_iter().enumerate().take(dimensions) {
+            let side = around.axis(i);
+            // What reaches to the extent goes on there.
+            if side.is_empty() || side.magnitude() >= 0.99 * self.extent {
+                continue;
+            }
+            let (low, high) = (self.graph.constant(side.lo), self.graph.constant(side.hi));
+            let below = self.graph.op(Op::Sub, &[low, coordinate]);
+            let above = self.graph.op(Op::Sub, &[coordinate, high]);
+            let way = self.graph.op(Op::Max, &[below, above]);
+            ways.push(self.graph.op(Op::Max, &[way, zero]));
+        }
+        let outside = match (ways.len(), ways.first()) {
+            (0, _) | (_, None) => return cap,
+            (1, Some(&way)) => way,
+            (2, _) => self.graph.op(Op::Length2, &ways),
+            _ => self.graph.op(Op::Length3, &ways),
+        };
+        self.graph.op(Op::Max, &[cap, outside])
     }
 
     fn clamp_cell(&mut self, cell: NodeId, count: Option<(NodeId, f64)>) -> NodeId {
@@ -456,6 +485,7 @@ impl Elaborator<'_> {
         let inner = self.graph.constant(inner);
         let inner = self.graph.op(Op::Sub, &[inner, radius]);
         let cap = self.graph.op(Op::Max, &[cap, inner]);
+        let cap = self.at_least_outside(cap, &around, usize::from(dimensions));
         let value = self.graph.op(Op::Min, &[nearest, cap]);
         let value = self.graph.intern(Node::Claim([value].into(), Claim::Continuous));
         self.facts.know_solid(value, around);

@@ -278,7 +278,7 @@ impl Reference {
     /// How much light comes along rays: 1 lit, 0 dark. Of `softness` 0 is a sharp edge, more is sharper.
     pub fn shadow(&self, rays: &[Ray], softness: f64, extent: f64) -> Vec<f64> {
         let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
-        let mut lit: Vec<(f64, u32)> = vec![(1.0, 0); rays.len()];
+        let lit: Vec<Cell<(f64, u32)>> = vec![Cell::new((1.0, 0)); rays.len()];
         let tolerance = |look: &Look| 2e-6 * self.rounded(look.point, look.t);
         let scene = match softness > 0.0 {
             true => Scene::Both(&self.both),
@@ -287,28 +287,30 @@ impl Reference {
         march(
             scene,
             &clipped,
-            |look| softness > 0.0 && look.free > tolerance(look),
+            |look| {
+                let (lit, _) = lit.get(look.ray).map_or((1.0, 0), Cell::get);
+                let tolerance = tolerance(look);
+                // The distance is looked at where the bound says that it can matter.
+                softness > 0.0 && look.free > tolerance && softness * look.free < lit * look.t.max(tolerance)
+            },
             |look, distance| {
-                let (lit, steps) = lit.get_mut(look.ray)?;
+                let state = lit.get(look.ray)?;
+                let (mut lit, steps) = state.get();
                 let end = clipped.get(look.ray).copied().flatten()?.t_max;
                 let tolerance = tolerance(look);
-                if look.free <= tolerance {
-                    *lit = 0.0;
+                if let Some(distance) = distance {
+                    lit = lit.min(softness * distance / look.t.max(tolerance));
+                }
+                if look.free <= tolerance || lit < 0.002 {
+                    state.set((0.0, steps));
                     return None;
                 }
-                if let Some(distance) = distance {
-                    *lit = lit.min(softness * distance / look.t.max(tolerance));
-                    if *lit < 0.002 {
-                        *lit = 0.0;
-                        return None;
-                    }
-                }
-                *steps += 1;
+                state.set((lit, steps + 1));
                 let t = look.t + look.free;
-                (t <= end && *steps < MOST_SHADOW_STEPS).then_some(t)
+                (t <= end && steps + 1 < MOST_SHADOW_STEPS).then_some(t)
             },
         );
-        lit.into_iter().map(|(lit, _)| lit * lit * (3.0 - 2.0 * lit)).collect()
+        lit.iter().map(Cell::get).map(|(lit, _)| lit * lit * (3.0 - 2.0 * lit)).collect()
     }
 
     /// How open the surroundings of a surface are: 1 open, 0 closed; at strength 1 the edge of a wedge gets the share of the sky that it sees,
