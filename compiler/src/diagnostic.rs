@@ -204,6 +204,9 @@ codes! {
     ExtentUsed, "extent-used", Warning,
         "A formula without a bound over all space: it is proven and drawn within the scene's extent, which `render { extent: … }` sets.",
         "";
+    NothingSolid, "nothing-solid", Warning,
+        "Nothing solid lies within the scene's extent, so the picture shows the sky alone. Move the scene toward the origin, or set `render { extent: … }`. Shapes that do not meet have no intersection.",
+        "scene = sphere(1).translate(150, 0, 0)";
     Jump, "jump", Warning,
         "A formula jumps here; rays stop before it and look again, which takes time. Where both sides of the jump agree, nothing is said.",
         "field f = length(p) - 1 + floor(4 * p.x) / 9\nscene = f";

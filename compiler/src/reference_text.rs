@@ -115,18 +115,24 @@ fn entry(sources: &Sources, item: &Item) -> Option<Entry> {
         example: String::new(),
         claim,
     };
+    // A source may go on in the next line.
+    let mut sourced = false;
     for line in item.doc.as_deref().unwrap_or("").lines().map(str::trim) {
+        let goes_on = std::mem::take(&mut sourced);
         if let Some(rest) = line.strip_prefix("Source:") {
             entry.source = rest.trim().to_owned();
+            sourced = true;
         } else if let Some(rest) = line.strip_prefix("Example:") {
             entry.example = rest.trim().to_owned();
         } else if let Some(rest) = line.strip_prefix("Requires:") {
             entry.requires.extend(rest.split(',').map(|r| r.trim().to_owned()));
         } else {
-            if !entry.text.is_empty() {
-                entry.text.push(' ');
+            sourced = goes_on;
+            let text = if goes_on { &mut entry.source } else { &mut entry.text };
+            if !text.is_empty() {
+                text.push(' ');
             }
-            entry.text.push_str(line);
+            text.push_str(line);
         }
     }
     Some(entry)
@@ -145,7 +151,8 @@ fn signature(sources: &Sources, item: &Item, f: &Function) -> (String, Option<St
         });
     }
     let words: Vec<&str> = sources.text(head).split_whitespace().collect();
-    let text = words.join(" ");
+    // What is laid out on several lines is told on one.
+    let text = words.join(" ").replace("( ", "(").replace(", )", ")");
     (text.trim_end_matches('=').trim_end().to_owned(), claimed)
 }
 

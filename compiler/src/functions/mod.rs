@@ -343,11 +343,20 @@ impl Builder<'_> {
         }
         let factor = self.graph.factors.iter().map(|f| f.lipschitz).fold(1.0, f64::max);
         let domain = self.domain(self.root);
-        let bounds = self
-            .graph
-            .shape(self.root)
-            .map(|s| s.value)
-            .map(|value| self.facts.rough_region(self.graph, value, &domain))
+        let value = self.graph.shape(self.root).map(|s| s.value);
+        let region = value.map(|value| self.facts.rough_region(self.graph, value, &domain));
+        if let Some(value) = value
+            && region.is_some_and(|r| r.is_empty())
+        {
+            let span = self.place(self.root, value);
+            self.diagnostics.push(Diagnostic::new(
+                Code::NothingSolid,
+                span,
+                format!("nothing solid lies within the scene's extent of {}", self.extent),
+                "move the scene toward the origin, or set `render { extent: … }` to what it needs",
+            ));
+        }
+        let bounds = region
             .filter(|r| !r.is_empty() && r.0.iter().all(|i| i.lo > -self.extent && i.hi < self.extent))
             .map(|r| [r.0.map(|i| i.lo), r.0.map(|i| i.hi)]);
         Summary { nodes: nodes.len(), primitives, factor, kind: self.kind, bounds }

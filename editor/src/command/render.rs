@@ -92,6 +92,10 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
     let mut live = compiled.live();
     values::apply(&args.set, compiled, &mut live).map_err(Failure::usage)?;
+    if args.output.extension().is_some_and(|e| !e.eq_ignore_ascii_case("png")) {
+        let png = args.output.with_extension("png");
+        return Err(Failure::usage(format!("pictures are written as PNG: write `-o {}`", png.display())));
+    }
     // A wrong name is said before anything slow is done.
     camera(&compiled.frame(&live), args.camera.as_deref())?;
 
