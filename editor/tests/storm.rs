@@ -23,6 +23,8 @@ const PART: ((u32, u32), (u32, u32)) = ((600, 260), (900, 560));
 const FULL: u64 = 560;
 /// The share of pixels that a coarser picture of the same ball may have otherwise, along its edge.
 const COARSE: f64 = 0.05;
+/// The share that a still of fewer samples may have otherwise: a few pixels of that edge.
+const UNFINISHED: f64 = 0.001;
 
 const BALL: &str = "shape ball(r: float) = sphere(r)\n";
 
@@ -160,7 +162,7 @@ fn a_thousand_saves_in_ten_seconds() {
         fs::write(window.scene(), scene(last)).unwrap();
         let screen = settled(&window, name, if last % 2 == 0 { red } else { blue });
         let strange = strange(&screen, &[right]);
-        assert!(strange == 0.0, "{name}: {:.2} % are of another picture", 100.0 * strange);
+        assert!(strange < UNFINISHED, "{name}: {:.2} % are of another picture", 100.0 * strange);
     }
     let last = window.log().iter().rev().find(|event| event["event"] == "compiled").cloned().unwrap();
     assert_eq!((last["errors"].as_u64(), last["swapped"].as_bool()), (Some(0), Some(true)), "{last}");
