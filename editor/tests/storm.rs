@@ -23,8 +23,8 @@ const PART: ((u32, u32), (u32, u32)) = ((600, 260), (900, 560));
 const FULL: u64 = 560;
 /// The share of pixels that a coarser picture of the same ball may have otherwise, along its edge.
 const COARSE: f64 = 0.05;
-/// The share that a still of fewer samples may have otherwise: a few pixels of that edge.
-const UNFINISHED: f64 = 0.001;
+/// The share that a still of fewer samples may have otherwise: the pixels of that edge, which are smooth only in time.
+const UNFINISHED: f64 = 0.01;
 
 const BALL: &str = "shape ball(r: float) = sphere(r)\n";
 

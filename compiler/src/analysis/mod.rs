@@ -48,6 +48,8 @@ pub struct Facts {
     entries: u32,
     /// How many more unions may be looked at part by part for the region at hand.
     unions: u32,
+    /// How many unions inside were looked at part by part so far.
+    looks: u32,
     /// How many more shapes may be sifted for the region at hand.
     sifts: u32,
     /// How many steps of formulas a closer look at regions has cost so far.
@@ -84,6 +86,7 @@ impl Default for Facts {
             unions: 0,
             sifts: 0,
             closer: 0,
+            looks: 0,
             steps: STEPS,
             boxes: 0,
             ran: 0,

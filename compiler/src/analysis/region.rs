@@ -20,6 +20,8 @@ const CLOSER_STEPS: u64 = 8_000_000;
 const SIFTS: u32 = 16;
 /// How many unions inside may be looked at part by part for one region.
 const UNIONS: u32 = 3;
+/// How many that may be for all regions of a scene: within such a look there may be others.
+const LOOKS: u32 = 1000;
 /// How many shapes one contraction may enter, shared ones counted each time.
 const ENTRIES: u32 = 400;
 /// How many steps one contraction may visit, shared steps counted each time.
@@ -263,8 +265,10 @@ impl Facts {
             }
             let (node, level) = (s.value, target.hi);
             // A union inside is looked at part by part, where that is not done too often.
-            if self.unions > 0 && matches!(graph.node(node), Node::Op(Op::Min, _) | Node::Call(..)) {
+            let is_union = matches!(graph.node(node), Node::Op(Op::Min, _) | Node::Call(..));
+            if self.unions > 0 && self.looks < LOOKS && is_union {
                 self.unions -= 1;
+                self.looks += 1;
                 let (entries, sifts) = (self.entries, self.sifts);
                 let region = self.region(graph, node, &domain, level);
                 (self.entries, self.sifts) = (entries, sifts);
