@@ -345,7 +345,8 @@ impl Builder<'_> {
         let domain = self.domain(self.root);
         let value = self.graph.shape(self.root).map(|s| s.value);
         let region = value.map(|value| self.facts.rough_region(self.graph, value, &domain));
-        if let Some(value) = value
+        // Who writes `nothing` means it: there may be meshes.
+        if let Some(value) = value.filter(|v| self.graph.as_constant(*v).is_none())
             && region.is_some_and(|r| r.is_empty())
         {
             let span = self.place(self.root, value);
