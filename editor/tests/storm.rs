@@ -21,8 +21,9 @@ const PART: ((u32, u32), (u32, u32)) = ((600, 260), (900, 560));
 
 /// The picture's width when it is drawn in full; a coarser one may come before it.
 const FULL: u64 = 560;
-/// The share of pixels that a coarser picture of the same ball may have otherwise, along its edge.
-const COARSE: f64 = 0.05;
+/// The share of pixels that a coarser picture of the same ball may have otherwise, along its edge: the coarsest has a pixel for every 5.5 each
+/// way, so eleven on either side of an edge may be mixed. Another ball is a fifth of all.
+const COARSE: f64 = 0.08;
 /// The share that a still of fewer samples may have otherwise: the pixels of that edge, which are smooth only in time.
 const UNFINISHED: f64 = 0.01;
 
