@@ -68,18 +68,6 @@ type Rows = Vec<(&'static str, Vec<Duration>)>;
 
 /// Measures and prints. Files are read once and then kept, so that the disk is not what is measured.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
-    if args.many {
-        return growing(args);
-    }
-    if !args.balls.is_empty() {
-        return falling(args);
-    }
-    if !args.parts.is_empty() {
-        return taking_apart(args);
-    }
-    if !args.hand.is_empty() {
-        return by_hand(args);
-    }
     if let Some(path) = &args.edits {
         return edits::run(path, args.runs);
     }
@@ -89,7 +77,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if !args.factors.is_empty() {
         return factors::run(&args.factors);
     }
-    let Some(path) = &args.compile else { return errors(args) };
+    let Some(path) = &args.compile else { return drawn(args) };
     let first = compile_file(path, &Options::default())?;
     show_diagnostics(&first);
     if first.compiled.is_none() {
@@ -112,55 +100,26 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     Ok(Exit::Fine)
 }
 
+/// What a graphics adapter is measured with.
 #[cfg(feature = "gpu")]
-fn errors(args: &Args) -> Result<Exit, Failure> {
-    error::run(&args.scenes, &args.error, args.json.as_deref())
-}
-
-#[cfg(feature = "gpu")]
-fn growing(args: &Args) -> Result<Exit, Failure> {
-    many::run(args.error.page.as_deref())
-}
-
-#[cfg(feature = "gpu")]
-fn falling(args: &Args) -> Result<Exit, Failure> {
-    balls::run(&args.balls, args.most, args.error.page.as_deref())
-}
-
-#[cfg(feature = "gpu")]
-fn taking_apart(args: &Args) -> Result<Exit, Failure> {
-    parts::run(&args.parts, args.error.page.as_deref())
+fn drawn(args: &Args) -> Result<Exit, Failure> {
+    let page = args.error.page.as_deref();
+    if args.many {
+        many::run(page)
+    } else if !args.balls.is_empty() {
+        balls::run(&args.balls, args.most, page)
+    } else if !args.parts.is_empty() {
+        parts::run(&args.parts, page)
+    } else if !args.hand.is_empty() {
+        hand::run(&args.hand, page)
+    } else {
+        error::run(&args.scenes, &args.error, args.json.as_deref())
+    }
 }
 
 #[cfg(not(feature = "gpu"))]
-fn taking_apart(args: &Args) -> Result<Exit, Failure> {
-    growing(args)
-}
-
-#[cfg(not(feature = "gpu"))]
-fn falling(args: &Args) -> Result<Exit, Failure> {
-    growing(args)
-}
-
-#[cfg(feature = "gpu")]
-fn by_hand(args: &Args) -> Result<Exit, Failure> {
-    hand::run(&args.hand, args.error.page.as_deref())
-}
-
-#[cfg(not(feature = "gpu"))]
-fn by_hand(args: &Args) -> Result<Exit, Failure> {
-    growing(args)
-}
-
-#[cfg(not(feature = "gpu"))]
-fn errors(args: &Args) -> Result<Exit, Failure> {
-    growing(args)
-}
-
-#[cfg(not(feature = "gpu"))]
-fn growing(_: &Args) -> Result<Exit, Failure> {
-    let words = "this program was built without graphics".to_owned();
-    Err(Failure { exit: Exit::NoGraphics, words })
+fn drawn(_: &Args) -> Result<Exit, Failure> {
+    Err(Failure { exit: Exit::NoGraphics, words: "this program was built without graphics".to_owned() })
 }
 
 fn in_memory(outcome: &Outcome) -> MemoryLoader {
