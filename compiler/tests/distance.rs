@@ -181,3 +181,25 @@ fn the_estimate_is_no_less_than_the_bound() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// How far a slider may be moved, and what a factor is for all of that, says nothing of where it stands.
+#[test]
+fn a_wide_range_makes_no_shape_fatter() {
+    let solid = "scene = box(2).taper(y, -1, 1, f)";
+    let scenes = [format!("param f = 0.5 in 0.1..3\n{solid}"), format!("let f = 0.5\n{solid}")].map(|text| {
+        let loader = MemoryLoader::new().with("main.sdf", text);
+        compile(&loader, "main.sdf", &Options::default()).compiled.unwrap()
+    });
+    let mut random = Random(3);
+    let points: Vec<[f64; 3]> = (0..2000).map(|_| random.within(1.2)).collect();
+    let [wide, still] = scenes.map(|scene| {
+        let root = scene.functions.formulas[&(scene.root, Function::Distance)];
+        let tape = Tape::new(&scene.graph, &scene.functions, &[root], &scene.live(), 4_000_000).unwrap();
+        let mut found = vec![0.0; points.len()];
+        tape.evaluator().at(&points, &[], |i, values| found[i] = values[0]);
+        found
+    });
+    for ((wide, still), at) in wide.iter().zip(&still).zip(&points) {
+        assert!((wide - still).abs() <= 0.02 * still.abs() + 1e-6, "{wide} and not {still} at {at:?}");
+    }
+}

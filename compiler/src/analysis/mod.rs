@@ -7,7 +7,8 @@ pub mod branches;
 pub mod constant;
 pub mod domain;
 pub mod dual;
-pub mod matrix;
+pub mod joined;
+mod matrix;
 pub mod memory;
 pub mod period;
 pub mod region;
@@ -306,14 +307,20 @@ pub fn leaf_range(graph: &Graph, pinned: &[f64], leaf: Leaf, domain: &Domain) ->
 impl Graph {
     /// Components of parameters that nodes depend on, through the shapes that they call.
     pub fn parameters_under(&self, nodes: &[NodeId]) -> FxHashSet<u32> {
+        let parameter = |leaf| if let Leaf::Parameter(i) = leaf { Some(i) } else { None };
+        self.leaves_under(nodes).into_iter().filter_map(parameter).collect()
+    }
+
+    /// The leaves that nodes read, through the shapes that they call.
+    pub fn leaves_under(&self, nodes: &[NodeId]) -> FxHashSet<Leaf> {
         let mut read = FxHashSet::default();
         let mut seen: FxHashSet<ShapeId> = FxHashSet::default();
         let mut roots: Vec<NodeId> = nodes.to_vec();
         while !roots.is_empty() {
             for id in self.reachable(&std::mem::take(&mut roots)) {
                 match self.node(id) {
-                    Node::Leaf(Leaf::Parameter(i)) => {
-                        read.insert(*i);
+                    Node::Leaf(leaf) => {
+                        read.insert(*leaf);
                     }
                     Node::Call(s, ..) if seen.insert(*s) => roots.extend(self.shape(*s).map(|s| s.value)),
                     Node::Claim(_, crate::graph::Claim::Lipschitz(formula, _)) => roots.push(*formula),

@@ -1,6 +1,7 @@
 //! The estimate of the distance, and the gradient: what light, occlusion and contact use. No factor is ever in them.
 
 use super::{Builder, BUDGET, STEEPEST, UNIT};
+use crate::analysis::search::{Search, Target, spread};
 use crate::analysis::{Box3, Domain};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, FAR, Function, Leaf, Node, NodeId, ShapeId, kernel};
@@ -11,12 +12,31 @@ const PARTS: usize = 16;
 /// A formula that is no steeper than this is flat.
 const FLAT: f64 = 0.99;
 
+/// At how many values of the parameters a constant is looked for again, and with how many boxes each.
+const GENTLE_VALUES: usize = 4;
+const GENTLE_BOXES: usize = 32;
+
+/// How steep a formula may be: at most, and at the gentlest of a few values of its parameters.
+#[derive(Clone, Copy)]
+pub(super) struct Steepness {
+    constant: f64,
+    gentlest: f64,
+}
+
+impl Steepness {
+    fn same(constant: f64) -> Self {
+        Steepness { constant, gentlest: constant }
+    }
+}
+
 impl Builder<'_> {
     /// The estimate of the distance: composed under `min` and `max`, a field where it is no steeper than a distance, else the field over
-    /// its gradient (Hart 1996), which may not exceed four times what is proven.
+    /// its gradient (Hart 1996), which may not exceed four times what is proven at some values of
+    /// the parameters.
     pub(super) fn distance(&mut self, shape: ShapeId, node: NodeId, domain: &Domain) -> NodeId {
         match self.graph.node(node).clone() {
             Node::Constant(_) => node,
+            _ if self.is_exact(shape, node) => node,
             Node::Op(op @ (Op::Min | Op::Max), args) => {
                 let args: Vec<NodeId> = {
                     let near = if op == Op::Max { self.narrowed(node, domain) } else { None };
@@ -55,24 +75,45 @@ impl Builder<'_> {
                 }
                 let whole = self.facts.constant(self.graph, node, &everywhere, 1);
                 if whole.lipschitz <= UNIT {
-                    return self.over_gradient(node, whole.lipschitz);
+                    return self.over_gradient(node, Steepness::same(whole.lipschitz));
                 }
                 let Some((region, reach)) = self.region_of(node, domain) else { return node };
                 let near = domain.at(region.grow(reach));
                 let known = whole.lipschitz <= STEEPEST;
                 let constant = if known { whole } else { self.facts.constant(self.graph, node, &near, BUDGET) };
-                let estimate = self.part_by_part(node, constant.lipschitz);
+                let steepness = self.steepness(node, if known { &everywhere } else { &near }, constant.lipschitz);
+                let estimate = self.part_by_part(node, steepness);
                 self.no_less_than_to(region, estimate)
             }
             _ => {
                 let Some(treatment) = self.treatment(shape, node, domain, true) else { return node };
-                let estimate = self.over_gradient(node, treatment.constant);
+                let near = treatment.region.map(|(region, reach)| domain.at(region.grow(reach)));
+                let steepness = self.steepness(node, near.as_ref().unwrap_or(domain), treatment.constant);
+                let estimate = self.over_gradient(node, steepness);
                 match treatment.region {
                     Some((region, _)) => self.no_less_than_to(region, estimate),
                     None => estimate,
                 }
             }
         }
+    }
+
+    /// How steep a node is that is no steeper than `constant`. A parameter's whole range says little about one of its values: at a few values
+    /// the constant is looked for again.
+    fn steepness(&self, node: NodeId, domain: &Domain, constant: f64) -> Steepness {
+        let target = Target::Value(node);
+        let parameters = self.parameters_of(&target);
+        if constant <= UNIT || (parameters.is_empty() && !self.graph.leaves_under(&[node]).contains(&Leaf::Time)) {
+            return Steepness::same(constant);
+        }
+        let search = Search { target, domain: domain.clone(), parameters };
+        let at = |i: usize| {
+            let time = i as f64;
+            let mut values: Vec<f64> = spread(self.graph, domain, &[], i).1.to_vec();
+            values.push(time);
+            search.run(self.graph, values.into(), GENTLE_BOXES)
+        };
+        Steepness { constant, gentlest: (0..GENTLE_VALUES).map(at).filter(|c| c.is_finite()).fold(constant, f64::min) }
     }
 
     /// An estimate, or outside of a region the distance to it, if that is more: far from its solid a formula may say anything.
@@ -114,28 +155,28 @@ impl Builder<'_> {
     }
 
     /// Of a moved shape: what it is a union or an intersection of, each over its own gradient, for the nearest need not be the least in value.
-    fn part_by_part(&mut self, node: NodeId, constant: f64) -> NodeId {
-        if constant <= UNIT || !(2..=PARTS).contains(&self.parts(node, PARTS + 1)) {
-            return self.over_gradient(node, constant);
+    fn part_by_part(&mut self, node: NodeId, steepness: Steepness) -> NodeId {
+        if steepness.constant <= UNIT || !(2..=PARTS).contains(&self.parts(node, PARTS + 1)) {
+            return self.over_gradient(node, steepness);
         }
         if let Some(within) = self.corner(node) {
             let zero = self.graph.constant(0.0);
             let inside = self.graph.op(Op::Lt, &[within, zero]);
-            let (within, outside) = (self.part_by_part(within, constant), self.over_gradient(node, constant));
+            let (within, outside) = (self.part_by_part(within, steepness), self.over_gradient(node, steepness));
             return self.graph.op(Op::Select, &[inside, within, outside]);
         }
         match self.graph.node(node).clone() {
             Node::Op(op @ (Op::Min | Op::Max | Op::Neg), args) => {
-                let args: Vec<NodeId> = args.iter().map(|&a| self.part_by_part(a, constant)).collect();
+                let args: Vec<NodeId> = args.iter().map(|&a| self.part_by_part(a, steepness)).collect();
                 self.graph.op(op, &args)
             }
-            Node::Claim(args, _) => args.first().map_or(node, |&a| self.part_by_part(a, constant)),
+            Node::Claim(args, _) => args.first().map_or(node, |&a| self.part_by_part(a, steepness)),
             Node::Call(shape, Function::Field, args) => {
                 let Some(value) = self.graph.shape(shape).map(|s| s.value) else { return node };
                 let opened = self.graph.open(shape, value, &args);
-                self.part_by_part(opened, constant)
+                self.part_by_part(opened, steepness)
             }
-            _ => self.over_gradient(node, constant),
+            _ => self.over_gradient(node, steepness),
         }
     }
 
@@ -197,7 +238,7 @@ impl Builder<'_> {
     /// The field over its gradient: right to first order. Where the field steepens toward the surface the surface is nearer, by up to a fifth
     /// within a hundredth of a scene's size. A look at the foot of that way, and the chord from there, leaves a tenth of that; but it makes
     /// a picture a fifth to a third slower, for soft shadows ask at each step, so it is not taken.
-    pub(super) fn over_gradient(&mut self, node: NodeId, constant: f64) -> NodeId {
+    pub(super) fn over_gradient(&mut self, node: NodeId, Steepness { constant, gentlest }: Steepness) -> NodeId {
         // What is flatter than a distance everywhere is as much less than one.
         if constant < FLAT && constant > 1e-6 {
             let steepness = self.graph.constant(constant);
@@ -208,7 +249,7 @@ impl Builder<'_> {
         }
         let gradient = self.gradient(node);
         let length = self.graph.op(Op::Length3, &gradient);
-        let least = self.graph.constant(constant / 4.0);
+        let least = self.graph.constant(gentlest / 4.0);
         let length = self.graph.op(Op::Max, &[length, least]);
         self.graph.op(Op::Div, &[node, length])
     }
