@@ -307,16 +307,17 @@ pub(super) fn shift_along(graph: &Graph, coordinate: NodeId, axis: usize) -> Opt
     }
 }
 
-struct Walk<'a> {
+/// One way back from a tape's last step to the coordinates.
+pub(super) struct Walk<'a> {
     facts: &'a mut Facts,
     graph: &'a Graph,
-    tape: &'a Tape,
+    pub(super) tape: &'a Tape,
     ranges: &'a [Interval],
     visits: &'a mut usize,
 }
 
 impl Walk<'_> {
-    fn range(&self, step: usize) -> Interval {
+    pub(super) fn range(&self, step: usize) -> Interval {
         self.ranges.get(step).copied().unwrap_or(Interval::ALL)
     }
 
@@ -348,10 +349,17 @@ impl Walk<'_> {
                 region.with_axis(i, region.axis(i).intersect(target))
             }
             Step::Leaf(_) => region,
-            Step::Claim(Claim::Lipschitz(..) | Claim::Continuous, args) => match args.first() {
-                Some(&value) => self.step(value, target, region),
-                None => region,
-            },
+            Step::Claim(Claim::Lipschitz(..) | Claim::Continuous, args) => {
+                let Some(&value) = args.first() else { return region };
+                if let (Some(&a), Some(&b), true) = (args.get(1), args.get(2), target.lo == f64::NEG_INFINITY)
+                    && let Some(level) = self.joined_level(value, [a, b], target.hi)
+                {
+                    let below = Interval::new(f64::NEG_INFINITY, level);
+                    let first = self.step(a, below, region);
+                    return first.hull(&self.step(b, below, region));
+                }
+                self.step(value, target, region)
+            }
             Step::Op(op, args) => self.operation(*op, args, target, region),
             Step::Call(shape, args) => {
                 let values: Vec<Interval> = args.iter().map(|&a| self.range(a)).collect();
