@@ -213,6 +213,12 @@ codes! {
     Unused, "unused", Warning,
         "A parameter that nothing reads. Its slider would do nothing.",
         "param a = 1 in 0..2\nscene = sphere(1)";
+    BareAngle, "bare-angle", Warning,
+        "An angle of more than a whole turn, written as a bare number: that is in radians. Write `45deg`, or `45rad` where radians are meant.",
+        "scene = box(1).rotate(y, 45)";
+    Costly, "costly", Warning,
+        "One evaluation of the scene takes so many operations that a picture may take minutes. Copies that are joined by a `for`, or repeated, are looked at only where they are near.",
+        "";
     NoRoom, "no-room", Warning,
         "The balls of a group have no room in the box where they begin. They begin within each other and push apart.",
         "scene = plane(y)\nballs b { count: 1000, radius: 0.5, spawn: (0, 1, 0)..(1, 2, 1) }";

@@ -10,6 +10,9 @@ use crate::graph::{Factor, Function, Graph, Node, NodeId, Proof, ShapeId};
 use crate::source::{Sources, Span};
 use rustc_hash::FxHashSet;
 
+/// How many samples say how steep a formula is at most places.
+const TYPICAL: usize = 33;
+
 /// A factor, explained.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explained {
@@ -23,6 +26,9 @@ pub struct Explained {
     pub factor: f64,
     /// The factor for the parameters' defaults; never the larger.
     pub live: f64,
+    /// How steep the formula is at most places: what is as steep everywhere takes no more steps for its factor. For a map of points 1: what
+    /// is moved is a distance.
+    pub typical: f64,
     /// How it is known.
     pub proof: Proof,
     /// What it comes from: the name of what is called there, or `formula`.
@@ -182,6 +188,7 @@ fn one(compiled: &Compiled, sources: &Sources, live: &Live, index: u32, factor: 
         product: 1.0,
         factor: factor.lipschitz,
         live: live.factor(&compiled.graph, index),
+        typical: search.filter(|s| matches!(s.target, Target::Value(_))).map_or(1.0, |s| s.typical(&compiled.graph, TYPICAL)),
         proof: factor.proof,
         form: form(sources, &operation, &text, factor.lipschitz, corners, search.and_then(|s| s.domain.tube)),
         operation,
@@ -360,12 +367,12 @@ impl Explained {
     /// What it costs: `about 1.6 times the steps near it`.
     pub fn cost(&self) -> String {
         let together = if self.depth > 0 { format!("; {} times with those around it", rough(self.product)) } else { String::new() };
-        if self.factor <= 1.0 {
-            return format!("fewer steps near it: the formula is flatter than a distance{together}");
-        }
-        match self.factor < 1.05 {
-            true => format!("hardly more steps near it{together}"),
-            false => format!("about {} times the steps near it{together}", rough(self.factor)),
+        let cost = self.factor / self.typical;
+        match cost {
+            _ if self.factor <= 1.0 => format!("no more steps: the formula is flatter than a distance{together}"),
+            _ if cost < 1.05 && self.factor > 1.5 => format!("no more steps: the formula is as steep nearly everywhere{together}"),
+            _ if cost < 1.05 => format!("hardly more steps near it{together}"),
+            _ => format!("about {} times the steps near it{together}", rough(cost)),
         }
     }
 }
@@ -375,12 +382,13 @@ fn times(factor: f64) -> String {
     if (factor - 1.0).abs() < 0.01 { format!("×{factor:.4}") } else { format!("×{}", short(factor)) }
 }
 
-/// Three digits that count.
+/// Three digits that count, and of what is small two.
 fn short(value: f64) -> String {
     let digits = match value.abs() {
         a if a >= 100.0 => 0,
         a if a >= 10.0 => 1,
-        _ => 2,
+        a if a >= 0.1 || a < 1e-12 => 2,
+        a => (1.0 - a.log10().floor()) as usize,
     };
     let text = format!("{value:.digits$}");
     match text.contains('.') {
@@ -441,6 +449,16 @@ mod tests {
         let depths: Vec<_> = found.iter().map(|f| (f.operation.as_str(), f.depth)).collect();
         assert_eq!(depths, [("bend", 0), ("twist", 1)]);
         assert!((found[1].product - found[0].factor * found[1].factor).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_as_steep_everywhere_costs_nothing() {
+        let costs = |text: &str| explained(text).first().map(Explained::cost).unwrap();
+        let ten = costs("field f = 10 * (length(p) - 1)\nscene = f\n");
+        assert!(ten.starts_with("no more steps: the formula is as steep"), "{ten}");
+        let waves = costs("field f = length(p) - 1 + 0.3 * sin(9 * p.x)\nscene = f\n");
+        assert!(waves.starts_with("about "), "{waves}");
+        assert_eq!((times(0.0012345), times(12.345)), ("×0.0012".to_owned(), "×12.3".to_owned()));
     }
 
     #[test]

@@ -59,6 +59,9 @@ pub fn compile_remembering(
     stacker::maybe_grow(STACK / 2, STACK, || run(loader, path, options, memory, finished))
 }
 
+/// More operations than these in one evaluation, and a picture takes minutes.
+const COSTLY: usize = 50_000;
+
 /// Room for the deepest nesting that is read, in a build without optimisation.
 const STACK: usize = 256 << 20;
 
@@ -93,6 +96,14 @@ fn run(
             let (blocks, parameters) = (&elaboration.blocks, &elaboration.parameters);
             match emit::emit(&graph, root, &functions, blocks, parameters, options, &outcome.sources) {
                 Ok(module) => {
+                    if module.operations.1 > COSTLY && functions.unions.is_empty() {
+                        outcome.diagnostics.push(Diagnostic::new(
+                            Code::Costly,
+                            loaded.modules.head(loaded.modules.main),
+                            format!("one look at this scene takes {} operations; a picture may take minutes", module.operations.1),
+                            "join many copies by one `for`, or repeat one with `.repeat(…)`: then only what is near is looked at",
+                        ));
+                    }
                     let mut compiled = Compiled {
                         graph,
                         root,

@@ -38,15 +38,25 @@ impl Search {
     /// How steep it is at the steepest place found: the best of so many points of the domain, with values of the parameters and a time from
     /// their ranges, and from there uphill. No constant is smaller.
     pub fn sample(&self, graph: &Graph, samples: usize) -> f64 {
-        let place = |i: usize| {
-            let (here, pinned) = spread(graph, &self.domain, &[], i);
-            let point = here.point.0.iter().chain(here.variables.iter().map(|(_, r)| r)).map(|r| r.middle());
-            point.chain(pinned.iter().copied()).chain([0.37 * i as f64 % 20.0]).collect::<Vec<f64>>()
-        };
+        let place = |i: usize| self.place(graph, i);
         let mut best: Vec<(f64, Vec<f64>)> = (0..samples).map(|i| (self.at(graph, &place(i)), place(i))).collect();
         best.sort_by(|a, b| b.0.total_cmp(&a.0));
         best.truncate(CLIMBS);
         best.into_iter().map(|(steep, at)| self.climb(graph, steep, at)).fold(0.0, f64::max)
+    }
+
+    /// How steep it is at most places: the median of so many points, each at values of the parameters and a time from their ranges.
+    pub fn typical(&self, graph: &Graph, samples: usize) -> f64 {
+        let mut slopes: Vec<f64> = (0..samples).map(|i| self.at(graph, &self.place(graph, i))).filter(|s| *s > 0.0).collect();
+        slopes.sort_by(f64::total_cmp);
+        slopes.get(slopes.len() / 2).copied().unwrap_or(1.0)
+    }
+
+    /// The `i`-th place that samples look at, as [`Search::at`] takes it.
+    fn place(&self, graph: &Graph, i: usize) -> Vec<f64> {
+        let (here, pinned) = spread(graph, &self.domain, &[], i);
+        let point = here.point.0.iter().chain(here.variables.iter().map(|(_, r)| r)).map(|r| r.middle());
+        point.chain(pinned.iter().copied()).chain([0.37 * i as f64 % 20.0]).collect()
     }
 
     /// How steep it is at one place: the point, the variables, the parameters and the time. Nothing where no finite slope is known.

@@ -8,9 +8,16 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Factor, Function, Node, NodeId, Proof, ShapeId, FAR};
 
+/// A measured factor above this may cost a ray more steps than it has.
+const SLOW: f64 = 100.0;
+
 impl Builder<'_> {
     /// How far a ray may step by a formula of a shape. `continuous`: jumps of the formula itself cancel.
     pub(super) fn bound(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool) -> NodeId {
+        if self.is_exact(shape, node) {
+            self.kind = self.kind.max(Kind::Exact);
+            return node;
+        }
         match self.graph.node(node).clone() {
             Node::Constant(_) => node,
             Node::Op(op @ (Op::Min | Op::Max), args) => {
@@ -231,6 +238,9 @@ impl Builder<'_> {
             (Code::NoBound, format!("no finite bound is known for this formula, so no ray could step safely: {why}"))
         } else if self.strict {
             (Code::NoBound, format!("no bound is proven for this formula: {why}"))
+        } else if steepest > SLOW {
+            let message = "no bound is proven for this formula, and it is so steep where samples lie that rays may stop on their way and leave holes";
+            (Code::Unproven, format!("{message}: {why}"))
         } else {
             (Code::Unproven, format!("no bound is proven for this formula; it is drawn with a measured factor: {why}"))
         };

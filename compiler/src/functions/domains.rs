@@ -50,6 +50,9 @@ impl Builder<'_> {
 
     /// Widens the domains of the shapes that a formula calls, each by what it is asked for: behind a region, only near it.
     pub(super) fn visit(&mut self, node: NodeId, domain: &Domain) {
+        if !self.graph.reads(node).shapes {
+            return;
+        }
         match self.graph.node(node).clone() {
             Node::Op(op @ (Op::Min | Op::Max), args) => {
                 let near = if op == Op::Max { self.narrowed(node, domain) } else { None };

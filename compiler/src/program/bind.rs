@@ -2,12 +2,13 @@
 
 use super::load::ItemRef;
 use super::value::{type_words, Value};
+use super::blocks::short;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
 use crate::graph::kernel::Op;
 use crate::graph::NodeId;
 use crate::source::Span;
-use crate::syntax::ast::{self, Argument, Expr, ExprKind, Parameter, Type};
+use crate::syntax::ast::{self, Argument, Expr, ExprKind, Parameter, Type, UnaryOp};
 use crate::syntax::words::nearest;
 use std::rc::Rc;
 
@@ -104,7 +105,11 @@ impl Elaborator<'_> {
                         Code::ExtraArgument,
                         at,
                         format!("`{name}` takes {takes} argument{}, and here are {given}", if takes == 1 { "" } else { "s" }),
-                        if takes == 0 { format!("write `{name}`") } else { format!("write `{name}({})`", list.join(", ")) },
+                        match takes {
+                            0 => format!("write `{name}`"),
+                            _ if is_of_two(parameters) => of_many(name, parameters),
+                            _ => format!("write `{name}({})`", list.join(", ")),
+                        },
                     );
                     failed = true;
                     break;
@@ -170,16 +175,24 @@ impl Elaborator<'_> {
                             parameter.name.text,
                             wanted.unwrap_or_default()
                         ),
-                        format!(
-                            "write `{name}({})`",
-                            parameters.iter().map(|p| &*p.name.text).collect::<Vec<_>>().join(", ")
-                        ),
+                        match is_of_two(parameters) && matches!(&*parameter.name.text, "a" | "b") {
+                            true => of_many(name, parameters),
+                            false => format!(
+                                "write `{name}({})`",
+                                parameters.iter().map(|p| &*p.name.text).collect::<Vec<_>>().join(", ")
+                            ),
+                        },
                     );
                     failed = true;
                     continue;
                 }
                 Some(Given::Known(value, at)) => Ok((value, at)),
-                Some(Given::Written(expr)) => self.expression(expr, place).map(|v| (v, expr.span)),
+                Some(Given::Written(expr)) => {
+                    if &*parameter.name.text == "angle" {
+                        self.warn_of_degrees(expr);
+                    }
+                    self.expression(expr, place).map(|v| (v, expr.span))
+                }
                 Some(Given::Group(exprs)) => {
                     let whole = match (exprs.first(), exprs.last()) {
                         (Some(a), Some(b)) => a.span.to(b.span),
@@ -232,6 +245,23 @@ impl Elaborator<'_> {
             }
         }
         if failed { Err(Stop) } else { Ok(bound) }
+    }
+
+    /// Warns of an angle of more than a whole turn that is a bare number: it is in radians, and was hardly meant so.
+    fn warn_of_degrees(&mut self, expr: &Expr) {
+        let angle = match &expr.kind {
+            ExprKind::Unary(UnaryOp::Neg, inner) => written_number(inner).map(|n| -n),
+            _ => written_number(expr),
+        };
+        if let Some(angle) = angle.filter(|a| a.abs() > std::f64::consts::TAU) {
+            let turns = angle / std::f64::consts::TAU;
+            self.warn(
+                Code::BareAngle,
+                expr.span,
+                format!("a bare angle is in radians: {} is {:.2} turns", short(angle), turns),
+                format!("for degrees write `{0}deg`; for radians `{0}rad`", short(angle)),
+            );
+        }
     }
 
     /// Reports constant arguments that the documentation rules out. Answers what becomes of those that are not constant and might be ruled
@@ -383,4 +413,34 @@ pub fn parse_requirements(doc: &str) -> Vec<Requirement> {
         }
     }
     all
+}
+
+/// Whether it joins two shapes: its first parameters are `a` and `b`.
+fn is_of_two(parameters: &[Parameter]) -> bool {
+    parameters.iter().map(|p| &*p.name.text).take(2).eq(["a", "b"])
+}
+
+/// How something that joins two shapes joins more of them.
+fn of_many(name: &str, parameters: &[Parameter]) -> String {
+    let rest: Vec<&str> = parameters.iter().skip(2).map(|p| &*p.name.text).collect();
+    let (two, by) = match rest.is_empty() {
+        true => (format!("{name}(a, b)"), name.to_owned()),
+        false => (format!("{name}(a, b, {})", rest.join(", ")), format!("{name}({})", rest.join(", "))),
+    };
+    let sign = match name {
+        "union" => " or `a | b | c`",
+        "intersection" => " or `a & b & c`",
+        "difference" => " or `a - b - c`",
+        _ => "",
+    };
+    format!("write `{two}`; of more, `for s in [a, b, c] by {by} {{ s }}`{sign}")
+}
+
+/// The number that an expression is, where it is one without a unit.
+fn written_number(expr: &Expr) -> Option<f64> {
+    match expr.kind {
+        ExprKind::Int(n) => Some(n as f64),
+        ExprKind::Float(n) => Some(n),
+        _ => None,
+    }
 }

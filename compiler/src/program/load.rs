@@ -198,7 +198,7 @@ impl Reader<'_> {
                     Code::Unreadable,
                     span,
                     format!("`{path}` can't be read: {why}"),
-                    "write the path of a file, relative to the file that imports it",
+                    from.map_or("give the path of a scene file, `name.sdf`", |_| "write the path of a file, relative to the file that imports it"),
                 ));
                 return None;
             }
