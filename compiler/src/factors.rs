@@ -387,7 +387,7 @@ fn short(value: f64) -> String {
     let digits = match value.abs() {
         a if a >= 100.0 => 0,
         a if a >= 10.0 => 1,
-        a if a >= 0.1 || a < 1e-12 => 2,
+        a if !(1e-12..0.1).contains(&a) => 2,
         a => (1.0 - a.log10().floor()) as usize,
     };
     let text = format!("{value:.digits$}");
