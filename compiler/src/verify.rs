@@ -102,8 +102,18 @@ const CERTIFIED: f64 = 0.99;
 const BOXES: usize = 3000;
 /// Operations of a field or bound once every call is replaced by its formula.
 const LARGEST: usize = 4_000_000;
+/// Of about so many of the certified points the distance is settled too: that costs several times as much, and these do for a median and a p5.
+const DISTANCES: usize = 500;
 /// Steps by which points are walked to the surface.
 const WALK: usize = 32;
+/// Points that one thread makes and probes at once, and how often it makes more for those that fell away.
+const SHARE: usize = 4096;
+const ROUNDS: usize = 4;
+/// Radii that differ by no more than this part are probed as one: the outermost place that is looked at lies in both balls.
+const ALIKE: f64 = 0.999;
+
+/// Values of time and parameters at which a scene is tried that has any.
+const MOMENTS: usize = 8;
 
 /// Points about a scene, and how large it is.
 #[derive(Clone, Copy)]
@@ -128,6 +138,8 @@ struct Trial<'a> {
     compiled: &'a Compiled,
     room: Room,
     device: Option<Device<'a>>,
+    /// Of every so many of the certified points the distance is settled.
+    apart: usize,
     random: Random,
     report: Report,
 }
@@ -144,7 +156,9 @@ pub fn verify(
     let moments = moments(compiled, &mut random);
     let count = moments.len();
     let report = Report { device: device.map(|_| Compared::default()), ..Report::default() };
-    let mut trial = Trial { compiled, room: Room::of(compiled), device, random, report };
+    // An odd step meets all kinds of points.
+    let apart = settings.certified.div_ceil(DISTANCES) | 1;
+    let mut trial = Trial { compiled, room: Room::of(compiled), device, apart, random, report };
     for (moment, live) in moments.into_iter().enumerate() {
         let share = |all: usize| (all * (moment + 1)).div_ceil(count) - (all * moment).div_ceil(count);
         let share = Settings { samples: share(settings.samples), certified: share(settings.certified), ..settings };
@@ -172,7 +186,7 @@ fn moments(compiled: &Compiled, random: &mut Random) -> Vec<Live> {
     if still && graph.parameters.is_empty() {
         return vec![start];
     }
-    (0..8)
+    (0..MOMENTS)
         .map(|i| {
             let mut live = start.clone();
             if i >= 2 {
@@ -196,22 +210,22 @@ fn moments(compiled: &Compiled, random: &mut Random) -> Vec<Live> {
 impl Trial<'_> {
     /// So much at one moment.
     fn at(&mut self, live: &Live, settings: Settings, progress: &(dyn Fn(f64) + Sync)) -> Result<(), String> {
-        let Self { compiled, room, device, random, report } = self;
+        let Self { compiled, room, device, apart, random, report } = self;
         let moment = report.moments.len();
         let formula = |f| compiled.functions.formulas.get(&(compiled.root, f)).copied().ok_or("the scene has no bound");
         let roots = [formula(Function::Field)?, formula(Function::Bound)?];
         let tape = Tape::new(&compiled.graph, &compiled.functions, &roots, live, LARGEST).map_err(|e| e.to_string())?;
         let truth = Truth::new(compiled, live, LARGEST).map_err(|e| e.to_string())?;
-        let mut evaluator = tape.evaluator();
-        let points = points(&mut evaluator, settings.samples, *room, random);
-        let mut tried: Vec<Tried> = Vec::with_capacity(points.len());
-        evaluator.at(&points, &[], |i, values| {
-            if let (Some(&point), [field, bound]) = (points.get(i), values) {
-                tried.push(Tried { point, field: *field, bound: *bound, device: None });
-            }
+        // Each share has random numbers of its own, so that nothing depends on how many threads there are.
+        let shares = settings.samples.div_ceil(SHARE);
+        let seeds: Vec<Random> = (0..2 * shares).map(|_| random.fork()).collect();
+        let of = |i: usize| seeds.get(i).cloned().unwrap_or(Random(0));
+        let made = spread(shares, &|| tape.evaluator(), &|evaluator, i| {
+            points(evaluator, (settings.samples - i * SHARE).min(SHARE), *room, &mut of(i))
         });
+        let mut tried: Vec<Tried> = made.into_iter().flatten().collect();
         if let (Some(device), Some(compared)) = (device, &mut report.device) {
-            let narrow: Vec<[f32; 3]> = points.iter().map(|p| p.map(|c| c as f32)).collect();
+            let narrow: Vec<[f32; 3]> = tried.iter().map(|t| t.point.map(|c| c as f32)).collect();
             for (one, got) in tried.iter_mut().zip(device(live, &narrow)?) {
                 let allowance = ALLOWANCE * 2f64.powi(-24) * (length(one.point) + room.size);
                 let off = (f64::from(got) - one.bound).abs() / allowance;
@@ -222,11 +236,12 @@ impl Trial<'_> {
             }
         }
         report.points += tried.len();
-        let mut jury = truth.prover();
-        for side in [Side::Processor, Side::Device] {
-            let violations = probe(&mut evaluator, &tried, side, room.extent, random, &mut jury);
-            report.violations.extend(violations.into_iter().map(|v| Violation { moment, ..v }));
-        }
+        let shares: Vec<&[Tried]> = tried.chunks(SHARE).collect();
+        let make = || (tape.evaluator(), truth.prover());
+        let probed = spread(shares.len(), &make, &|(evaluator, jury), i| {
+            shares.get(i).map_or(Vec::new(), |share| probe(evaluator, share, room.extent, &mut of(seeds.len() / 2 + i), jury))
+        });
+        report.violations.extend(probed.into_iter().flatten().map(|v| Violation { moment, ..v }));
         progress(0.3);
         // A few of all kinds of points: their kinds stand in turn, so the step is odd.
         let every = match tried.len() / settings.certified.max(1) {
@@ -234,7 +249,7 @@ impl Trial<'_> {
             n => (n - 1) | 1,
         };
         let chosen: Vec<Tried> = tried.iter().step_by(every).take(settings.certified).copied().collect();
-        for found in certify(&truth, &chosen, room.extent, &|part| progress(0.3 + 0.7 * part)) {
+        for found in certify(&truth, &chosen, *apart, room.extent, &|part| progress(0.3 + 0.7 * part)) {
             report.empty += found.empty;
             report.undecided += found.undecided;
             report.tightness.extend(found.tightness);
@@ -279,27 +294,39 @@ impl Tried {
     }
 }
 
-/// Quick: the first sign change within the claimed radius of each point, if any is met.
-fn probe(
-    evaluator: &mut Evaluator<'_>,
-    tried: &[Tried],
-    side: Side,
-    extent: f64,
-    random: &mut Random,
-    jury: &mut Prover<'_>,
-) -> Vec<Violation> {
-    let mut violations: Vec<Violation> =
-        tried.iter().filter_map(|t| t.fault(side).map(|fault| t.violation(side, t.radius(side), fault))).collect();
-    let sound: Vec<&Tried> = tried.iter().filter(|t| t.fault(side).is_none() && t.radius(side) > 0.0).collect();
-    let claims: Vec<Claim> =
-        sound.iter().map(|t| Claim { point: t.point, radius: t.radius(side), field: t.field }).collect();
-    let mut last = usize::MAX;
+/// Quick: the first sign change within the claimed radius of each point, of each side, if any is met.
+fn probe(evaluator: &mut Evaluator<'_>, tried: &[Tried], extent: f64, random: &mut Random, jury: &mut Prover<'_>) -> Vec<Violation> {
+    let mut violations = Vec::new();
+    // Of each claim whose it is: the index of its point, and the radii of the sides that are on trial by it.
+    let mut claims = Vec::with_capacity(tried.len());
+    let mut whose = Vec::with_capacity(tried.len());
+    for (i, t) in tried.iter().enumerate() {
+        let mut radii = [Side::Processor, Side::Device].map(|side| (side, t.radius(side)));
+        for (side, radius) in &mut radii {
+            if let Some(fault) = t.fault(*side) {
+                violations.push(t.violation(*side, *radius, fault));
+                *radius = 0.0;
+            }
+        }
+        radii.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let [(_, larger), (_, smaller)] = radii;
+        let apart = smaller < ALIKE * larger;
+        for (k, (_, radius)) in radii.iter().enumerate() {
+            if *radius > 0.0 && (k == 0 || apart) {
+                claims.push(Claim { point: t.point, radius: *radius, field: t.field });
+                whose.push(i);
+            }
+        }
+    }
     for found in falsify(evaluator, &claims, || random.direction(), DIRECTIONS, &PARTS, extent) {
-        let Some(tried) = sound.get(found.claim).filter(|_| found.claim != last) else { continue };
-        let radius = tried.radius(side);
-        if !across_a_jump(jury, tried.point, radius) {
-            last = found.claim;
-            violations.push(tried.violation(side, radius, Fault::Crossed(found.at)));
+        let Some(t) = whose.get(found.claim).and_then(|i| tried.get(*i)) else { continue };
+        let away = length(plus(found.at, t.point, -1.0));
+        for side in [Side::Processor, Side::Device] {
+            let radius = t.radius(side);
+            let known = |v: &Violation| v.point == t.point && v.side == side;
+            if t.fault(side).is_none() && away < radius && !violations.iter().any(known) && !across_a_jump(jury, t.point, radius) {
+                violations.push(t.violation(side, radius, Fault::Crossed(found.at)));
+            }
         }
     }
     violations
@@ -319,51 +346,71 @@ struct Certain {
     violations: Vec<Violation>,
 }
 
-/// Certifies points, each thread its share.
-fn certify(truth: &Truth, tried: &[Tried], extent: f64, progress: &(dyn Fn(f64) + Sync)) -> Vec<Certain> {
-    let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+/// Certifies points; of every so many of them, `apart`, the distance is settled too.
+fn certify(truth: &Truth, tried: &[Tried], apart: usize, extent: f64, progress: &(dyn Fn(f64) + Sync)) -> Vec<Certain> {
     let done = AtomicUsize::new(0);
-    let share = tried.len().div_ceil(threads).max(1);
-    let work = |share: &[Tried]| -> Vec<Certain> {
-        let mut prover = truth.prover();
-        let one = |t: &Tried| {
-            let certain = certain(&mut prover, t, extent);
-            progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tried.len() as f64);
-            certain
-        };
-        share.iter().map(one).collect()
-    };
-    std::thread::scope(|scope| {
-        let running: Vec<_> = tried.chunks(share).map(|share| scope.spawn(move || work(share))).collect();
-        running.into_iter().flat_map(|thread| thread.join().unwrap_or_default()).collect()
+    spread(tried.len(), &|| truth.prover(), &|prover, i| {
+        let certain = tried.get(i).map(|t| certain(prover, t, extent, i % apart == 0)).unwrap_or_default();
+        progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tried.len() as f64);
+        certain
     })
 }
 
-fn certain(prover: &mut Prover<'_>, tried: &Tried, extent: f64) -> Certain {
+/// Does tasks on all of the processor's cores. Each thread has something of its own to work with, as `make` makes it. Answers in order.
+fn spread<W, R: Send>(tasks: usize, make: &(dyn Fn() -> W + Sync), work: &(dyn Fn(&mut W, usize) -> R + Sync)) -> Vec<R> {
+    let threads = std::thread::available_parallelism().map_or(1, |n| n.get()).min(tasks);
+    let next = AtomicUsize::new(0);
+    let run = || {
+        let mut own = make();
+        let mut done = Vec::new();
+        loop {
+            let task = next.fetch_add(1, Ordering::Relaxed);
+            if task >= tasks {
+                return done;
+            }
+            done.push((task, work(&mut own, task)));
+        }
+    };
+    let mut all: Vec<(usize, R)> = std::thread::scope(|scope| {
+        let running: Vec<_> = (0..threads).map(|_| scope.spawn(run)).collect();
+        running.into_iter().flat_map(|thread| thread.join().unwrap_or_else(|fault| std::panic::resume_unwind(fault))).collect()
+    });
+    all.sort_by_key(|(task, _)| *task);
+    all.into_iter().map(|(_, answer)| answer).collect()
+}
+
+fn certain(prover: &mut Prover<'_>, tried: &Tried, extent: f64, settle: bool) -> Certain {
     let mut found = Certain::default();
     // Nothing is claimed beyond the extent.
     let room = extent - length(tried.point);
-    for side in [Side::Processor, Side::Device] {
-        let radius = (CERTIFIED * tried.radius(side)).min(room);
+    let mut radii = [Side::Processor, Side::Device].map(|side| (side, (CERTIFIED * tried.radius(side)).min(room)));
+    radii.sort_by(|a, b| b.1.total_cmp(&a.1));
+    // What is known to be empty: the larger ball holds the smaller one.
+    let mut empty = 0.0;
+    for (side, radius) in radii {
         if tried.fault(side).is_some() || radius.is_nan() || radius <= 0.0 {
             continue;
         }
+        if radius <= empty {
+            found.empty += 1;
+            continue;
+        }
         match prover.empty_ball(tried.point, radius, BOXES) {
-            Ball::Empty => found.empty += 1,
+            Ball::Empty => {
+                found.empty += 1;
+                empty = radius;
+            }
             Ball::Unknown(_) => {
-                // The device's ball is as large, and the distance takes more boxes still.
+                // The other ball is about as large, and the distance takes more boxes still.
                 found.undecided += 1;
                 return found;
             }
-            Ball::Crossed(at) if across_a_jump(prover, tried.point, radius) => {
-                let _ = at;
-                found.empty += 1;
-            }
+            Ball::Crossed(_) if across_a_jump(prover, tried.point, radius) => found.empty += 1,
             Ball::Crossed(at) => found.violations.push(tried.violation(side, radius, Fault::Crossed(at))),
         }
     }
     let bound = tried.bound.abs();
-    if tried.fault(Side::Processor).is_none() && bound > 0.0 && room > 0.0 {
+    if settle && tried.fault(Side::Processor).is_none() && bound > 0.0 && room > 0.0 {
         let distance = prover.distance(tried.point, room, 0.02, BOXES);
         let settled = distance.at_least > 0.0 && distance.at_most <= 1.1 * distance.at_least;
         // A surface is known to be within `at_most`, nearly always on its nearest point.
@@ -391,10 +438,26 @@ impl Room {
     }
 }
 
-/// Points about the solid, far from it, and at all distances from its surface; as 32 bits hold them.
-fn points(evaluator: &mut Evaluator<'_>, count: usize, room: Room, random: &mut Random) -> Vec<[f64; 3]> {
+/// Points about the solid, far from it, and at all distances from its surface, as 32 bits hold them, with field and bound there.
+fn points(evaluator: &mut Evaluator<'_>, count: usize, room: Room, random: &mut Random) -> Vec<Tried> {
+    let mut points = Vec::with_capacity(count);
+    for _ in 0..ROUNDS {
+        let left = count - points.len();
+        points.extend(strewn(evaluator, left + left % 2, room, random).into_iter().take(left));
+    }
+    let mut tried = Vec::with_capacity(points.len());
+    evaluator.at(&points, &[], |i, values| {
+        if let (Some(&point), [field, bound]) = (points.get(i), values) {
+            tried.push(Tried { point, field: *field, bound: *bound, device: None });
+        }
+    });
+    tried
+}
+
+/// So many points less those beyond the extent.
+fn strewn(evaluator: &mut Evaluator<'_>, count: usize, room: Room, random: &mut Random) -> Vec<[f64; 3]> {
     let about = |random: &mut Random, half: f64| plus(room.centre, random.within(half), 1.0);
-    let mut points: Vec<[f64; 3]> = (0..4 * count).map(|_| about(random, 0.75 * room.size)).collect();
+    let mut points: Vec<[f64; 3]> = (0..count).map(|_| about(random, 0.75 * room.size)).collect();
     // Half of them walk toward some other point, until they stand before a surface (or behind it).
     let walked = points.len() / 2;
     let aims: Vec<[f64; 3]> = (0..walked).map(|_| about(random, 0.5 * room.size)).collect();
@@ -427,13 +490,14 @@ fn points(evaluator: &mut Evaluator<'_>, count: usize, room: Room, random: &mut 
     for p in points.iter_mut().skip(walked).step_by(3) {
         *p = random.within(room.extent);
     }
-    // From both halves as many; there are more than needed, because those beyond the extent fall away.
+    // Both kinds in turn.
     let (near, wide) = points.split_at(walked);
     let all = near.iter().zip(wide).flat_map(|(a, b)| [a, b]).map(|p| p.map(|c| f64::from(c as f32)));
-    all.filter(|p| length(*p) < 0.99 * room.extent).take(count).collect()
+    all.filter(|p| length(*p) < 0.99 * room.extent).collect()
 }
 
 /// Numbers in 0..1, the same on every run (SplitMix64, Steele 2014).
+#[derive(Clone, Debug)]
 pub struct Random(pub u64);
 
 impl Random {
@@ -445,6 +509,11 @@ impl Random {
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Other numbers, for another thread.
+    fn fork(&mut self) -> Self {
+        Self((self.next() * 2f64.powi(53)) as u64)
     }
 
     /// A point of the cube from `-half` to `half`.

@@ -4,7 +4,7 @@
 //! mean-value form sees the ball itself ([`Domain`]), so a ball that nearly touches the surface takes few boxes more than another.
 
 use super::code::Code;
-use super::forward::{self, Domain};
+use super::forward::{self, Domain, Slot};
 use super::jumps::{self, Guard, Side};
 use super::{BRANCHES, Box3, Prover, SHORT};
 use crate::graph::interval::Interval;
@@ -115,9 +115,14 @@ impl Prover<'_> {
             }
             left -= 1;
             self.boxes += 1;
-            let domain = Domain::new(range, Some((centre, radius)));
-            if jumps::outside(&mut guards, &domain, &mut self.slots) {
-                continue;
+            let Some(mut range) = clipped(range, centre, radius) else { continue };
+            let mut domain = Domain::new(range, Some((centre, radius)));
+            if !guards.is_empty() {
+                match jumps::within(&mut guards, &domain, &mut self.slots).and_then(|left| clipped(left, centre, radius)) {
+                    Some(left) => range = left,
+                    None => continue,
+                }
+                domain = Domain::new(range, Some((centre, radius)));
             }
             let code = if code.steps.len() > SHORT {
                 let (value, code) = self.narrowed(code, &range);
@@ -164,6 +169,10 @@ impl Prover<'_> {
                     radius = radius.min(found.at_most * (1.0 - close));
                 }
             }
+            // What is left is where the field can have come down to zero.
+            let zero = Interval { lo: if side > 0 { f64::NEG_INFINITY } else { 0.0 }, hi: if side > 0 { 0.0 } else { f64::INFINITY } };
+            let held = if whole.jump { Some(range) } else { domain.holding(whole.centre, &whole.gradient, zero) };
+            let Some(range) = held.and_then(|held| clipped(held, centre, radius)) else { continue };
             let scale = radius.max(centre.iter().fold(0.0, |s: f64, c| s.max(c.abs())));
             let [first, second] = halves(&range, &whole.gradient);
             for half in [first, second] {
@@ -183,12 +192,17 @@ impl Prover<'_> {
     /// centre to zero within the ball.
     fn flat(&mut self, code: &Code, domain: &Domain<3>, value: Interval) -> bool {
         let Some(radius) = domain.whole_ball() else { return false };
-        let (mut norm, mut jump) = (0.0_f64, false);
+        let reaches = |norm: f64, jump: bool| jump || norm.is_nan() || norm * radius * (1.0 + 8.0 * f64::EPSILON) >= value.mignitude();
+        let whole = self.slots.last().copied().unwrap_or(Slot::ZERO);
+        if !reaches(whole.norm, whole.jump) {
+            return true;
+        }
+        let mut flat = true;
         self.branches.each(code, &self.slots, BRANCHES, |piece| {
-            norm = norm.max(piece.norm);
-            jump |= piece.jump;
+            flat &= !reaches(piece.norm, piece.jump);
+            flat
         });
-        !jump && norm * radius * (1.0 + 8.0 * f64::EPSILON) < value.mignitude()
+        flat
     }
 
     /// With `polish`, walks from a point of the other side toward the surface's nearest point: the crossing of the segment from the centre,
@@ -231,6 +245,21 @@ impl Prover<'_> {
 
 fn excludes(value: Interval, side: i8) -> bool {
     if side > 0 { value.lo > 0.0 } else { value.hi < 0.0 }
+}
+
+/// The least box that holds what of a box lies in a ball; none where nothing does.
+fn clipped(mut range: Box3, centre: [f64; 3], radius: f64) -> Option<Box3> {
+    let square = |x: f64| x * x * (1.0 - 4.0 * f64::EPSILON);
+    let mut away = [0.0; 3];
+    for ((away, side), c) in away.iter_mut().zip(&range).zip(centre) {
+        *away = square((side.lo - c).max(c - side.hi).max(0.0));
+    }
+    let all = away.iter().sum::<f64>();
+    for ((side, c), own) in range.iter_mut().zip(centre).zip(away) {
+        let half = (radius * radius - (all - own)).max(0.0).sqrt() * (1.0 + 8.0 * f64::EPSILON) + 8.0 * f64::EPSILON * radius;
+        *side = side.intersect(Interval::outward(c - half, c + half));
+    }
+    range.iter().all(|x| !x.is_empty()).then_some(range)
 }
 
 fn between(from: [f64; 3], to: [f64; 3], part: f64) -> [f64; 3] {

@@ -43,6 +43,25 @@ const BINOMIAL: [[f64; DEGREE + 1]; DEGREE + 1] = {
     }
     all
 };
+/// Of a degree, an index of the basis of Bernstein and a power: how much of the power's coefficient is in that of the basis.
+const SHARES: [[[Interval; DEGREE + 1]; DEGREE + 1]; DEGREE + 1] = {
+    let mut all = [[[Interval::ZERO; DEGREE + 1]; DEGREE + 1]; DEGREE + 1];
+    let mut n = 0;
+    while n <= DEGREE {
+        let mut i = 0;
+        while i <= n {
+            let mut k = 0;
+            while k <= i {
+                let share = BINOMIAL[i][k] / BINOMIAL[n][k];
+                all[n][i][k] = if share == 1.0 { Interval::ONE } else { Interval { lo: share.next_down(), hi: share.next_up() } };
+                k += 1;
+            }
+            i += 1;
+        }
+        n += 1;
+    }
+    all
+};
 
 impl Form {
     /// How many arguments it has.
@@ -76,7 +95,7 @@ impl Form {
                 }
             }
             Self::Polynomial(i) => {
-                let slope = polynomials.get(usize::from(i)).map_or(Interval::ALL, |p| image(&derivative(p), a.range));
+                let slope = polynomials.get(usize::from(i)).map_or(Interval::ALL, |p| slope(p, a.range));
                 gradient.iter_mut().for_each(|x| *x = x.mul(slope));
             }
             Self::Rest(..) => gradient = [Interval::ALL; D],
@@ -94,8 +113,13 @@ fn mixed(a: Interval, b: Interval, t: Interval) -> Interval {
     if t.is_empty() { t } else if t.is_finite() { at(t.lo).hull(at(t.hi)) } else { Interval::ALL }
 }
 
-fn derivative(polynomial: &[Interval]) -> Polynomial {
-    polynomial.iter().enumerate().skip(1).map(|(i, c)| c.mul(Interval::point(i as f64))).collect()
+/// The values of a polynomial's derivative.
+fn slope(polynomial: &[Interval], over: Interval) -> Interval {
+    let mut derivative = [Interval::ZERO; DEGREE];
+    for (i, (into, c)) in derivative.iter_mut().zip(polynomial.iter().skip(1)).enumerate() {
+        *into = c.mul(Interval::point((i + 1) as f64));
+    }
+    image(&derivative[..polynomial.len().saturating_sub(1)], over)
 }
 
 /// The values of a polynomial: within the least and the largest of its coefficients in the basis of Bernstein (Moore, Kearfott and Cloud, § 7.2;
@@ -117,12 +141,9 @@ fn image(polynomial: &[Interval], over: Interval) -> Interval {
         }
     }
     let mut hull = Interval::EMPTY;
-    for (i, row) in BINOMIAL.iter().enumerate().take(degree + 1) {
-        let mut sum = Interval::ZERO;
-        for (k, coefficient) in shifted.iter().enumerate().take(i + 1) {
-            let share = Interval::point(row[k]).div(Interval::point(BINOMIAL[degree][k]));
-            sum = sum.add(coefficient.mul(share));
-        }
+    for (i, shares) in SHARES[degree].iter().enumerate().take(degree + 1) {
+        let terms = shifted.iter().zip(shares).take(i + 1);
+        let sum = terms.fold(Interval::ZERO, |sum, (coefficient, share)| sum.add(coefficient.mul(*share)));
         hull = hull.hull(sum);
     }
     hull

@@ -64,6 +64,29 @@ impl<const D: usize> Domain<D> {
         whole.then_some(radius)
     }
 
+    /// What of the box can hold values of `target`, of a function that does not jump, by its value at the middle and its gradient (a step of
+    /// the interval Newton method, Moore, Kearfott and Cloud, § 8.1). None where nothing can.
+    pub(super) fn holding(&self, centre: Interval, gradient: &[Interval; D], target: Interval) -> Option<[Interval; D]> {
+        let mut range = self.range;
+        let mut terms = [Interval::ZERO; D];
+        for (((term, g), side), m) in terms.iter_mut().zip(gradient).zip(&range).zip(&self.middle) {
+            *term = g.mul(side.sub(Interval::point(*m)));
+        }
+        for i in 0..D {
+            if gradient[i].contains(0.0) || !gradient[i].is_finite() {
+                continue;
+            }
+            let others = terms.iter().enumerate().filter(|(j, _)| *j != i).fold(centre, |sum, (_, term)| sum.add(*term));
+            let middle = Interval::point(self.middle[i]);
+            range[i] = range[i].intersect(target.sub(others).div(gradient[i]).add(middle));
+            if range[i].is_empty() {
+                return None;
+            }
+            terms[i] = gradient[i].mul(range[i].sub(middle));
+        }
+        Some(range)
+    }
+
     /// A function's values, from its value at the middle, its gradient and a bound of that's norm.
     fn mean_value(&self, centre: Interval, gradient: &[Interval; D], norm: f64) -> Interval {
         let mut side = 0.0;
@@ -191,10 +214,10 @@ pub(super) fn full<const D: usize>(code: &Code, domain: &Domain<D>, slots: &mut 
             }
             Step::Constant(value) => Slot::constant(value),
             Step::Op(op, from) => {
-                let arguments = from.map(|a| slots[a as usize]);
+                let arguments = from.map(|a| &slots[a as usize]);
                 let range = interval(op, arguments.map(|a| a.range));
                 let centre = interval(op, arguments.map(|a| a.centre));
-                let (gradient, norm, jump) = derive(op, &arguments, range, Known::Open);
+                let (gradient, norm, jump) = derive(op, arguments, range, Known::Open);
                 let range = if jump { range } else { range.intersect(domain.mean_value(centre, &gradient, norm)) };
                 Slot { range, centre, gradient, norm, jump }
             }
@@ -237,7 +260,7 @@ fn kept<const D: usize>(a: &Slot<D>) -> ([Interval; D], f64, bool) {
 /// which branch is looked at, where that is settled though the ranges leave it open.
 pub(super) fn derive<const D: usize>(
     op: Op,
-    arguments: &[Slot<D>; 4],
+    arguments: [&Slot<D>; 4],
     out: Interval,
     chosen: Known,
 ) -> ([Interval; D], f64, bool) {
@@ -245,7 +268,7 @@ pub(super) fn derive<const D: usize>(
     let ranges = arguments.map(|x| x.range);
     let decided = if chosen == Known::Open { known(op, ranges, out) } else { chosen };
     match decided {
-        Known::Argument(k) => return kept(&arguments[k]),
+        Known::Argument(k) => return kept(arguments[k]),
         Known::Negated => return negated(a),
         Known::Constant(_) => return kept(&Slot::ZERO),
         Known::Open => {}
@@ -379,7 +402,7 @@ fn slopes(op: Op, [a, b, c, d]: [Interval; 4], out: Interval) -> ([Interval; 4],
 /// A bound of the largest singular value of the matrix whose rows are gradients: exact where they are surely at right angles, however
 /// little is known of their directions. None of the eigenvalues of the rows' products is larger than the largest sum of a row's
 /// absolute values.
-fn stretch_by_rows<const D: usize>(rows: &[Slot<D>]) -> f64 {
+fn stretch_by_rows<const D: usize>(rows: &[&Slot<D>]) -> f64 {
     let product = |a: &Slot<D>, b: &Slot<D>| {
         let sum = a.gradient.iter().zip(&b.gradient).fold(Interval::ZERO, |s, (x, y)| s.add(x.mul(*y)));
         sum.magnitude().min(a.norm * b.norm)
@@ -394,7 +417,7 @@ fn stretch_by_rows<const D: usize>(rows: &[Slot<D>]) -> f64 {
 }
 
 /// A bound of the largest singular value of the matrix whose rows are gradients.
-fn largest_stretch<const D: usize>(rows: &[Slot<D>]) -> f64 {
+fn largest_stretch<const D: usize>(rows: &[&Slot<D>]) -> f64 {
     // The largest eigenvalue of the D x D matrix of the products of columns.
     let mut middle = [[0.0; 3]; 3];
     let (mut spread, mut rounding, mut rows_sum) = (0.0, 0.0, 0.0_f64);

@@ -187,13 +187,29 @@ fn tidied(code: &Code, steps: Vec<Step>) -> Code {
     code.shorter(|_| Interval::ALL, &mut super::code::Room::default()).unwrap_or(code)
 }
 
-/// Whether a part of space lies outside of one of the guards' pieces; guards that hold all of it are dropped.
-pub(super) fn outside<const D: usize>(guards: &mut Vec<Arc<Guard>>, domain: &Domain<D>, slots: &mut Vec<Slot<D>>) -> bool {
-    let mut outside = false;
+/// What of a part of space can lie in all of the guards' pieces, none where nothing can; guards that hold all of it are dropped.
+pub(super) fn within<const D: usize>(guards: &mut Vec<Arc<Guard>>, domain: &Domain<D>, slots: &mut Vec<Slot<D>>) -> Option<[Interval; D]> {
+    let mut left = Some(domain.range);
     guards.retain(|guard| {
-        let side = if outside { Side::Both } else { guard.side(domain, slots) };
-        outside |= side == Side::Outside;
-        side == Side::Both
+        let Some(range) = &mut left else { return true };
+        let value = forward::full(&guard.code, domain, slots);
+        if value.range.intersect(guard.within) == value.range {
+            return false;
+        }
+        let held = match value {
+            _ if value.range.intersect(guard.within).is_empty() => None,
+            Slot { jump: true, .. } => Some(domain.range),
+            Slot { centre, gradient, .. } => domain.holding(centre, &gradient, guard.within),
+        };
+        left = held.and_then(|held| meet(range, &held));
+        true
     });
-    outside
+    left
+}
+
+/// What two boxes have in common, if anything.
+fn meet<const D: usize>(a: &[Interval; D], b: &[Interval; D]) -> Option<[Interval; D]> {
+    let mut both = *a;
+    both.iter_mut().zip(b).for_each(|(x, y)| *x = x.intersect(*y));
+    both.iter().all(|x| !x.is_empty()).then_some(both)
 }

@@ -139,7 +139,10 @@ impl Prover<'_> {
         let code = self.narrowed(self.truth.point.clone(), &range).1;
         let last = forward::full(&code, &Domain::new(range, None), &mut self.slots);
         let mut pieces = None;
-        self.branches.each(&code, &self.slots, BRANCHES, |piece| pieces = Some(joined(pieces, piece)));
+        self.branches.each(&code, &self.slots, BRANCHES, |piece| {
+            pieces = Some(joined(pieces, piece));
+            true
+        });
         // Branches that all contradict each other are left by rounding only.
         let known = pieces.unwrap_or(Piece { gradient: last.gradient, norm: last.norm, jump: last.jump });
         Over { value: last.range, gradient: known.gradient, norm: known.norm.min(last.norm), jump: known.jump }

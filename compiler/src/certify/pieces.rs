@@ -43,9 +43,9 @@ pub(super) struct Branches<const D: usize> {
 }
 
 impl<const D: usize> Branches<D> {
-    /// Hands over each piece of the code's last step. `slots`: what is known of the steps over the box. At most about `limit` branches
-    /// are looked at; beyond that the hull of what is left.
-    pub(super) fn each(&mut self, code: &Code, slots: &[Slot<D>], limit: usize, mut piece: impl FnMut(Piece<D>)) {
+    /// Hands over each piece of the code's last step, until `piece` wants no more. `slots`: what is known of the steps over the box. At most
+    /// about `limit` branches are looked at; beyond that the hull of what is left.
+    pub(super) fn each(&mut self, code: &Code, slots: &[Slot<D>], limit: usize, mut piece: impl FnMut(Piece<D>) -> bool) {
         if self.levels.is_empty() {
             self.levels.push(Level::default());
         }
@@ -64,27 +64,30 @@ impl<const D: usize> Branches<D> {
         self.descend(code, 0, &mut left, &mut piece);
     }
 
-    fn descend(&mut self, code: &Code, depth: usize, left: &mut usize, piece: &mut impl FnMut(Piece<D>)) {
+    /// False where `piece` wants no more.
+    fn descend(&mut self, code: &Code, depth: usize, left: &mut usize, piece: &mut impl FnMut(Piece<D>) -> bool) -> bool {
         *left = left.saturating_sub(1);
         if !self.settle(code, depth) {
-            return;
+            return true;
         }
         let open = if *left == 0 { None } else { self.kink(code, depth) };
         let Some((at, sides)) = open else {
             let found = self.gradient(code, depth);
-            piece(found);
-            return;
+            return piece(found);
         };
         if self.levels.len() < depth + 2 {
             self.levels.push(Level::default());
         }
         for side in sides {
-            let [.., here, next] = &mut self.levels[..depth + 2] else { return };
+            let [.., here, next] = &mut self.levels[..depth + 2] else { return true };
             next.ranges.clone_from(&here.ranges);
             next.chosen.clone_from(&here.chosen);
             next.chosen[at] = side;
-            self.descend(code, depth + 1, left, piece);
+            if !self.descend(code, depth + 1, left, piece) {
+                return false;
+            }
         }
+        true
     }
 
     /// The last choice that the result depends on and that is open.
@@ -126,8 +129,8 @@ impl<const D: usize> Branches<D> {
                 Step::Input(k) => Slot::input(usize::from(k), range, range.lo),
                 Step::Constant(value) => Slot::constant(value),
                 Step::Op(op, from) => {
-                    let arguments = from.map(|a| self.slots[a as usize]);
-                    let (gradient, norm, mut jump) = derive(op, &arguments, range, level.chosen[i]);
+                    let arguments = from.map(|a| &self.slots[a as usize]);
+                    let (gradient, norm, mut jump) = derive(op, arguments, range, level.chosen[i]);
                     // What stands still on each piece may still jump from one to the next: only over the whole box can be told that not.
                     if op == Op::Select || op.row().jumps {
                         let whole = &self.levels[0].ranges;

@@ -107,7 +107,10 @@ impl Prover<'_> {
             return !whole.jump;
         }
         let mut pieces = None;
-        self.ray_branches.each(code, &self.ray_slots, BRANCHES, |piece| pieces = Some(joined(pieces, piece)));
+        self.ray_branches.each(code, &self.ray_slots, BRANCHES, |piece| {
+            pieces = Some(joined(pieces, piece));
+            true
+        });
         pieces.is_some_and(|all| !all.jump && !turns(all.gradient))
     }
 

@@ -95,6 +95,7 @@ impl Prover<'_> {
             norm = f64::max(norm, piece.norm);
             jump |= piece.jump;
             any = true;
+            true
         });
         if !any {
             (norm, jump) = (whole.norm, whole.jump);

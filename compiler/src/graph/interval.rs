@@ -31,6 +31,7 @@ impl Interval {
     pub const ONE: Self = Self { lo: 1.0, hi: 1.0 };
 
     /// The interval between two numbers; an end that is not a number opens that side.
+    #[inline]
     pub fn new(lo: f64, hi: f64) -> Self {
         Self {
             lo: if lo.is_nan() { f64::NEG_INFINITY } else { lo },
@@ -39,11 +40,13 @@ impl Interval {
     }
 
     /// One number.
+    #[inline]
     pub fn point(value: f64) -> Self {
         Self::new(value, value)
     }
 
     /// The interval between two computed numbers, each moved outward by one unit in the last place.
+    #[inline]
     pub fn outward(lo: f64, hi: f64) -> Self {
         Self::new(lo.next_down(), hi.next_up())
     }
@@ -54,36 +57,43 @@ impl Interval {
     }
 
     /// Whether it holds no number.
+    #[inline]
     pub fn is_empty(self) -> bool {
         self.lo > self.hi
     }
 
     /// Whether it is one number.
+    #[inline]
     pub fn is_point(self) -> bool {
         self.lo == self.hi
     }
 
     /// Whether both ends are finite.
+    #[inline]
     pub fn is_finite(self) -> bool {
         self.lo.is_finite() && self.hi.is_finite()
     }
 
     /// Whether it holds a number.
+    #[inline]
     pub fn contains(self, value: f64) -> bool {
         self.lo <= value && value <= self.hi
     }
 
     /// Largest absolute value in it.
+    #[inline]
     pub fn magnitude(self) -> f64 {
         if self.is_empty() { 0.0 } else { self.lo.abs().max(self.hi.abs()) }
     }
 
     /// Smallest absolute value in it.
+    #[inline]
     pub fn mignitude(self) -> f64 {
         if self.contains(0.0) { 0.0 } else { self.lo.abs().min(self.hi.abs()) }
     }
 
     /// Length, infinite where an end is.
+    #[inline]
     pub fn width(self) -> f64 {
         if self.is_empty() { 0.0 } else { self.hi - self.lo }
     }
@@ -99,6 +109,7 @@ impl Interval {
     }
 
     /// Smallest interval that holds both.
+    #[inline]
     pub fn hull(self, other: Self) -> Self {
         if self.is_empty() {
             other
@@ -110,6 +121,7 @@ impl Interval {
     }
 
     /// What both hold.
+    #[inline]
     pub fn intersect(self, other: Self) -> Self {
         Self { lo: self.lo.max(other.lo), hi: self.hi.min(other.hi) }
     }
@@ -120,11 +132,13 @@ impl Interval {
     }
 
     /// `-x`
+    #[inline]
     pub fn neg(self) -> Self {
         Self { lo: -self.hi, hi: -self.lo }
     }
 
     /// `a + b`
+    #[inline]
     pub fn add(self, b: Self) -> Self {
         if self.is_empty() || b.is_empty() {
             return Self::EMPTY;
@@ -139,11 +153,13 @@ impl Interval {
     }
 
     /// `a - b`
+    #[inline]
     pub fn sub(self, b: Self) -> Self {
         self.add(b.neg())
     }
 
     /// `a b`, with zero times infinity as zero (an end that is infinite is never reached).
+    #[inline]
     pub fn mul(self, b: Self) -> Self {
         if self.is_empty() || b.is_empty() {
             return Self::EMPTY;
@@ -157,16 +173,20 @@ impl Interval {
         if b == Self::ONE {
             return self;
         }
-        let product = |x: f64, y: f64| if x == 0.0 || y == 0.0 { 0.0 } else { x * y };
         if self.is_point() && b.is_point() && multiplies_exactly(self.lo, b.lo) {
-            return Self::point(product(self.lo, b.lo));
+            return Self::point(if self.lo == 0.0 || b.lo == 0.0 { 0.0 } else { self.lo * b.lo });
         }
+        let open = !(self.is_finite() && b.is_finite());
+        let product = |x: f64, y: f64| if open && (x == 0.0 || y == 0.0) { 0.0 } else { x * y };
         let (p, q) = (product(self.lo, b.lo), product(self.lo, b.hi));
         let (r, s) = (product(self.hi, b.lo), product(self.hi, b.hi));
-        Self::outward(p.min(q).min(r).min(s), p.max(q).max(r).max(s))
+        let least = |x: f64, y: f64| if x < y { x } else { y };
+        let most = |x: f64, y: f64| if x > y { x } else { y };
+        Self::outward(least(least(p, q), least(r, s)), most(most(p, q), most(r, s)))
     }
 
     /// `x x`
+    #[inline]
     pub fn square(self) -> Self {
         if self.is_empty() {
             return self;
@@ -228,6 +248,7 @@ impl Interval {
     }
 
     /// Smaller of two.
+    #[inline]
     pub fn min(self, b: Self) -> Self {
         if self.is_empty() || b.is_empty() {
             return Self::EMPTY;
@@ -236,6 +257,7 @@ impl Interval {
     }
 
     /// Larger of two.
+    #[inline]
     pub fn max(self, b: Self) -> Self {
         if self.is_empty() || b.is_empty() {
             return Self::EMPTY;
@@ -244,6 +266,7 @@ impl Interval {
     }
 
     /// `|x|`
+    #[inline]
     pub fn abs(self) -> Self {
         if self.is_empty() { self } else { Self { lo: self.mignitude(), hi: self.magnitude() } }
     }
