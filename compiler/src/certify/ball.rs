@@ -1,7 +1,8 @@
 //! Whether a ball holds no surface, and how far the surface is.
 //!
 //! Boxes are looked at from the ball's centre outward. A box is done when the field keeps its sign on what of it lies in the ball; the
-//! mean-value form sees the ball itself ([`Domain`]), so a ball that nearly touches the surface takes few boxes more than another.
+//! mean-value form sees the ball itself ([`Domain`]), so a ball that nearly touches the surface takes few boxes more than another. What is
+//! left of a box is cut down before it is halved: to the ball, to the piece of the field that is looked at, and to where the field can be zero.
 
 use super::code::Code;
 use super::forward::{self, Domain, Slot};
