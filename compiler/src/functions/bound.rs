@@ -343,37 +343,18 @@ impl Builder<'_> {
             return self.graph.constant(FAR);
         }
         self.kind = self.kind.max(Kind::Bound);
-        let point = self.graph.point();
-        let zero = self.graph.constant(0.0);
         let mut outside = Vec::new();
         if let Some((axis, radius)) = tube {
+            let (point, zero) = (self.graph.point(), self.graph.constant(0.0));
             let across: Vec<NodeId> = (1..3).filter_map(|i| point.get((axis + i) % 3).copied()).collect();
             let from = self.graph.op(Op::Length2, &across);
             let radius = self.graph.constant(radius);
             let beyond = self.graph.op(Op::Sub, &[from, radius]);
             outside.push(self.graph.op(Op::Max, &[beyond, zero]));
         }
-        for (i, coordinate) in point.into_iter().enumerate() {
-            if tube.is_some_and(|(axis, _)| axis != i) {
-                continue;
-            }
-            let side = region.axis(i);
-            if !side.is_finite() {
-                continue;
-            }
-            let middle = self.graph.constant(side.middle());
-            let half = self.graph.constant((side.hi - side.middle()).max(side.middle() - side.lo));
-            let from = self.graph.op(Op::Sub, &[coordinate, middle]);
-            let from = self.graph.op(Op::Abs, &[from]);
-            let beyond = self.graph.op(Op::Sub, &[from, half]);
-            outside.push(self.graph.op(Op::Max, &[beyond, zero]));
-        }
-        let distance = match outside.len() {
-            0 => return inside,
-            1 => outside.first().copied().unwrap_or(zero),
-            2 => self.graph.op(Op::Length2, &outside),
-            _ => self.graph.op(Op::Length3, &outside),
-        };
+        let axes = (0..3).filter(|i| tube.is_none_or(|(axis, _)| axis == *i));
+        outside.extend(self.graph.beyond(axes.map(|i| (i, region.axis(i)))));
+        let Some(distance) = self.graph.together(&outside) else { return inside };
         self.graph.name_node(distance, "outside");
         let limit = self.graph.constant(reach);
         let far = self.graph.op(Op::Lt, &[limit, distance]);

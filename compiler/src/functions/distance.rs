@@ -121,19 +121,9 @@ impl Builder<'_> {
         if region.is_empty() {
             return self.graph.constant(FAR);
         }
+        let ways = self.graph.beyond((0..3).map(|i| (i, region.axis(i))));
+        let Some(away) = self.graph.together(&ways) else { return estimate };
         let zero = self.graph.constant(0.0);
-        let mut ways = [zero; 3];
-        for (i, coordinate) in self.graph.point().into_iter().enumerate() {
-            let side = region.axis(i);
-            if let Some(slot) = ways.get_mut(i).filter(|_| side.is_finite()) {
-                let (low, high) = (self.graph.constant(side.lo), self.graph.constant(side.hi));
-                let below = self.graph.op(Op::Sub, &[low, coordinate]);
-                let above = self.graph.op(Op::Sub, &[coordinate, high]);
-                let way = self.graph.op(Op::Max, &[below, above]);
-                *slot = self.graph.op(Op::Max, &[way, zero]);
-            }
-        }
-        let away = self.graph.op(Op::Length3, &ways);
         let outside = self.graph.op(Op::Lt, &[zero, away]);
         let more = self.graph.op(Op::Max, &[estimate, away]);
         self.graph.op(Op::Select, &[outside, more, estimate])

@@ -12,6 +12,7 @@ pub mod interval;
 pub mod kernel;
 mod labels;
 mod list;
+mod outside;
 pub mod print;
 mod reads;
 mod walk;

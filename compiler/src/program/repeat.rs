@@ -277,26 +277,11 @@ impl Elaborator<'_> {
 
     /// A cap, or the distance to a box that holds all copies, if that is more: none is nearer than that either.
     fn at_least_outside(&mut self, cap: NodeId, around: &Box3, dimensions: usize) -> NodeId {
-        let zero = self.graph.constant(0.0);
-        let mut ways = Vec::new();
-        for (i, coordinate) in self.graph.point().into_iter().enumerate().take(dimensions) {
-            let side = around.axis(i);
-            // What reaches to the extent goes on there.
-            if side.is_empty() || side.magnitude() >= 0.99 * self.extent {
-                continue;
-            }
-            let (low, high) = (self.graph.constant(side.lo), self.graph.constant(side.hi));
-            let below = self.graph.op(Op::Sub, &[low, coordinate]);
-            let above = self.graph.op(Op::Sub, &[coordinate, high]);
-            let way = self.graph.op(Op::Max, &[below, above]);
-            ways.push(self.graph.op(Op::Max, &[way, zero]));
-        }
-        let outside = match (ways.len(), ways.first()) {
-            (0, _) | (_, None) => return cap,
-            (1, Some(&way)) => way,
-            (2, _) => self.graph.op(Op::Length2, &ways),
-            _ => self.graph.op(Op::Length3, &ways),
-        };
+        // What reaches to the extent goes on there.
+        let ends = |side: &Interval| !side.is_empty() && side.magnitude() < 0.99 * self.extent;
+        let slabs: Vec<(usize, Interval)> = (0..dimensions).map(|i| (i, around.axis(i))).filter(|(_, side)| ends(side)).collect();
+        let ways = self.graph.beyond(slabs);
+        let Some(outside) = self.graph.together(&ways) else { return cap };
         self.graph.op(Op::Max, &[cap, outside])
     }
 
