@@ -106,6 +106,9 @@ const LARGEST: usize = 4_000_000;
 const DISTANCES: usize = 500;
 /// Steps by which points are walked to the surface.
 const WALK: usize = 32;
+/// A walk ends with a step that is so small beside the scene; what has come as near as the other has met a surface.
+const ARRIVED: f64 = 1e-4;
+const NEAR: f64 = 1e-3;
 /// Points that one thread makes and probes at once, and how often it makes more for those that fell away.
 const SHARE: usize = 4096;
 const ROUNDS: usize = 4;
@@ -462,23 +465,29 @@ fn strewn(evaluator: &mut Evaluator<'_>, count: usize, room: Room, random: &mut 
     let walked = points.len() / 2;
     let aims: Vec<[f64; 3]> = (0..walked).map(|_| about(random, 0.5 * room.size)).collect();
     let ways: Vec<[f64; 3]> = points.iter().zip(&aims).map(|(p, aim)| unit(plus(*aim, *p, -1.0))).collect();
+    let mut walking: Vec<usize> = (0..walked).collect();
     for _ in 0..WALK {
-        let mut steps = Vec::with_capacity(walked);
-        evaluator.at(points.get(..walked).unwrap_or(&[]), &[], |_, values| {
+        let stand: Vec<[f64; 3]> = walking.iter().filter_map(|&i| points.get(i).copied()).collect();
+        let mut steps = Vec::with_capacity(stand.len());
+        evaluator.at(&stand, &[], |_, values| {
             steps.push(0.9 * values.get(1).map_or(0.0, |b| b.abs()).min(room.size));
         });
-        for ((p, way), step) in points.iter_mut().zip(&ways).zip(steps) {
-            let next = plus(*p, *way, step);
+        let mut next = steps.iter();
+        walking.retain(|&i| {
+            let (Some(p), Some(way), Some(step)) = (points.get_mut(i), ways.get(i), next.next()) else { return false };
+            let ahead = plus(*p, *way, *step);
             // A way that meets nothing ends within the extent.
-            if length(next) < 0.95 * room.extent {
-                *p = next;
+            let goes_on = length(ahead) < 0.95 * room.extent;
+            if goes_on {
+                *p = ahead;
             }
-        }
+            goes_on && *step > ARRIVED * room.size
+        });
     }
     let stand = points.get(..walked).unwrap_or(&[]).to_vec();
     let mut met: Vec<[f64; 3]> = Vec::new();
     evaluator.at(&stand, &[], |i, values| {
-        let near = values.get(1).is_some_and(|b| b.abs() < 1e-3 * room.size);
+        let near = values.get(1).is_some_and(|b| b.abs() < NEAR * room.size);
         met.extend(stand.get(i).filter(|_| near));
     });
     // Those that met none gather about what the others met.
