@@ -90,14 +90,14 @@ impl Painter {
         }
         #[cfg(feature = "gpu")]
         let missing = match surefoot_runtime::Gpu::headless() {
-            Ok(gpu) => {
-                let painter =
-                    gpu::Painter::new(gpu, compiled, mode, samples).map_err(NoPainter::Refused)?;
-                let note = painter
-                    .is_software()
-                    .then(|| format!("the adapter is a program: {}", painter.name()));
-                return Ok((Self::Gpu(Box::new(painter)), note));
-            }
+            Ok(gpu) => match gpu::Painter::new(gpu, compiled, mode, samples) {
+                Ok(painter) => {
+                    let note = painter.is_software().then(|| format!("the adapter is a program: {}", painter.name()));
+                    return Ok((Self::Gpu(Box::new(painter)), note));
+                }
+                Err(words) if device == Device::Gpu => return Err(NoPainter::Refused(words)),
+                Err(words) => format!("the adapter refuses this scene: {words}"),
+            },
             Err(missing) => missing.to_string(),
         };
         #[cfg(not(feature = "gpu"))]

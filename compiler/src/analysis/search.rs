@@ -45,11 +45,12 @@ impl Search {
         best.into_iter().map(|(steep, at)| self.climb(graph, steep, at)).fold(0.0, f64::max)
     }
 
-    /// How steep it is at most places: the median of so many points, each at values of the parameters and a time from their ranges.
-    pub fn typical(&self, graph: &Graph, samples: usize) -> f64 {
+    /// How steep it is at a share of so many points at most (half of them: the median), each at values of the parameters and a time from their
+    /// ranges.
+    pub fn quantile(&self, graph: &Graph, samples: usize, share: f64) -> f64 {
         let mut slopes: Vec<f64> = (0..samples).map(|i| self.at(graph, &self.place(graph, i))).filter(|s| *s > 0.0).collect();
         slopes.sort_by(f64::total_cmp);
-        slopes.get(slopes.len() / 2).copied().unwrap_or(1.0)
+        slopes.get((slopes.len() as f64 * share) as usize).copied().unwrap_or(1.0)
     }
 
     /// The `i`-th place that samples look at, as [`Search::at`] takes it.

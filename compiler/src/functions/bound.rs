@@ -194,7 +194,10 @@ impl Builder<'_> {
         };
         self.kind = self.kind.max(if self.is_exact(shape, node) { Kind::Exact } else { Kind::Lipschitz });
         let mut value = if (treatment.constant - 1.0).abs() <= 1e-6 {
-            node
+            match treatment.region.is_none() && !self.is_exact(shape, node) {
+                true => self.convex_way(node, domain).unwrap_or(node),
+                false => node,
+            }
         } else {
             let at = match treatment.region {
                 Some((region, reach)) => domain.at(region.grow(reach)),

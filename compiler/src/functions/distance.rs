@@ -89,7 +89,11 @@ impl Builder<'_> {
                 let Some(treatment) = self.treatment(shape, node, domain, true) else { return node };
                 let near = treatment.region.map(|(region, reach)| domain.at(region.grow(reach)));
                 let steepness = self.steepness(node, near.as_ref().unwrap_or(domain), treatment.constant);
-                let estimate = self.over_gradient(node, steepness);
+                let way = match treatment.constant <= UNIT && treatment.region.is_none() {
+                    true => self.convex_way(node, domain),
+                    false => None,
+                };
+                let estimate = way.unwrap_or_else(|| self.over_gradient(node, steepness));
                 match treatment.region {
                     Some((region, _)) => self.no_less_than_to(region, estimate),
                     None => estimate,

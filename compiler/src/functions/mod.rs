@@ -5,6 +5,7 @@
 //! estimate that light and contact use: it is composed in the same way and never holds a factor.
 
 mod bound;
+mod convex;
 mod distance;
 mod domains;
 mod ground;
@@ -216,6 +217,8 @@ pub struct Builder<'a> {
     treatments: FxHashMap<(ShapeId, NodeId, Vec<u64>, bool), Option<Treatment>>,
     regions: FxHashMap<(NodeId, Vec<u64>, bool), Option<Narrowed>>,
     cuts: FxHashMap<(NodeId, Vec<u64>), Option<Cut>>,
+    /// Whether the scene has so many parts that they may be a union of many; found when it is first asked for.
+    crowded: Option<bool>,
     built: Functions,
     /// What was found on the way.
     pub diagnostics: Vec<Diagnostic>,
@@ -266,6 +269,7 @@ pub fn build(
         treatments: FxHashMap::default(),
         regions: FxHashMap::default(),
         cuts: FxHashMap::default(),
+        crowded: None,
         built: Functions { searches, ..Functions::default() },
         diagnostics: Vec::new(),
         kind: Kind::Exact,
