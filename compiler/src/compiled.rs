@@ -1,5 +1,6 @@
 //! What the compiler hands over: a module of WGSL, what a host must write into its uniform block, and the scene around it.
 
+pub use crate::emit::Formulas;
 pub use crate::emit::table::{ModuleTables, Tables};
 pub use crate::frame::{CAPTURE_SIZES, Camera, CaptureNodes, Frame, Light, LightKind, LightNodes, MAX_BOUNCES, SceneBlocks, Shadow, Sky};
 
@@ -84,6 +85,9 @@ pub struct Options {
     pub choose: Vec<(String, String)>,
     /// Whether a formula of which no bound can be proven is an error.
     pub strict: bool,
+    /// Whether what depends on parameters and time alone is computed in the shader, so that a host need write nothing else into the
+    /// uniform block; else it has fields there ([`UniformSource::Formula`]).
+    pub live_in_shader: bool,
 }
 
 impl Default for Options {
@@ -96,6 +100,7 @@ impl Default for Options {
             set: Vec::new(),
             choose: Vec::new(),
             strict: false,
+            live_in_shader: false,
         }
     }
 }
@@ -201,6 +206,8 @@ pub enum UniformSource {
     OcclusionStrength,
     /// The multiple of a factor: an index into [`Graph::factors`]; the value is one over its Lipschitz factor, rounded down.
     Factor(u32),
+    /// What is computed from time and parameters: a field of [`Module::formulas`].
+    Formula(u32),
 }
 
 /// A field of the uniform block.
@@ -227,6 +234,8 @@ pub struct Module {
     pub uniform_name: String,
     /// Fields of the uniform block.
     pub uniforms: Vec<Uniform>,
+    /// What the host computes for them once a frame.
+    pub formulas: Arc<Formulas>,
     /// Size of the uniform block in bytes, a multiple of 16; 0 where there is none.
     pub uniform_size: u32,
     /// Operations of the kernel in one evaluation of the field, and of the bound.
@@ -319,6 +328,7 @@ impl Compiled {
     pub fn uniform_bytes(&self, live: &Live, origin: [f64; 3]) -> Vec<u8> {
         let mut bytes = vec![0; self.module.uniform_size as usize];
         let occlusion = self.frame(live).ambient_occlusion;
+        let computed = self.module.formulas.values(live.time, |i| live.component(&self.graph, i));
         for uniform in &self.module.uniforms {
             for i in 0..uniform.components {
                 let value = match uniform.source {
@@ -328,6 +338,7 @@ impl Compiled {
                     UniformSource::OcclusionReach => occlusion.0 as f32,
                     UniformSource::OcclusionStrength => occlusion.1 as f32,
                     UniformSource::Factor(f) => multiple_of(live.factor(&self.graph, f)),
+                    UniformSource::Formula(field) => self.module.formulas.component(&computed, field, i),
                 };
                 let at = (uniform.offset + 4 * i) as usize;
                 if let Some(slot) = bytes.get_mut(at..at + 4) {

@@ -1,9 +1,11 @@
 //! A function of the module while it is made: expressions over its arguments, each once, calls opened where that was decided.
 
 use super::EmitError;
+use super::formulas::Formulas;
 use super::plan::{Action, Plan, Plans, TargetId};
 use super::vector::{JoinedVectors, Part};
 use crate::graph::index::Index;
+use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Kind, Op, Terms};
 use crate::graph::{Graph, Leaf, NodeId};
 use rustc_hash::FxHasher;
@@ -30,6 +32,8 @@ pub enum Code {
     Variable(u32),
     /// A field of the uniform block: its number among the candidates, and its components.
     Uniform(u32, u8),
+    /// What depends on parameters and time alone: a field of [`Body::formulas`], and its components.
+    Computed(u32, u8),
     /// An operation of the kernel. `Length2` and its kin take one vector.
     Op(Op),
     /// A function of the module: the point, then numbers.
@@ -82,6 +86,7 @@ impl Code {
             Code::Value(n) => (18, u64::from(n)),
             Code::Aside(n) => (16, u64::from(n)),
             Code::Row(piece) => (17, u64::from(piece)),
+            Code::Computed(field, _) => (20, u64::from(field)),
         };
         kind << 40 | detail
     }
@@ -117,6 +122,8 @@ pub struct Body {
     pub(super) joined: JoinedVectors,
     /// Whether a number is a component of a vector that was made of it.
     has_parts: bool,
+    /// What the host computes, of all functions of the module; none where the shader does it.
+    pub(super) formulas: Option<Formulas>,
 }
 
 /// What is bound while a formula is opened.
@@ -133,6 +140,8 @@ pub struct Space {
 pub trait Outside {
     /// Number of the field, its components, and the component that is meant.
     fn uniform(&self, read: Read) -> Result<(u32, u8, u8), EmitError>;
+    /// All values of a component of a field.
+    fn range(&self, field: u32, component: u8) -> Interval;
 }
 
 /// What is read from outside.
@@ -158,12 +167,12 @@ struct Frame<'p> {
 }
 
 impl Body {
-    /// Room for so many expressions.
-    pub fn with_capacity(count: usize) -> Self {
-        Self { exprs: Vec::with_capacity(count), pool: Vec::with_capacity(2 * count), ..Self::default() }
+    /// Room for so many expressions. `formulas`: where what the host computes is kept, if it does.
+    pub fn new(count: usize, formulas: Option<Formulas>) -> Self {
+        Self { exprs: Vec::with_capacity(count), pool: Vec::with_capacity(2 * count), formulas, ..Self::default() }
     }
 
-    /// Forgets all, and keeps the room: for the next function.
+    /// Forgets all but the formulas, and keeps the room: for the next function.
     pub fn clear(&mut self) {
         self.exprs.clear();
         self.pool.clear();
@@ -272,7 +281,7 @@ impl Body {
     /// Number of components of an expression.
     pub fn components(&self, id: ExprId) -> u8 {
         match self.code(id) {
-            Code::Point(n) | Code::Vector(n) | Code::Swizzle(n, _) | Code::Uniform(_, n) => n,
+            Code::Point(n) | Code::Vector(n) | Code::Swizzle(n, _) | Code::Uniform(_, n) | Code::Computed(_, n) => n,
             Code::Value(n) | Code::Aside(n) => n,
             Code::Row(_) => 4,
             Code::VectorOp(_, n) | Code::Splat(n) => n,
@@ -409,8 +418,12 @@ impl Body {
         })
     }
 
-    fn outside(&mut self, outside: &dyn Outside, read: Read) -> Result<ExprId, EmitError> {
+    /// What is read from outside: a number.
+    pub fn outside(&mut self, outside: &dyn Outside, read: Read) -> Result<ExprId, EmitError> {
         let (field, components, i) = outside.uniform(read)?;
+        if let Some(formulas) = &mut self.formulas {
+            formulas.note(read, field, i, outside.range(field, i));
+        }
         let whole = self.add(Code::Uniform(field, components), &[]);
         Ok(if components == 1 { whole } else { self.component(whole, i) })
     }
@@ -562,7 +575,7 @@ impl Terms for Body {
         self.add(Code::Constant(if value == 0.0 { 0 } else { value.to_bits() }), &[])
     }
     fn op(&mut self, op: Op, args: &[ExprId]) -> ExprId {
-        if let Some(simple) = kernel::simplify(self, op, args) {
+        if let Some(simple) = kernel::simplify(self, op, args).or_else(|| self.computed(op, args)) {
             return simple;
         }
         match op {

@@ -1,10 +1,12 @@
 //! The comment at a module's head: what it holds, what a host must write, and what was proven.
 
+use super::formulas::{Formulas, call_name};
 use super::library;
 use super::uniforms::Candidates;
 use super::write::vector_type;
 use crate::compiled::{Export, Options, Parameter, Uniform, UniformSource};
 use crate::factors;
+use crate::graph::kernel::Op;
 use crate::graph::{Factor, Graph, Proof};
 use crate::source::Sources;
 use std::fmt::Write;
@@ -21,6 +23,8 @@ pub struct Facts<'a> {
     pub options: &'a Options,
     /// Live values.
     pub uniforms: &'a Candidates,
+    /// What the host computes.
+    pub formulas: &'a Formulas,
     /// Those that are read, laid out.
     pub fields: &'a [Uniform],
     /// Size of the block.
@@ -52,7 +56,12 @@ pub fn write(facts: &Facts) -> String {
          // The uniform block (group {group}, binding {binding}) has {} bytes:\n//\n",
         facts.size
     );
-    let rows: Vec<[String; 5]> = facts.fields.iter().map(|f| row(facts, f)).collect();
+    let start = facts.formulas.values(0.0, |i| facts.graph.parameters.get(i as usize).map_or(0.0, |p| p.default));
+    // What is not in the block stands in no place of it.
+    let inputs = facts.uniforms.all.iter().filter(|c| c.computes && !c.read);
+    let inputs = inputs.map(|c| Uniform { name: c.name.clone(), source: c.source, components: c.components.into(), offset: u32::MAX });
+    let fields: Vec<Uniform> = facts.fields.iter().cloned().chain(inputs).collect();
+    let rows: Vec<[String; 5]> = fields.iter().map(|f| row(facts, &start, f)).collect();
     let head = ["offset", "type", "name", "default", "range"];
     let mut widths = head.map(str::len);
     for row in &rows {
@@ -74,10 +83,11 @@ pub fn write(facts: &Facts) -> String {
         let _ = writeln!(text, "{}", row.trim_end());
     };
     line(head, "");
-    for (field, row) in facts.fields.iter().zip(&rows) {
+    for (field, row) in fields.iter().zip(&rows) {
         let [a, b, c, d, e] = row;
         line([a, b, c, d, e], &about(facts, field));
     }
+    computed(facts, &mut text);
     let extent = number(facts.extent);
     let has_factor = facts.fields.iter().any(|f| matches!(f.source, UniformSource::Factor(_)));
     if has_factor {
@@ -112,7 +122,7 @@ fn parameter<'a>(facts: &Facts<'a>, field: &Uniform) -> Option<&'a Parameter> {
     facts.parameters.get(candidate.parameter?)
 }
 
-fn row(facts: &Facts, field: &Uniform) -> [String; 5] {
+fn row(facts: &Facts, start: &[f64], field: &Uniform) -> [String; 5] {
     let (default, range) = match field.source {
         UniformSource::Origin => ("0, 0, 0".to_owned(), String::new()),
         UniformSource::Time => ("0".to_owned(), String::new()),
@@ -132,9 +142,14 @@ fn row(facts: &Facts, field: &Uniform) -> [String; 5] {
             let factor = facts.graph.factors.get(i as usize);
             (factor.map_or(String::new(), |f| f.multiple().to_string()), String::new())
         }
+        UniformSource::Formula(of) => {
+            let values: Vec<f64> = (0..field.components).map(|i| facts.formulas.component(start, of, i).into()).collect();
+            (numbers(&values), String::new())
+        }
     };
     let ty = vector_type(field.components as u8).to_owned();
-    [field.offset.to_string(), ty, field.name.clone(), default, range]
+    let offset = if field.offset == u32::MAX { "-".to_owned() } else { field.offset.to_string() };
+    [offset, ty, field.name.clone(), default, range]
 }
 
 fn about(facts: &Facts, field: &Uniform) -> String {
@@ -156,6 +171,37 @@ fn about(facts: &Facts, field: &Uniform) -> String {
             Some(f) => factor(facts.sources, f),
             None => String::new(),
         },
+        UniformSource::Formula(_) => "computed: see below".to_owned(),
+    }
+}
+
+/// What a host computes, and from what.
+fn computed(facts: &Facts, text: &mut String) {
+    let of = |f: &Uniform| match f.source {
+        UniformSource::Formula(field) => Some(field),
+        _ => None,
+    };
+    let fields: Vec<(u32, &str)> = facts.fields.iter().filter_map(|f| Some((of(f)?, f.name.as_str()))).collect();
+    if fields.is_empty() {
+        return;
+    }
+    let (lines, functions) = facts.formulas.lines(&fields, &|i| facts.uniforms.component_name(i));
+    text.push_str(
+        "//\n// What depends on parameters and time alone is computed once a frame, best in 64 bits. A host in which one of them changes writes\n\
+         // these too, in this order; what has no offset above stands in no place of the block:\n//\n",
+    );
+    for line in lines {
+        let _ = writeln!(text, "//   {line}");
+    }
+    for op in functions {
+        let row = op.row();
+        let letters = match op {
+            Op::Select => ["c", "a", "b", ""],
+            Op::TurnU | Op::TurnV => ["u", "v", "t", ""],
+            _ => ["a", "b", "c", "d"],
+        };
+        let letters = letters.get(..row.arity.into()).unwrap_or(&[]);
+        let _ = writeln!(text, "//   in which {}({}) is: {}", call_name(op), letters.join(", "), row.doc);
     }
 }
 
@@ -175,7 +221,7 @@ fn factor(sources: &Sources, factor: &Factor) -> String {
 pub fn unread(parameters: &[Parameter], uniforms: &Candidates) -> Vec<String> {
     let mut out = Vec::new();
     for (index, parameter) in parameters.iter().enumerate() {
-        let read = uniforms.all.iter().any(|c| c.parameter == Some(index) && c.read);
+        let read = uniforms.all.iter().any(|c| c.parameter == Some(index) && (c.read || c.computes));
         if parameter.first.is_none() {
             out.push(format!("{}: a choice among names is part of the text of the module", parameter.name));
         } else if !read {

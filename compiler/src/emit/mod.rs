@@ -5,6 +5,7 @@
 //! nobody reads is emitted, and the same source gives the same bytes. The graph is only read.
 
 mod body;
+mod formulas;
 mod header;
 mod library;
 mod names;
@@ -20,6 +21,7 @@ mod write;
 #[cfg(test)]
 mod tests;
 
+pub use formulas::Formulas;
 pub use translate::{Target, translate, validate};
 
 use crate::compiled::{Export, Live, Module, ModuleTables, Options, Parameter, SceneBlocks, UniformSource};
@@ -142,7 +144,7 @@ pub fn emit(
         tables: &tables,
     };
     let mut texts = String::with_capacity(24 * graph.len().min(100_000));
-    let mut body = Body::with_capacity(graph.len());
+    let mut body = Body::new(graph.len(), (!options.live_in_shader).then(Formulas::default));
     for &id in &standing {
         shape_function(&mut context, id, &mut body, &mut texts)?;
     }
@@ -168,12 +170,14 @@ pub fn emit(
     }
     skipped.extend(header::unread(parameters, &context.uniforms));
     let (fields, size) = context.uniforms.layout();
+    let formulas = body.formulas.take().unwrap_or_default();
     let facts = header::Facts {
         graph,
         sources,
         exports: &exports,
         options,
         uniforms: &context.uniforms,
+        formulas: &formulas,
         fields: &fields,
         size,
         parameters,
@@ -205,6 +209,7 @@ pub fn emit(
         exports,
         uniform_name,
         uniforms: fields,
+        formulas: Arc::new(formulas),
         uniform_size: size,
         operations,
         skipped,

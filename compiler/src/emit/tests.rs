@@ -248,9 +248,13 @@ fn an_empty_prefix_stands_beside_the_built_in_names() {
 #[test]
 fn offsets_are_those_that_naga_sees() {
     let mut b = Bench::new();
+    // Each beside the point, so that the shader reads it.
+    let [x, ..] = b.g.point();
     let mut sum = b.g.leaf(Leaf::Time);
+    sum = b.g.op(Op::Mul, &[x, sum]);
     for (i, n) in [1, 2, 1, 3, 1, 4, 2, 3, 3, 1].into_iter().enumerate() {
         for part in b.parameter(&format!("p{i}"), &vec![0.5; n], 0.0, 1.0) {
+            let part = b.g.op(Op::Mul, &[x, part]);
             sum = b.g.op(Op::Add, &[sum, part]);
         }
     }

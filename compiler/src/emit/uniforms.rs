@@ -2,10 +2,14 @@
 
 use super::EmitError;
 use super::body::{Outside, Read};
+use super::formulas::Formulas;
 use super::names::{Scope, identifier};
+use super::plan::split_axis;
+use super::write::component_name;
 use crate::compiled::{Parameter, Uniform, UniformSource};
 use crate::graph::Graph;
 use crate::graph::interval::Interval;
+use rustc_hash::FxHashMap;
 
 /// A value that a module may read.
 #[derive(Clone, Debug)]
@@ -18,8 +22,10 @@ pub struct Candidate {
     pub components: u8,
     /// All values of each component.
     pub ranges: Vec<Interval>,
-    /// Whether something reads it.
+    /// Whether a shader reads it.
     pub read: bool,
+    /// Whether what the host computes is computed from it.
+    pub computes: bool,
     /// Index of the parameter that it is.
     pub parameter: Option<usize>,
 }
@@ -27,12 +33,15 @@ pub struct Candidate {
 /// All values that a module may read.
 #[derive(Clone, Debug)]
 pub struct Candidates {
-    /// In the order of the struct: origin, time, parameters, occlusion, factors.
+    /// In the order of the struct: origin, time, parameters, occlusion, factors, what is computed.
     pub all: Vec<Candidate>,
     /// Candidate and component of each component of a parameter in the graph.
     components: Vec<Option<(u32, u8)>>,
     /// Candidate of the first factor.
     factors: u32,
+    /// The candidate of each field of [`Formulas`] that is read.
+    computed: FxHashMap<u32, u32>,
+    names: Scope,
 }
 
 const TIME: u32 = 1;
@@ -44,7 +53,7 @@ impl Candidates {
         let mut all = Vec::with_capacity(parameters.len() + graph.factors.len() + 4);
         let mut add = |name: &str, source, components, ranges, parameter| {
             let name = scope.give(&identifier(name));
-            all.push(Candidate { name, source, components, ranges, read: false, parameter });
+            all.push(Candidate { name, source, components, ranges, read: false, computes: false, parameter });
             all.len() as u32 - 1
         };
         add("origin", UniformSource::Origin, 3, vec![Interval::ALL; 3], None);
@@ -78,7 +87,49 @@ impl Candidates {
                 factors = candidate;
             }
         }
-        Self { all, components, factors }
+        Self { all, components, factors, computed: FxHashMap::default(), names: scope }
+    }
+
+    /// The candidate of what the host computes. Its name is that of the source, or of what it is computed from.
+    pub fn computed(&mut self, formulas: &Formulas, field: u32, name: Option<&str>) -> u32 {
+        if let Some(&known) = self.computed.get(&field) {
+            return known;
+        }
+        let (time, parameters) = formulas.reads(field);
+        let mut from: Vec<u32> = if time { vec![TIME] } else { Vec::new() };
+        from.extend(parameters.iter().filter_map(|&i| self.components.get(i as usize).copied().flatten()).map(|c| c.0));
+        for &index in &from {
+            if let Some(candidate) = self.all.get_mut(index as usize) {
+                candidate.computes = true;
+            }
+        }
+        let components = formulas.components(field);
+        // A vector is named after its first component.
+        let name = match name.map(|n| (n, split_axis(n))) {
+            Some((_, Some((vector, _)))) if components > 1 => identifier(vector),
+            Some((name, _)) => identifier(name),
+            None => {
+                let first = from.first().and_then(|&i| self.all.get(i as usize));
+                format!("of_{}", first.map_or("nothing", |c| &c.name))
+            }
+        };
+        let name = self.names.give(&name);
+        let ranges = (0..components).map(|i| formulas.range(field, i)).collect();
+        let source = UniformSource::Formula(field);
+        self.all.push(Candidate { name, source, components, ranges, read: false, computes: false, parameter: None });
+        let index = self.all.len() as u32 - 1;
+        self.computed.insert(field, index);
+        index
+    }
+
+    /// What a component of a parameter is called: its name, or that of a vector and a component.
+    pub fn component_name(&self, parameter: u32) -> String {
+        let Some((index, i)) = self.components.get(parameter as usize).copied().flatten() else { return String::new() };
+        let Some(candidate) = self.get(index) else { return String::new() };
+        match (candidate.components, i) {
+            (1, _) => candidate.name.clone(),
+            (_, i) => format!("{}{}", candidate.name, component_name(i)),
+        }
     }
 
     /// A candidate.
@@ -133,5 +184,9 @@ impl Outside for Candidates {
         };
         let candidate = self.all.get(index as usize).ok_or(EmitError::NoParameter(index))?;
         Ok((index, candidate.components, i))
+    }
+
+    fn range(&self, field: u32, component: u8) -> Interval {
+        self.get(field).and_then(|f| f.ranges.get(usize::from(component))).copied().unwrap_or(Interval::ALL)
     }
 }

@@ -147,7 +147,8 @@ impl Body {
         if let Some(known) = self.joined.get(key) {
             return known;
         }
-        let joined = self.find(parts, depth).unwrap_or_else(|| {
+        let computed = self.computed_vector(parts).map(|id| Joined { id, gathers: 0, newest: 0 });
+        let joined = computed.or_else(|| self.find(parts, depth)).unwrap_or_else(|| {
             let constant = parts.iter().all(|&p| self.as_constant(p).is_some());
             let newest = parts.iter().copied().max().unwrap_or(0);
             let id = self.add(Code::Vector(parts.len() as u8), parts);
@@ -157,7 +158,8 @@ impl Body {
         if matches!(self.code(joined.id), Code::VectorOp(..)) {
             for (i, &part) in parts.iter().enumerate() {
                 // A constant is never read from a vector: it is as good where it stands, and the vector may hold it itself.
-                if part > joined.newest && self.as_constant(part).is_none() {
+                let stands = self.as_constant(part).is_some() || matches!(self.code(part), Code::Computed(..));
+                if part > joined.newest && !stands {
                     let (vector, index, plain) = (joined.id, i as u8, joined.gathers == 0);
                     self.set_part(part, Part { vector, index, plain });
                 }

@@ -228,6 +228,7 @@ impl Writer<'_, '_> {
                     | Code::Normal
                     | Code::Variable(_)
                     | Code::Uniform(..)
+                    | Code::Computed(..)
                     | Code::Value(_)
                     | Code::Aside(_)
                     | Code::Row(_)
@@ -350,6 +351,7 @@ impl Writer<'_, '_> {
                 let field = self.context.uniforms.get(index);
                 field.and_then(|f| f.ranges.first()).is_some_and(|r| r.lo >= 0.0)
             }
+            Code::Computed(field, 1) => self.computed_range(field, 0).lo >= 0.0,
             Code::Op(op) => match op {
                 Op::Square | Op::Abs | Op::Sqrt | Op::Exp | Op::Pow | Op::Hash => true,
                 Op::Length2 | Op::Length3 | Op::Length4 => true,
@@ -371,6 +373,10 @@ impl Writer<'_, '_> {
         }
     }
 
+    fn computed_range(&self, field: u32, i: u8) -> Interval {
+        self.body.formulas.as_ref().map_or(Interval::ALL, |f| f.range(field, i))
+    }
+
     fn known_range(&self, id: ExprId) -> Interval {
         self.ranges.get(id as usize).copied().unwrap_or(Interval::ALL)
     }
@@ -389,11 +395,12 @@ impl Writer<'_, '_> {
                 let field = self.context.uniforms.get(index);
                 field.and_then(|f| f.ranges.get(i)).copied().unwrap_or(Interval::ALL)
             }
+            Code::Computed(field, _) => self.computed_range(field, i as u8),
             _ => Interval::ALL,
         };
         match self.body.code(id) {
             Code::Constant(bits) => Interval::point(f64::from_bits(bits)),
-            Code::Uniform(_, 1) => field(id, 0),
+            Code::Uniform(_, 1) | Code::Computed(_, 1) => field(id, 0),
             Code::Component(i) => field(self.argument(id, 0), usize::from(i)),
             Code::Op(op @ (Op::Length2 | Op::Length3 | Op::Length4)) => {
                 let vector = self.argument(id, 0);
@@ -426,6 +433,16 @@ impl Writer<'_, '_> {
 
     fn put(&mut self, text: &str) {
         self.scratch.push_str(text);
+    }
+
+    /// The name of a field of the uniform block.
+    fn put_uniform(&mut self, index: u32) {
+        self.context.uniforms.mark(index);
+        self.scratch.push_str(&self.context.uniform_name);
+        self.scratch.push('.');
+        if let Some(field) = self.context.uniforms.get(index) {
+            self.scratch.push_str(&field.name);
+        }
     }
 
     /// An argument's text, in parentheses where it binds less than `least`.
@@ -500,11 +517,14 @@ impl Writer<'_, '_> {
                 9
             }
             Code::Uniform(index, _) => {
-                self.context.uniforms.mark(index);
-                self.scratch.push_str(&self.context.uniform_name);
-                self.scratch.push('.');
-                if let Some(field) = self.context.uniforms.get(index) {
-                    self.scratch.push_str(&field.name);
+                self.put_uniform(index);
+                9
+            }
+            Code::Computed(field, _) => {
+                if let Some(formulas) = &self.body.formulas {
+                    let name = self.body.named(id).and_then(|n| self.context.graph.node_name(n));
+                    let index = self.context.uniforms.computed(formulas, field, name);
+                    self.put_uniform(index);
                 }
                 9
             }
@@ -727,7 +747,8 @@ fn next_argument(pattern: &str) -> Option<(&str, usize, &str)> {
     Some((pattern.get(..at)?, usize::from(digit.wrapping_sub(b'0')), pattern.get(at + 3..)?))
 }
 
-fn component_name(i: u8) -> &'static str {
+/// What stands after a vector for one of its components.
+pub fn component_name(i: u8) -> &'static str {
     match i {
         0 => ".x",
         1 => ".y",

@@ -282,7 +282,7 @@ impl Compiled {
 
     /// Whether the field changes with time or a parameter: its surface may push.
     pub fn field_moves(&self) -> bool {
-        use crate::compiled::UniformSource::{Parameter, Time};
-        self.module.uniforms.iter().any(|u| matches!(u.source, Time | Parameter(_)))
+        use crate::compiled::UniformSource::{Formula, Parameter, Time};
+        self.module.uniforms.iter().any(|u| matches!(u.source, Time | Parameter(_) | Formula(_)))
     }
 }

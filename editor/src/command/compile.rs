@@ -35,6 +35,9 @@ pub struct Args {
     /// Make it an error where a factor is measured and not proven.
     #[arg(long)]
     strict: bool,
+    /// Leave what depends on parameters and time alone in the shader, for a host that writes nothing else.
+    #[arg(long)]
+    live_in_shader: bool,
 }
 
 fn export(name: &str) -> Result<Export, String> {
@@ -65,6 +68,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         group: args.group,
         binding: args.binding,
         strict: args.strict,
+        live_in_shader: args.live_in_shader,
         ..Options::default()
     };
     let outcome = compile_file(&args.scene, &options)?;

@@ -8,6 +8,7 @@ import math
 import pathlib
 import re
 import struct
+import types
 import zlib
 
 import wgpu
@@ -16,15 +17,50 @@ HERE = pathlib.Path(__file__).parent
 
 
 def live_values(wgsl):
-    """The module's head has a table of its live values: offset in bytes, type, name, value at the start, range."""
+    """The module's head has a table of its live values: offset in bytes, type, name, value at the start, range.
+
+    What has no offset stands in no place of the block: other values are computed from it.
+    """
     lines = wgsl.splitlines()
     top = next((i for i, line in enumerate(lines) if re.fullmatch("// +offset +type +name +default +range", line)), None)
     if top is None:
         return
     name, start, end = (lines[top].index(word) for word in ("name", "default", "range"))
     for row in lines[top + 1 : lines.index("//", top)]:
-        offset = int(row[2:].split()[0])
-        yield offset, row[name:start].strip(), [float(value) for value in row[start:end].split(", ")]
+        offset = row[2:].split()[0]
+        yield None if offset == "-" else int(offset), row[name:start].strip(), [float(value) for value in row[start:end].split(", ")]
+
+
+FUNCTIONS = {
+    **{name: getattr(math, name) for name in ("sin", "cos", "tanh", "floor", "ceil", "trunc")},
+    **{"min": min, "max": max, "abs": abs, "round": round, "length2": math.hypot, "length3": math.hypot, "length4": math.hypot},
+    "square": lambda a: a * a,
+    "div": lambda a, b: a / b if b else 0.0,
+    "sqrt": lambda a: math.sqrt(max(a, 0.0)),
+    "exp": lambda a: math.exp(min(a, 88.0)),
+    "sign": lambda a: (a > 0) - (a < 0),
+    "select": lambda c, a, b: a if c else b,
+    "turn_u": lambda u, v, t: u * math.cos(t) - v * math.sin(t),
+    "turn_v": lambda u, v, t: u * math.sin(t) + v * math.cos(t),
+    "both": lambda a, b: a and b,
+    "either": lambda a, b: a or b,
+    "no": lambda a: not a,
+    **{f"vec{n}": (lambda *numbers: numbers) for n in (2, 3, 4)},
+}
+
+
+def computed(wgsl, live):
+    """Below the table stand formulas, `swing = 0.5 * sin(time)`, of what is computed from parameters and time once a frame."""
+
+    def named(values):
+        return values[0] if len(values) == 1 else types.SimpleNamespace(**dict(zip("xyzw", values)))
+
+    known = {name: named(values) for name, values in live.items()}
+    found = {}
+    for name, formula in re.findall(r"^//   (\w+) = (.+)$", wgsl, re.MULTILINE):
+        known[name] = eval(formula, {"__builtins__": {}, **FUNCTIONS}, known)
+        found[name] = known[name] if isinstance(known[name], tuple) else (known[name],)
+    return found
 
 
 def block(wgsl, changed):
@@ -33,10 +69,11 @@ def block(wgsl, changed):
     unknown = set(changed) - {name for _, name, _ in live}
     if unknown:
         raise SystemExit(f"the module has no live value {', '.join(sorted(unknown))}")
-    end = max((offset + 4 * len(start) for offset, _, start in live), default=0)
-    data = bytearray(-(-end // 16) * 16)
-    for offset, name, start in live:
-        values = changed.get(name, start)
+    values_of = {name: changed.get(name, start) for _, name, start in live}
+    values_of.update(computed(wgsl, values_of))
+    inside = [(offset, values_of[name]) for offset, name, _ in live if offset is not None]
+    data = bytearray(-(-max((offset + 4 * len(values) for offset, values in inside), default=0) // 16) * 16)
+    for offset, values in inside:
         struct.pack_into(f"<{len(values)}f", data, offset, *values)
     return data
 

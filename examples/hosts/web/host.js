@@ -15,6 +15,10 @@ const canvas = document.getElementById('canvas');
 //     offset  type   name    default  range
 //          0  vec3f  origin  0, 0, 0
 //         12  f32    melt    0.22     0.02..0.6  how warm the day is
+//         16  f32    swing   0                   computed: see below
+//          -  f32    time    0                   seconds
+//
+// What has no offset is needed for what is computed, and stands in no place of the block.
 function liveValues(wgsl) {
   const lines = wgsl.split('\n');
   const top = lines.findIndex((line) => /^\/\/ +offset +type +name +default +range$/.test(line));
@@ -25,12 +29,44 @@ function liveValues(wgsl) {
     const cell = (i) => row.slice(columns[i], columns[i + 1]).trim();
     const range = cell(3).match(/^(-?[\d.e-]+?)\.\.(-?[\d.e-]+)/);
     return {
-      offset: parseInt(row.slice(2), 10),
+      offset: row.slice(2, columns[0]).trim() === '-' ? null : parseInt(row.slice(2), 10),
       name: cell(1),
       values: cell(2).split(', ').map(Number),
       range: cell(0) === 'f32' && range ? range.slice(1).map(Number) : null,
     };
   });
+}
+
+// Below the table stand formulas, `swing = 0.5 * sin(time)`, of what is computed from parameters and time once a frame.
+function formulas(wgsl) {
+  return [...wgsl.matchAll(/^\/\/   (\w+) = (.+)$/gm)].map(([, name, formula]) => [name, formula]);
+}
+
+const list = (...numbers) => numbers;
+const functions = {
+  ...Object.fromEntries(Object.getOwnPropertyNames(Math).map((name) => [name, Math[name]])),
+  square: (a) => a * a,
+  div: (a, b) => (b === 0 ? 0 : a / b),
+  sqrt: (a) => Math.sqrt(Math.max(a, 0)),
+  select: (c, a, b) => (c ? a : b),
+  turn_u: (u, v, t) => u * Math.cos(t) - v * Math.sin(t),
+  turn_v: (u, v, t) => u * Math.sin(t) + v * Math.cos(t),
+  length2: Math.hypot, length3: Math.hypot, length4: Math.hypot,
+  both: (a, b) => a && b, either: (a, b) => a || b, no: (a) => !a,
+  vec2: list, vec3: list, vec4: list,
+};
+
+// The block's numbers, of all live values and what is computed from them.
+function fill(block, live, computed) {
+  const known = { ...functions };
+  for (const { name, values: [x, y, z, w] } of live) known[name] = y === undefined ? x : { x, y, z, w };
+  for (const [name, formula] of computed) {
+    known[name] = new Function(...Object.keys(known), `return ${formula};`)(...Object.values(known));
+  }
+  const isComputed = new Set(computed.map(([name]) => name));
+  for (const { name, offset, values } of live) {
+    if (offset !== null) block.set(isComputed.has(name) ? [known[name]].flat().map(Number) : values, offset / 4);
+  }
 }
 
 async function text(address) {
@@ -59,14 +95,15 @@ async function start() {
   });
 
   const live = liveValues(scene);
-  const end = Math.max(0, ...live.map((l) => l.offset + 4 * l.values.length));
+  const computed = formulas(scene);
+  const end = Math.max(0, ...live.map((l) => (l.offset === null ? 0 : l.offset + 4 * l.values.length)));
   const values = new Float32Array(Math.max(4, Math.ceil(end / 16) * 4));
-  for (const { offset, values: at } of live) values.set(at, offset / 4);
+  fill(values, live, computed);
   const camera = new Float32Array(16);
   const uniforms = [values, camera].map((data, group) => {
     const buffer = device.createBuffer({ size: data.byteLength, usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST });
     // A module without live values has no group 0.
-    if (group === 0 && live.length === 0) return null;
+    if (group === 0 && end === 0) return null;
     const layout = pipeline.getBindGroupLayout(group);
     return { data, buffer, group: device.createBindGroup({ layout, entries: [{ binding: 0, resource: { buffer } }] }) };
   });
@@ -93,7 +130,7 @@ async function start() {
     if (!due) requestAnimationFrame(() => { due = false; draw(); });
     due = true;
   }
-  sliders(live, values, change);
+  sliders(live, () => { fill(values, live, computed); change(); });
   orbit(change);
   draw();
   await device.queue.onSubmittedWorkDone();
@@ -129,15 +166,15 @@ function orbit(change) {
   };
 }
 
-function sliders(live, values, change) {
-  for (const { offset, name, values: [value], range } of live) {
+function sliders(live, change) {
+  for (const { name, values, range } of live) {
     if (!range) continue;
     const label = document.createElement('label');
-    const input = Object.assign(document.createElement('input'), { type: 'range', min: range[0], max: range[1], step: 'any', value });
+    const input = Object.assign(document.createElement('input'), { type: 'range', min: range[0], max: range[1], step: 'any', value: values[0] });
     const shown = document.createElement('output');
-    shown.value = value;
+    shown.value = values[0];
     input.oninput = () => {
-      values[offset / 4] = input.valueAsNumber;
+      values[0] = input.valueAsNumber;
       shown.value = input.valueAsNumber.toPrecision(3);
       change();
     };

@@ -2,7 +2,7 @@
 
 use super::{Action, CLASS_SHIFT, Class, Number, PUSH, Table, Tables};
 use crate::emit::EmitError;
-use crate::emit::body::{Body, Code, ExprId, Outside, Read};
+use crate::emit::body::{Body, Code, ExprId, Read};
 use crate::emit::write::{self, Context};
 use crate::graph::FAR;
 use crate::graph::kernel::Terms;
@@ -112,11 +112,6 @@ fn arguments(class: &Class, ty: &str) -> Vec<String> {
 fn open(context: &Context, class: &Class, gradient: bool, body: &mut Body) -> Result<ExprId, EmitError> {
     let form = &class.filled.form;
     let whole = if gradient { 4 } else { 1 };
-    let outside = |body: &mut Body, read: Read| {
-        let (field, components, i) = context.uniforms.uniform(read)?;
-        let all = body.add(Code::Uniform(field, components), &[]);
-        Ok(if components == 1 { all } else { body.component(all, i) })
-    };
     // What is joined, or its component. In the value's own function there is none but the value.
     let joined = |body: &mut Body, code: Code, i: u8| {
         let all = body.add(code, &[]);
@@ -147,9 +142,9 @@ fn open(context: &Context, class: &Class, gradient: bool, body: &mut Body) -> Re
                 let p = body.add(Code::Point(3), &[]);
                 body.component(p, i)
             }
-            Action::Time => outside(body, Read::Time)?,
-            Action::Parameter(i) => outside(body, Read::Parameter(i))?,
-            Action::Factor(i) => outside(body, Read::Factor(i))?,
+            Action::Time => body.outside(&context.uniforms, Read::Time)?,
+            Action::Parameter(i) => body.outside(&context.uniforms, Read::Parameter(i))?,
+            Action::Factor(i) => body.outside(&context.uniforms, Read::Factor(i))?,
             Action::Older(i) => joined(body, older, i),
             Action::Newer(i) => joined(body, newer, i),
             Action::Op(op) => {
