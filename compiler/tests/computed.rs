@@ -177,7 +177,7 @@ fn what_is_computed_is_named_and_has_its_formula() {
     let line = |part: &str| wgsl.lines().find(|l| l.contains(part)).unwrap_or_else(|| panic!("no {part} in\n{wgsl}"));
     assert!(line("part_1 = 0.5 * sin(2 * time + size)").starts_with("//   "), "{wgsl}");
     assert!(line("  time ").contains(" - "), "time is read by formulas alone:\n{wgsl}");
-    assert!(wgsl.contains("in which sin(a) is: The sine."), "{wgsl}");
+    assert!(wgsl.contains("in which both(a, b) is: `a && b`"), "{wgsl}");
     // The bytes follow what is live.
     let mut live = built.live();
     let before = built.uniform_bytes(&live, [0.0; 3]);

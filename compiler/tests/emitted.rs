@@ -200,7 +200,7 @@ fn what_is_far_out_is_as_exact_as_what_is_near() {
     ] {
         let far = scene(text);
         let near = scene(&text.replace(".translate(100000, 100000, -100000)", ""));
-        assert!(far.module.wgsl.contains("4e-7 * (length(p) + 1.0)"), "{text}");
+        assert!(far.module.wgsl.contains("let size = length(origin) + 1.0;"), "{text}");
         let value = |scene: &Compiled, origin: [f64; 3], p: [f64; 3]| {
             let (module, _) = emit::validate(&scene.module.wgsl).unwrap();
             let mut machine = Machine::new(&module, &scene.uniform_bytes(&scene.live(), origin));

@@ -584,6 +584,10 @@ impl Terms for Body {
                 [a, b] => self.sum(op, a, b),
                 _ => self.add(Code::Op(op), args),
             },
+            Op::Div => match self.reciprocal(args) {
+                Some((above, once)) => self.op(Op::Mul, &[above, once]),
+                None => self.add(Code::Op(op), args),
+            },
             Op::Length2 | Op::Length3 | Op::Length4 => {
                 let vector = self.vector(args);
                 self.add(Code::Op(op), &[vector])

@@ -5,7 +5,7 @@ use super::body::{Body, Code, ExprId, Read};
 use super::table::narrow;
 use crate::graph::ANY_TIME;
 use crate::graph::interval::Interval;
-use crate::graph::kernel::Op;
+use crate::graph::kernel::{Op, Terms};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -185,7 +185,8 @@ impl Formulas {
                 _ if !wanted(&uses, &names, at) => Default::default(),
                 Term::Constant(bits) => {
                     let value = narrow(f64::from_bits(*bits));
-                    (format!("{value}"), if value < 0.0 { 8 } else { 9 })
+                    let far = value != 0.0 && !(1e-4..1e7).contains(&value.abs());
+                    (if far { format!("{value:e}") } else { value.to_string() }, if value < 0.0 { 8 } else { 9 })
                 }
                 Term::Time => ("time".to_owned(), 9),
                 Term::Parameter(i) => (parameter(*i), 9),
@@ -283,6 +284,24 @@ impl Body {
             *slot = self.term(part)?;
         }
         self.computed_field(terms.get(..parts.len())?)
+    }
+
+    /// Of a division by a number or by what is live: what is divided, and one over the other, which is computed once. That is at least as
+    /// accurate as a shader's division, which may err by 2.5 units in the last place (WGSL § 15.7.4).
+    pub(super) fn reciprocal(&mut self, args: &[ExprId]) -> Option<(ExprId, ExprId)> {
+        let &[above, below] = args else { return None };
+        if let Some(c) = self.as_constant(below) {
+            let once = narrow(1.0 / f64::from(narrow(c)));
+            return (narrow(c) != 0.0 && once != 0.0).then(|| (above, self.constant(once.into())));
+        }
+        let term = self.term(below)?;
+        let range = *self.formulas.as_ref()?.ranges.get(term as usize)?;
+        // Nearer to zero it might leave what 32 bits hold.
+        if range.mignitude() < 9e-31 {
+            return None;
+        }
+        let one = self.constant(1.0);
+        Some((above, self.computed(Op::Div, &[one, below])?))
     }
 
     fn computed_field(&mut self, terms: &[u32]) -> Option<ExprId> {

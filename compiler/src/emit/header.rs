@@ -193,7 +193,9 @@ fn computed(facts: &Facts, text: &mut String) {
     for line in lines {
         let _ = writeln!(text, "//   {line}");
     }
-    for op in functions {
+    // What is the same in every language needs no word.
+    let known = |op: &Op| op.row().wgsl.starts_with(&format!("{}({{0}}", call_name(*op)));
+    for op in functions.into_iter().filter(|op| !known(op)) {
         let row = op.row();
         let letters = match op {
             Op::Select => ["c", "a", "b", ""],

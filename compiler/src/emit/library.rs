@@ -252,11 +252,12 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
   if span.x > span.y {
     return 1.0;
   }
+  let size = length(origin + sf_uniforms.origin) + 1.0;
   var lit = 1.0;
   var t = span.x;
   for (var step = 0u; step < 256u; step++) {
     let p = origin + direction * t;
-    let tolerance = 2e-6 * (length(p + sf_uniforms.origin) + 1.0);
+    let tolerance = 2e-6 * (size + t);
     let free = sf_bound(p);
     if free <= tolerance {
       return 0.0;

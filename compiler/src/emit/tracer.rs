@@ -44,6 +44,8 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
   if span.x > span.y {
     return sf_Hit(t_max, false, 0u);
   }
+  // Rounding grows with coordinates, and they are no larger than this and the way.
+  let size = length(origin + sf_uniforms.origin) + 1.0;
   var t = span.x;
 "
         .to_owned();
@@ -60,7 +62,7 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
             text,
             "  for (var step = 1u; step <= {budget}u; step++) {{
     let p = origin + direction * t;
-    let tolerance = max(({tolerance:?} + {tired:?} * f32(step)) * footprint * t, 4e-7 * (length(p + sf_uniforms.origin) + 1.0));
+    let tolerance = max(({tolerance:?} + {tired:?} * f32(step)) * footprint * t, 4e-7 * (size + t));
     let free = {times}sf_bound(p);"
         );
         if relaxed {

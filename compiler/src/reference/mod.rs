@@ -187,6 +187,12 @@ impl Reference {
         &self.distance
     }
 
+    /// What rounding in 32 bits grows with along each ray, beside the way: coordinates are no larger than both.
+    fn sizes(&self, rays: &[Ray]) -> impl Fn(&Look) -> f64 {
+        let sizes: Vec<f64> = rays.iter().map(|r| 1.0 + if self.near { 0.0 } else { length(r.origin) }).collect();
+        move |look| sizes.get(look.ray).copied().unwrap_or(1.0)
+    }
+
     /// What rounding in 32 bits grows with, at a point so far along a ray.
     fn rounded(&self, point: Vec3, t: f64) -> f64 {
         1.0 + if self.near { t } else { length(point) }
@@ -235,9 +241,10 @@ impl Reference {
             rays.iter().map(|r| Hit { t: r.t_max, ..Hit::default() }).collect();
         let states = vec![Cell::new(Follow::START); rays.len()];
         let state = |look: &Look| states.get(look.ray).map_or(Follow::START, Cell::get);
+        let size = self.sizes(rays);
         let tolerance = |look: &Look, step: u32| {
             let pixels = TRACER.tolerance + Tracer::TIRED * f64::from(step) / f64::from(TRACER.budget);
-            (pixels * footprint * look.t).max(4e-7 * self.rounded(look.point, look.t))
+            (pixels * footprint * look.t).max(4e-7 * (size(look) + look.t))
         };
         // Only a hit asks for the distance; where it costs next to nothing it comes along.
         let scene = match self.both.operations() * 5 <= self.bound.operations() * 6 {
@@ -279,7 +286,8 @@ impl Reference {
     pub fn shadow(&self, rays: &[Ray], softness: f64, extent: f64) -> Vec<f64> {
         let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
         let lit: Vec<Cell<(f64, u32)>> = vec![Cell::new((1.0, 0)); rays.len()];
-        let tolerance = |look: &Look| 2e-6 * self.rounded(look.point, look.t);
+        let size = self.sizes(rays);
+        let tolerance = |look: &Look| 2e-6 * (size(look) + look.t);
         let scene = match softness > 0.0 {
             true => Scene::Both(&self.both),
             false => Scene::Apart(&self.bound, &self.distance),

@@ -12,9 +12,8 @@ use surefoot_compiler::reference::Reference;
 use surefoot_runtime::Gpu;
 use surefoot_runtime::passes::rays::{Follower, Rays};
 
-/// Pixels of a picture, each way, and timed rounds.
+/// Pixels of a picture, each way.
 const SIDE: u32 = 128;
-const ROUNDS: usize = 20;
 /// The light of a scene by the functions of a module.
 const LIT: &str = include_str!("hand/lit.wgsl");
 
@@ -28,8 +27,8 @@ struct Row {
     errors: Errors,
 }
 
-/// Measures the texts: each names its scene in its first line, and stands beside `demo.wgsl`.
-pub fn run(files: &[PathBuf], into: Option<&Path>) -> Result<Exit, Failure> {
+/// Measures the texts, in so many timed rounds: each names its scene in its first line, and stands beside `demo.wgsl`.
+pub fn run(files: &[PathBuf], rounds: u32, into: Option<&Path>) -> Result<Exit, Failure> {
     let gpu = Gpu::headless().map_err(|why| Failure { exit: Exit::NoGraphics, words: why.to_string() })?;
     let bar = LateBar::new();
     let mut rows = Vec::new();
@@ -45,10 +44,10 @@ pub fn run(files: &[PathBuf], into: Option<&Path>) -> Result<Exit, Failure> {
             return Ok(Exit::Errors);
         };
         let show = |part: f64| bar.show((i as f64 + part) / files.len() as f64);
-        rows.extend(measure(&gpu, scene, compiled, &format!("{text}\n{demo}"), &show).map_err(Failure::usage)?);
+        rows.extend(measure(&gpu, scene, compiled, &format!("{text}\n{demo}"), rounds, &show).map_err(Failure::usage)?);
     }
     bar.finish();
-    let table = table(&gpu, &rows);
+    let table = table(&gpu, rounds, &rows);
     if let Some(file) = into {
         page::put(file, "hand", &table)?;
     }
@@ -61,6 +60,7 @@ fn measure(
     path: &str,
     scene: &surefoot_compiler::Compiled,
     hand: &str,
+    rounds: u32,
     show: &dyn Fn(f64),
 ) -> Result<[Row; 2], String> {
     let live = scene.live();
@@ -79,8 +79,8 @@ fn measure(
     let programs = [follow("", "sf_trace")?, follow(&own, "lit")?, follow(hand, "demo_trace")?, follow(hand, "lit")?];
     let mut times: [Vec<Duration>; 4] = Default::default();
     // The first round makes the machine code and is not counted.
-    for round in 0..=ROUNDS {
-        show(0.5 + 0.5 * round as f64 / ROUNDS as f64);
+    for round in 0..=rounds {
+        show(0.5 + 0.5 * f64::from(round) / f64::from(rounds));
         for (program, times) in programs.iter().zip(&mut times) {
             let took = program.run()?;
             if round > 0 {
@@ -104,11 +104,11 @@ fn measure(
     Ok([row("ours", 0)?, row("by hand", 2)?])
 }
 
-fn table(gpu: &Gpu, rows: &[Row]) -> String {
+fn table(gpu: &Gpu, rounds: u32, rows: &[Row]) -> String {
     let command = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
     let mut text = format!(
         "## Beside WGSL by hand\n\n\
-         Written by `surefoot {command}` on {}: {SIDE}×{SIDE} pixels, medians of {ROUNDS} rounds in which the four programs take turns. The same \
+         Written by `surefoot {command}` on {}: {SIDE}×{SIDE} pixels, medians of {rounds} rounds in which the four programs take turns. The same \
          shapes, camera and light, written as for a demo: its own map, a hundred steps of a factor, a hit at a thousandth of the way, a normal from four \
          looks, a soft shadow and occlusion. *Of ours* is its time over that of our module in the same round: above 1 ours is faster. *Lit* is with normal, \
          shadow and occlusion. Errors are those of the rays alone, as in the tables above.\n\n\

@@ -111,7 +111,7 @@ fn drawn(args: &Args) -> Result<Exit, Failure> {
     } else if !args.parts.is_empty() {
         parts::run(&args.parts, page)
     } else if !args.hand.is_empty() {
-        hand::run(&args.hand, page)
+        hand::run(&args.hand, args.error.rounds.unwrap_or(20), page)
     } else {
         error::run(&args.scenes, &args.error, args.json.as_deref())
     }

@@ -36,15 +36,21 @@ pub struct Args {
     /// Views around what the scene's camera looks at.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64), value_name = "N")]
     views: u32,
-    /// Timed runs of each method, one after the other in turn.
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
-    rounds: u32,
+    /// Timed runs of each method, one after the other in turn; 5 where it is left out, 20 with --hand.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
+    pub rounds: Option<u32>,
     /// Write curves of time against error to this file as SVG.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// Write the tables to this file, as a section of a page, with the curves beside it.
     #[arg(long, value_name = "FILE")]
     pub page: Option<PathBuf>,
+}
+
+impl Args {
+    fn rounds(&self) -> u32 {
+        self.rounds.unwrap_or(5)
+    }
 }
 
 fn known_method(name: &str) -> Result<String, String> {
@@ -168,8 +174,8 @@ fn measure(gpu: &Gpu, path: &str, scene: &Compiled, args: &Args, show: &(dyn Fn(
     }
     let mut times: BTreeMap<usize, Vec<Duration>> = BTreeMap::new();
     // The first round makes the machine code and is not counted.
-    for round in 0..=args.rounds {
-        show(0.85 + 0.15 * f64::from(round) / f64::from(args.rounds + 1));
+    for round in 0..=args.rounds() {
+        show(0.85 + 0.15 * f64::from(round) / f64::from(args.rounds() + 1));
         for (i, views) in timed.iter().enumerate() {
             let mut sum = Duration::ZERO;
             for rays in views {

@@ -101,7 +101,7 @@ pub fn write_page(file: &Path, curves: &Path, adapter: &str, args: &Args, scenes
          surely miss, and hit; *inside* are hits deeper in the solid than half a pixel. Silhouettes, where the neighbour meets something \
          else, are not judged. Depth is the error along the ray in widths of a pixel, the normal's is in degrees, both at the 99th percentile. \
          Operations are those of the formulas, for each ray.\n\n![Time against error]({name})\n\n## The methods\n\n",
-        args.size.0, args.size.1, args.views, args.rounds
+        args.size.0, args.size.1, args.views, args.rounds()
     );
     for (method, about) in METHODS {
         text += &format!("- **{method}**: {about}\n");
@@ -119,7 +119,7 @@ pub fn write_json(file: &Path, adapter: &str, args: &Args, scenes: &[Scene]) -> 
         "adapter": adapter,
         "size": [args.size.0, args.size.1],
         "views": args.views,
-        "rounds": args.rounds,
+        "rounds": args.rounds(),
         "scenes": scenes.iter().map(scene_json).collect::<Vec<_>>(),
     });
     let text = format!("{value:#}\n");
