@@ -216,7 +216,7 @@ fn what_is_far_out_is_as_exact_as_what_is_near() {
     }
     // Where the point itself is read too, rays end as rounding has it.
     let both = scene("scene = sphere(1).translate(100000, 0, 0) | sphere(1)");
-    assert!(both.module.wgsl.contains("length(p + sf_uniforms.origin)"));
+    assert!(both.module.wgsl.contains("length(origin + sf_uniforms.origin)"));
 }
 
 #[test]

@@ -237,7 +237,7 @@ pub const STRUCTURES: [&str; 3] = ["Hit", "Contact", "Surface"];
 pub fn function(export: Export, one: bool) -> Option<Cow<'static, str>> {
     match export {
         Export::Trace => Some(Tracer::DEFAULT.wgsl(one).into()),
-        Export::Shadow if one => Some(SHADOW.replace("sf_distance(p)", "free").into()),
+        Export::Shadow if one => Some(SHADOW_OF_ONE.into()),
         Export::Shadow => Some(SHADOW.into()),
         Export::Collision => Some(COLLISION.into()),
         Export::Occlusion => Some(OCCLUSION.into()),
@@ -245,8 +245,8 @@ pub fn function(export: Export, one: bool) -> Option<Cow<'static, str>> {
     }
 }
 
-// The penumbra of a ray is its closest passage, as an angle (Quilez, \"Soft shadows in raymarched SDFs\").
-const SHADOW: &str = "\
+// The penumbra of a ray is its closest passage, as an angle (Quilez, \"Soft shadows in raymarched SDFs\"). The bound is the distance.
+const SHADOW_OF_ONE: &str = "\
 fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: f32) -> f32 {
   let span = sf_clip(origin, direction, t_min, t_max);
   if span.x > span.y {
@@ -256,15 +256,13 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
   var lit = 1.0;
   var t = span.x;
   for (var step = 0u; step < 256u; step++) {
-    let p = origin + direction * t;
     let tolerance = 2e-6 * (size + t);
-    let free = sf_bound(p);
+    let free = sf_bound(origin + direction * t);
     if free <= tolerance {
       return 0.0;
     }
-    // The distance is looked at where the bound says that it can matter.
-    if softness > 0.0 && softness * free < lit * max(t, tolerance) {
-      lit = min(lit, softness * sf_distance(p) / max(t, tolerance));
+    if softness > 0.0 {
+      lit = min(lit, softness * free / max(t, tolerance));
       if lit < 0.002 {
         return 0.0;
       }
@@ -272,6 +270,47 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
     t += free;
     if t > span.y {
       break;
+    }
+  }
+  return lit * lit * (3.0 - 2.0 * lit);
+}
+";
+
+// The same with a distance of its own, which is looked at where the bound says that it can matter: outside of the loop over bounds, as in
+// [`Tracer::wgsl`].
+const SHADOW: &str = "\
+fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: f32) -> f32 {
+  let span = sf_clip(origin, direction, t_min, t_max);
+  if span.x > span.y {
+    return 1.0;
+  }
+  let size = length(origin + sf_uniforms.origin) + 1.0;
+  var lit = 1.0;
+  var t = span.x;
+  var free = 0.0;
+  var tolerance = 0.0;
+  for (var step = 0u; step < 256u; step++) {
+    loop {
+      t += free;
+      tolerance = 2e-6 * (size + t);
+      if t > span.y || step >= 256u {
+        break;
+      }
+      free = sf_bound(origin + direction * t);
+      if free <= tolerance || (softness > 0.0 && softness * free < lit * max(t, tolerance)) {
+        break;
+      }
+      step += 1u;
+    }
+    if t > span.y || step >= 256u {
+      break;
+    }
+    if free <= tolerance {
+      return 0.0;
+    }
+    lit = min(lit, softness * sf_distance(origin + direction * t) / max(t, tolerance));
+    if lit < 0.002 {
+      return 0.0;
     }
   }
   return lit * lit * (3.0 - 2.0 * lit);

@@ -32,12 +32,48 @@ impl Tracer {
     /// The slope at which a step is longest.
     pub const STEEPEST: f64 = 0.75;
 
-    /// The function `sf_trace`, which calls `sf_clip`, `sf_bound` and, unless that is the bound itself (`one`), `sf_distance`.
+    /// The function `sf_trace`, which calls `sf_clip`, `sf_bound` and, unless that is the bound itself (`one`), `sf_distance`. The distance
+    /// is asked for outside of the loop over bounds: a machine that leads several rays in step computes what stands inside for all of them.
     pub fn wgsl(&self, one: bool) -> String {
         let Self { factor, relaxation, tolerance, budget } = *self;
         let times = if factor == 1.0 { String::new() } else { format!("{factor:?} * ") };
         let relaxed = relaxation > 0.0;
         let tired = Self::TIRED / f64::from(budget);
+        // The lines of the loop, further in where a loop stands around it.
+        let mut lines: Vec<String> = Vec::new();
+        let mut line = |text: &str| lines.push(text.to_owned());
+        if relaxed {
+            line("if back {");
+            line("  // A gap between two spheres may hold a surface: back to the end of the first.");
+            line("  t += radius - stride;");
+            line("  stride = radius;");
+            line("  slope = -1.0;");
+            line("} else {");
+            line("  if stride > 0.0 {");
+            line(&format!("    slope = clamp(mix(slope, (free - radius) / stride, {relaxation:?}), -1.0, {:?});", Self::STEEPEST));
+            line("  }");
+            line("  radius = max(free, 0.5 * tolerance);");
+            line("  stride = min(radius * 2.0 / (1.0 - slope), span.y - t);");
+            line("  t += stride;");
+            line("}");
+        } else {
+            line("t = min(t + max(free, 0.5 * tolerance), span.y);");
+        }
+        line("step += 1u;");
+        line("let p = origin + direction * t;");
+        line(&format!("tolerance = max(({tolerance:?} + {tired:?} * f32(step)) * footprint * t, 4e-7 * (size + t));"));
+        line(&format!("free = {times}sf_bound(p);"));
+        let ends = "free <= tolerance || t >= span.y";
+        let arrived = if relaxed { "!back && free <= tolerance" } else { "free <= tolerance" };
+        line("// The end itself is looked at before it counts as a miss.");
+        if relaxed {
+            line("back = stride > radius && stride > radius + free;");
+            line(&format!("if step >= {budget}u || (!back && ({ends})) {{"));
+        } else {
+            line(&format!("if step >= {budget}u || {ends} {{"));
+        }
+        line("  break;");
+        line("}");
         let mut text = "\
 fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: f32) -> sf_Hit {
   let span = sf_clip(origin, direction, t_min, t_max);
@@ -47,62 +83,43 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
   // Rounding grows with coordinates, and they are no larger than this and the way.
   let size = length(origin + sf_uniforms.origin) + 1.0;
   var t = span.x;
+  var step = 0u;
+  var free = 0.0;
+  var tolerance = 0.0;
 "
         .to_owned();
         if relaxed {
             text.push_str(
-                "  // The last sphere known to be empty, the step from its centre, and how the bound changes along the ray.
+                "  // The last sphere known to be empty, the step from its centre, how the bound changes along the ray, and whether it must go back.
   var radius = 0.0;
   var stride = 0.0;
   var slope = -1.0;
+  var back = false;
 ",
             );
         }
-        let _ = writeln!(
-            text,
-            "  for (var step = 1u; step <= {budget}u; step++) {{
-    let p = origin + direction * t;
-    let tolerance = max(({tolerance:?} + {tired:?} * f32(step)) * footprint * t, 4e-7 * (size + t));
-    let free = {times}sf_bound(p);"
-        );
-        if relaxed {
-            text.push_str(
-                "    // A gap between two spheres may hold a surface: back to the end of the first.
-    if stride > radius && stride > radius + free {
-      t += radius - stride;
-      stride = radius;
-      slope = -1.0;
-      continue;
-    }
-",
-            );
-        }
-        text.push_str(match one {
-            true => "    if free <= tolerance {\n      return sf_Hit(t, true, step);\n    }\n",
-            false => "    if free <= tolerance {\n      if sf_distance(p) <= tolerance {\n        return sf_Hit(t, true, step);\n      }\n    }\n",
-        });
-        text.push_str(
-            "    // The end itself is looked at before it counts as a miss.
-    if t >= span.y {
-      return sf_Hit(t, false, step);
-    }
-",
-        );
-        if relaxed {
-            let _ = writeln!(
+        let indent = if one { "  " } else { "    " };
+        let looped: String = lines.iter().map(|l| format!("{indent}  {l}\n")).collect();
+        let looped = format!("{indent}loop {{\n{looped}{indent}}}\n");
+        let _ = match one {
+            true => write!(text, "{looped}  return sf_Hit(t, {arrived}, step);\n}}\n"),
+            false => write!(
                 text,
-                "    if stride > 0.0 {{
-      slope = clamp(mix(slope, (free - radius) / stride, {relaxation:?}), -1.0, {:?});
+                "  while step < {budget}u {{
+{looped}    if {arrived} {{
+      if sf_distance(origin + direction * t) <= tolerance {{
+        return sf_Hit(t, true, step);
+      }}
     }}
-    radius = max(free, 0.5 * tolerance);
-    stride = min(radius * 2.0 / (1.0 - slope), span.y - t);
-    t += stride;",
-                Self::STEEPEST
-            );
-        } else {
-            text.push_str("    t = min(t + max(free, 0.5 * tolerance), span.y);\n");
-        }
-        let _ = writeln!(text, "  }}\n  return sf_Hit(t, false, {budget}u);\n}}");
+    if t >= span.y {{
+      break;
+    }}
+  }}
+  return sf_Hit(t, false, step);
+}}
+"
+            ),
+        };
         text
     }
 }
