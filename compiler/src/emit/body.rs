@@ -418,16 +418,6 @@ impl Body {
         })
     }
 
-    /// What is read from outside: a number.
-    pub fn outside(&mut self, outside: &dyn Outside, read: Read) -> Result<ExprId, EmitError> {
-        let (field, components, i) = outside.uniform(read)?;
-        if let Some(formulas) = &mut self.formulas {
-            formulas.note(read, field, i, outside.range(field, i));
-        }
-        let whole = self.add(Code::Uniform(field, components), &[]);
-        Ok(if components == 1 { whole } else { self.component(whole, i) })
-    }
-
     /// A call of a function of the module. `args`: three coordinates, then the shape's variables.
     fn call(&mut self, graph: &Graph, plans: &Plans, id: TargetId, args: &[ExprId]) -> ExprId {
         let shape = plans.get(id).and_then(|t| graph.shape(t.shape));

@@ -1,7 +1,8 @@
 //! What depends on parameters and time alone: the host computes it once a frame in 64 bits, and to a shader it is a number of the
 //! uniform block.
 
-use super::body::{Body, Code, ExprId, Read};
+use super::EmitError;
+use super::body::{Body, Code, ExprId, Outside, Read};
 use super::table::narrow;
 use crate::graph::ANY_TIME;
 use crate::graph::interval::Interval;
@@ -260,6 +261,16 @@ pub fn call_name(op: Op) -> &'static str {
 }
 
 impl Body {
+    /// What is read from outside: a number.
+    pub fn outside(&mut self, outside: &dyn Outside, read: Read) -> Result<ExprId, EmitError> {
+        let (field, components, i) = outside.uniform(read)?;
+        if let Some(formulas) = &mut self.formulas {
+            formulas.note(read, field, i, outside.range(field, i));
+        }
+        let whole = self.add(Code::Uniform(field, components), &[]);
+        Ok(if components == 1 { whole } else { self.component(whole, i) })
+    }
+
     /// The field of the uniform block that an operation is, where its arguments depend on parameters and time alone. A sign costs a
     /// shader nothing, and a comparison of two numbers no more than reading what came of it.
     pub(super) fn computed(&mut self, op: Op, args: &[ExprId]) -> Option<ExprId> {

@@ -53,6 +53,13 @@ pub struct Look {
     pub free: f64,
 }
 
+/// What rounding in 32 bits grows with along each ray, beside the way: coordinates are no larger than both. `near`: whether they are the
+/// way itself.
+pub fn sizes(rays: &[Ray], near: bool) -> impl Fn(&Look) -> f64 {
+    let sizes: Vec<f64> = rays.iter().map(|r| 1.0 + if near { 0.0 } else { length(r.origin) }).collect();
+    move |look| sizes.get(look.ray).copied().unwrap_or(1.0)
+}
+
 /// Tapes of fewer operations are not worth shortening.
 const SHORT: usize = 48;
 /// Fewer rays than these are not worth shortening a tape for.

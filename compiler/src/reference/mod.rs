@@ -15,7 +15,7 @@ use crate::graph::{Function, NodeId, Slot};
 use crate::functions::Surface;
 use crate::images::{Images, Texture, TextureKind, sides};
 use camera::Basis;
-use march::{Look, Ray, Scene, at_points, march};
+use march::{Look, Ray, Scene, at_points, march, sizes};
 use shade::{Leaving, Seen, Shading, SurfaceValues};
 use std::cell::Cell;
 use std::sync::Arc;
@@ -187,12 +187,6 @@ impl Reference {
         &self.distance
     }
 
-    /// What rounding in 32 bits grows with along each ray, beside the way: coordinates are no larger than both.
-    fn sizes(&self, rays: &[Ray]) -> impl Fn(&Look) -> f64 {
-        let sizes: Vec<f64> = rays.iter().map(|r| 1.0 + if self.near { 0.0 } else { length(r.origin) }).collect();
-        move |look| sizes.get(look.ray).copied().unwrap_or(1.0)
-    }
-
     /// What rounding in 32 bits grows with, at a point so far along a ray.
     fn rounded(&self, point: Vec3, t: f64) -> f64 {
         1.0 + if self.near { t } else { length(point) }
@@ -241,7 +235,7 @@ impl Reference {
             rays.iter().map(|r| Hit { t: r.t_max, ..Hit::default() }).collect();
         let states = vec![Cell::new(Follow::START); rays.len()];
         let state = |look: &Look| states.get(look.ray).map_or(Follow::START, Cell::get);
-        let size = self.sizes(rays);
+        let size = sizes(rays, self.near);
         let tolerance = |look: &Look, step: u32| {
             let pixels = TRACER.tolerance + Tracer::TIRED * f64::from(step) / f64::from(TRACER.budget);
             (pixels * footprint * look.t).max(4e-7 * (size(look) + look.t))
@@ -286,7 +280,7 @@ impl Reference {
     pub fn shadow(&self, rays: &[Ray], softness: f64, extent: f64) -> Vec<f64> {
         let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
         let lit: Vec<Cell<(f64, u32)>> = vec![Cell::new((1.0, 0)); rays.len()];
-        let size = self.sizes(rays);
+        let size = sizes(rays, self.near);
         let tolerance = |look: &Look| 2e-6 * (size(look) + look.t);
         let scene = match softness > 0.0 {
             true => Scene::Both(&self.both),
