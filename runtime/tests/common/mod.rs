@@ -46,6 +46,7 @@ pub fn sphere_in(wgsl: &str, radius: f64, (min, max): (f64, f64)) -> Compiled {
             uniform("origin", UniformSource::Origin, 3, 0),
             uniform("radius", UniformSource::Parameter(0), 1, 12),
         ],
+        formulas: Default::default(),
         uniform_size: 16,
         operations: (8, 8),
         skipped: Vec::new(),
