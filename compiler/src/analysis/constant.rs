@@ -176,7 +176,12 @@ impl Facts {
             let above = |range: Option<&Interval>, level: f64| range.is_some_and(|r| r.lo > level);
             domain.leaves_out(part) || conditions.iter().any(|(tape, level)| above(facts.ranges_of(graph, tape, &here).last(), *level))
         };
-        let domain = &domain.at(period::one_period(tape, domain.point));
+        let mut point = period::one_period(tape, domain.point);
+        // What a condition tells of one period it does not tell of the others.
+        for i in (0..3).filter(|&i| conditions.iter().any(|(c, _)| c.reads(i))) {
+            point = point.with_axis(i, domain.point.axis(i));
+        }
+        let domain = &domain.at(point);
         // Without end a formula is worth a search where it is not wild already: what is far away is one box.
         let endless = axes.iter().any(|&i| !domain.point.axis(i).is_finite());
         if axes.is_empty() || budget <= 1 || endless && !first.norm.is_finite() {

@@ -21,7 +21,19 @@ enum Course {
     Other,
 }
 
-/// The box with one period in the place of every axis without end along which the gradient of the tape's roots repeats.
+/// What half a period farther becomes of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Half {
+    /// The same.
+    Same,
+    /// The same with its sign changed.
+    Turned,
+    /// Something else.
+    Other,
+}
+
+/// The box with one period in the place of every axis without end along which the gradient of the tape's roots repeats, or half of one where
+/// that is enough: where each root half a period farther is the same but for its sign, it is as steep there.
 pub fn one_period(tape: &Tape, region: Box3) -> Box3 {
     let mut reduced = region;
     for axis in 0..3 {
@@ -39,11 +51,13 @@ pub fn one_period(tape: &Tape, region: Box3) -> Box3 {
 fn period(tape: &Tape, axis: usize) -> Option<f64> {
     let mut courses: Vec<Course> = Vec::with_capacity(tape.steps.len());
     let mut frequencies: Vec<f64> = Vec::new();
+    // The steps that turn with the coordinate, and how fast.
+    let mut turning: Vec<(usize, f64)> = Vec::new();
     let constant = |i: usize| match tape.steps.get(i) {
         Some(Step::Constant(c)) => Some(*c),
         _ => None,
     };
-    for step in &tape.steps {
+    for (i, step) in tape.steps.iter().enumerate() {
         let course = |i: usize| courses.get(i).copied().unwrap_or(Course::Other);
         let repeats = |args: &[usize]| {
             let kinds: Vec<Course> = args.iter().map(|&a| course(a)).collect();
@@ -96,6 +110,7 @@ fn period(tape: &Tape, axis: usize) -> Option<f64> {
             Step::Op(Op::Sin | Op::Cos, args) => match args.first().map(|&a| course(a)) {
                 Some(Course::Linear(k)) => {
                     frequencies.push(k.abs());
+                    turning.push((i, k));
                     Course::Periodic
                 }
                 _ => repeats(args),
@@ -104,6 +119,7 @@ fn period(tape: &Tape, axis: usize) -> Option<f64> {
                 [u, v, t] => match (repeats(&[*u, *v]), course(*t)) {
                     (Course::Still | Course::Periodic, Course::Linear(k)) => {
                         frequencies.push(k.abs());
+                        turning.push((i, k));
                         Course::Periodic
                     }
                     _ => repeats(args),
@@ -124,8 +140,52 @@ fn period(tape: &Tape, axis: usize) -> Option<f64> {
         return None;
     }
     // A common period, where the others are whole multiples of half, a third, … of the slowest.
-    (1..=4).map(|n| least / f64::from(n)).find_map(|base| {
+    let base = (1..=4).map(|n| least / f64::from(n)).find(|base| {
         let whole = |f: &f64| (f / base - (f / base).round()).abs() < 1e-12;
-        frequencies.iter().all(whole).then(|| std::f64::consts::TAU / base)
-    })
+        frequencies.iter().all(whole)
+    })?;
+    // A multiple of the coordinate itself stays as it is.
+    let rises = tape.roots().any(|r| !matches!(courses.get(r), Some(Course::Still | Course::Periodic)));
+    let halved = !rises && is_halved(tape, &courses, |step| {
+        let speed = turning.iter().find(|(i, _)| *i == step).map(|(_, k)| (k / base).round());
+        speed.map(|whole| if whole % 2.0 == 0.0 { Half::Same } else { Half::Turned })
+    });
+    Some(std::f64::consts::TAU / base * if halved { 0.5 } else { 1.0 })
+}
+
+/// Whether each root is the same half a period farther, but for its sign. `turned`: what becomes of a sine, a cosine or a turn by a multiple of
+/// the coordinate.
+fn is_halved(tape: &Tape, courses: &[Course], turned: impl Fn(usize) -> Option<Half>) -> bool {
+    let mut halves: Vec<Half> = Vec::with_capacity(tape.steps.len());
+    for (i, step) in tape.steps.iter().enumerate() {
+        let of = |args: &[usize], k: usize| args.get(k).and_then(|&a| halves.get(a)).copied().unwrap_or(Half::Other);
+        let all = |args: &[usize], wanted: Half| args.iter().all(|&a| halves.get(a) == Some(&wanted));
+        let product = |a: Half, b: Half| match (a, b) {
+            (Half::Other, _) | (_, Half::Other) => Half::Other,
+            _ if a == b => Half::Same,
+            _ => Half::Turned,
+        };
+        let next = match step {
+            _ if courses.get(i) == Some(&Course::Still) => Half::Same,
+            Step::Constant(_) | Step::Leaf(_) => Half::Other,
+            Step::Op(Op::Sin | Op::Cos, _) if turned(i).is_some() => turned(i).unwrap_or(Half::Other),
+            Step::Op(Op::TurnU | Op::TurnV, args) if turned(i).is_some() && of(args, 0) == of(args, 1) => {
+                product(of(args, 0), turned(i).unwrap_or(Half::Other))
+            }
+            Step::Op(_, args) if all(args, Half::Same) => Half::Same,
+            Step::Op(Op::Mul | Op::Div, args) => product(of(args, 0), of(args, 1)),
+            Step::Op(Op::Add | Op::Sub | Op::Neg | Op::Sin | Op::Tanh | Op::Atan, args) if all(args, Half::Turned) => Half::Turned,
+            Step::Op(Op::Square | Op::Abs | Op::Cos | Op::Length2 | Op::Length3 | Op::Length4, args) => {
+                match (0..args.len()).any(|k| of(args, k) == Half::Other) {
+                    true => Half::Other,
+                    false => Half::Same,
+                }
+            }
+            Step::Claim(_, args) => of(args, 0),
+            Step::Call(_, args) if all(args, Half::Same) => Half::Same,
+            Step::Op(..) | Step::Call(..) => Half::Other,
+        };
+        halves.push(next);
+    }
+    tape.roots().all(|r| matches!(halves.get(r), Some(Half::Same | Half::Turned)))
 }
