@@ -7,6 +7,7 @@ use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
 use surefoot_compiler::graph::interval::Interval;
 use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::reference_text::{CHAPTERS, entries};
 use surefoot_compiler::verify::Random;
 use surefoot_compiler::{Compiled, Loader, MemoryLoader, Options, compile};
 
@@ -276,6 +277,34 @@ fn what_is_certain_holds_at_points() {
         }
         assert!(empty > 5, "{name}: only {empty} balls are empty");
     }
+}
+
+/// A ball that reaches a hair beyond a point of the other sign is never proven to be empty, for any scene that documents the prelude: nothing
+/// that is cut away from a box, or left to another piece, holds the surface.
+#[test]
+fn no_ball_that_holds_another_sign_is_empty() {
+    let mut random = Random(9);
+    let (mut asked, mut crossed) = (0, 0);
+    for entry in CHAPTERS.iter().flat_map(|(file, _, text)| entries(file, text)) {
+        let scene = scene(&format!("scene = {}", entry.example));
+        let truth = Truth::new(&scene, &scene.live(), 4_000_000).unwrap();
+        let mut prover = truth.prover();
+        for _ in 0..6 {
+            let from = random.within(1.5);
+            let found = prover.distance(from, 3.0, 0.01, 200);
+            let (here, there) = (prover.value(from), prover.value(found.beyond));
+            if found.at_most > 0.0 && found.at_most.is_finite() && here * there < 0.0 {
+                for part in [1e-9, 1e-4, 0.1] {
+                    let ball = prover.empty_ball(from, found.at_most * (1.0 + part), 200);
+                    assert_ne!(ball, Ball::Empty, "{}: {here} at {from:?}, {there} at {:?}", entry.example, found.beyond);
+                    asked += 1;
+                    crossed += u32::from(matches!(ball, Ball::Crossed(_)));
+                }
+            }
+        }
+    }
+    println!("{asked} balls, {crossed} of them certainly hold another sign");
+    assert!(asked > 1000 && 2 * crossed > asked, "{asked} balls, {crossed} certain");
 }
 
 /// What is steeper nowhere may still jump: a ball that holds a jump through zero is not empty.
