@@ -283,6 +283,8 @@ pub struct Compiled {
     pub blocks: SceneBlocks,
     /// The emitted module.
     pub module: Module,
+    /// Names of declarations of the scene's own file that nothing uses, and where they stand.
+    pub unused: Vec<(String, Span)>,
     /// The scene as balls meet it, where that is another; see [`Compiled::ground`].
     pub apart: Option<Box<Compiled>>,
 }

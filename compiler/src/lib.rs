@@ -19,6 +19,7 @@ pub mod pipeline;
 pub mod program;
 pub mod reference;
 pub mod reference_text;
+pub mod skipped;
 pub mod source;
 pub mod syntax;
 pub mod verify;

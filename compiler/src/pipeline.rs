@@ -112,6 +112,7 @@ fn run(
                         parameters: elaboration.parameters,
                         blocks: elaboration.blocks,
                         module,
+                        unused: elaboration.unused,
                         apart: None,
                     };
                     compiled.apart = ground(&compiled, facts, options, &outcome.sources).map(Box::new);
@@ -158,7 +159,7 @@ fn ground(seen: &Compiled, facts: &mut Facts, options: &Options, sources: &Sourc
     let (blocks, parameters) = (seen.blocks.clone(), seen.parameters.clone());
     // What can't be written is met as it is seen.
     let module = emit::emit(&graph, root, &functions, &blocks, &parameters, &options, sources).ok()?;
-    Some(Compiled { graph, root, functions, summary, parameters, blocks, module, apart: None })
+    Some(Compiled { graph, root, functions, summary, parameters, blocks, module, unused: Vec::new(), apart: None })
 }
 
 /// In the order of their places, each once, errors before warnings of one place.

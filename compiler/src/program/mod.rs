@@ -156,6 +156,8 @@ pub struct Elaboration {
     pub blocks: SceneBlocks,
     /// What was found wrong.
     pub diagnostics: Vec<Diagnostic>,
+    /// Declarations of the first text that nothing uses: names and places.
+    pub unused: Vec<(String, Span)>,
 }
 
 /// Elaborates the program whose texts are `modules`; the scene is that of the first text. `facts` know what was found before.
@@ -210,6 +212,7 @@ pub fn elaborate(modules: &Modules, options: &Options, facts: Facts) -> Elaborat
             "write `scene = ` and a shape, for example `scene = sphere(1)`",
         ));
     }
+    let unused = e.uncalled(main);
     e.try_uncalled(main);
     e.unused_parameters(&blocks, root);
     Elaboration {
@@ -219,6 +222,7 @@ pub fn elaborate(modules: &Modules, options: &Options, facts: Facts) -> Elaborat
         parameters: e.parameters,
         blocks,
         diagnostics: e.diagnostics,
+        unused,
     }
 }
 
@@ -357,6 +361,14 @@ impl Elaborator<'_> {
             Some(outer) => self.graph.add_shape(Shape { name: Some(name.into()), ..outer }),
             None => outer,
         }
+    }
+
+    /// The declarations of a text that nothing called.
+    fn uncalled(&self, module: usize) -> Vec<(String, Span)> {
+        let modules = self.modules;
+        let items = modules.items(module).filter(|(item, _)| !self.called.contains(item));
+        let tried = items.filter(|(_, item)| matches!(item.kind, ItemKind::Function(_) | ItemKind::Material { .. }));
+        tried.filter_map(|(_, item)| load::item_name(item).map(|n| (n.text.to_string(), n.span))).collect()
     }
 
     /// Tries every declaration of a text that nothing called, with stand-in arguments, for its errors.

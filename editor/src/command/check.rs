@@ -8,6 +8,7 @@ use surefoot_compiler::compiled::{Compiled, Parameter};
 use surefoot_compiler::diagnostic::{self, Diagnostic, Severity};
 use surefoot_compiler::factors::{self, Explained};
 use surefoot_compiler::graph::Proof;
+use surefoot_compiler::skipped::skipped;
 use surefoot_compiler::source::Sources;
 use surefoot_compiler::syntax::ast::Type;
 use surefoot_compiler::{Options, Outcome};
@@ -46,6 +47,12 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
                 let explained = factors::explain(compiled, &outcome.sources);
                 print(factors_text(&explained, colored(&std::io::stdout())).as_bytes())?;
             }
+            if let Some(compiled) = &outcome.compiled {
+                let lines = skipped(compiled, &outcome.sources);
+                if !lines.is_empty() {
+                    print(format!("  left out:\n    {}\n", lines.join("\n    ")).as_bytes())?;
+                }
+            }
         }
         exit = exit.max(match (&readable, outcome.has_errors()) {
             (Err(_), _) => Exit::Usage,
@@ -77,7 +84,7 @@ fn report(scene: &str, outcome: &Outcome) -> Value {
         "scene": compiled.map(|c| scene_json(sources, c)),
         "parameters": compiled.map_or_else(Vec::new, |c| c.parameters.iter().map(parameter_json).collect()),
         "functions": compiled.map_or_else(Vec::new, |c| c.module.exports.iter().map(|e| e.name()).collect()),
-        "skipped": compiled.map_or_else(Vec::new, |c| c.module.skipped.clone()),
+        "skipped": compiled.map_or_else(Vec::new, |c| skipped(c, sources)),
         "files": outcome.files,
     })
 }

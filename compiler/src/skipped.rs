@@ -1,0 +1,109 @@
+//! What of a scene is not computed and not drawn, and why.
+
+use crate::compiled::{Compiled, Shadow};
+use crate::graph::{Function, Leaf, Node, Shape};
+use crate::source::{Sources, Span};
+use std::collections::BTreeMap;
+
+/// What was left out, each in one line: functions and parameters of the module, declarations without a use, calls that change nothing, and
+/// parts of a frame, as the scene stands at the defaults.
+pub fn skipped(scene: &Compiled, sources: &Sources) -> Vec<String> {
+    let mut lines = scene.module.skipped.clone();
+    for (name, span) in &scene.unused {
+        lines.push(format!("{name} at {}: nothing uses it", place(sources, *span)));
+    }
+    // By its place: a copy of a `for` may stand where it is by what moves the others.
+    let mut places: BTreeMap<(u32, u32, u32), bool> = BTreeMap::new();
+    for (id, function) in scene.functions.formulas.keys() {
+        if let (Some(shape), Function::Field) = (scene.graph.shape(*id), function) {
+            let key = (shape.span.file.0, shape.span.start, shape.span.end);
+            *places.entry(key).or_insert(true) &= passes_on(scene, shape);
+        }
+    }
+    for ((file, start, end), _) in places.into_iter().filter(|p| p.1) {
+        let span = Span { file: crate::source::FileId(file), start, end };
+        let text = sources.text(span).split_whitespace().collect::<Vec<_>>().join(" ");
+        if !text.is_empty() {
+            lines.push(format!("{text} at {}: it changes nothing", place(sources, span)));
+        }
+    }
+    lines.extend(parts(scene).into_iter().map(|(part, why)| format!("{part}: {why}")));
+    lines
+}
+
+fn place(sources: &Sources, span: Span) -> String {
+    let (file, line, column) = sources.position(span.file, span.start);
+    format!("{}:{line}:{column}", file.rsplit(['/', '\\']).next().unwrap_or(file))
+}
+
+/// Whether a shape is another one, at the same point, and nothing more.
+fn passes_on(scene: &Compiled, shape: &Shape) -> bool {
+    if shape.name.is_some() || shape.material.is_some() || !shape.paints.is_empty() {
+        return false;
+    }
+    let Node::Call(_, Function::Field, args) = scene.graph.node(shape.value) else { return false };
+    args.iter().take(usize::from(shape.dimensions)).zip(0..).all(|(&a, i)| *scene.graph.node(a) == Node::Leaf(Leaf::P(i)))
+}
+
+/// The parts of a frame that are not drawn.
+fn parts(scene: &Compiled) -> Vec<(&'static str, &'static str)> {
+    let (frame, blocks) = (scene.frame(&scene.live()), &scene.blocks);
+    let (reach, strength) = frame.ambient_occlusion;
+    let of = |left_out: bool, part, why| left_out.then_some((part, why));
+    let traced = frame.lights.iter().any(|l| matches!(l.shadow, Shadow::Hard | Shadow::Soft(_)));
+    let all = [
+        of(frame.lights.is_empty(), "light", "there is no lamp"),
+        of(!frame.shadows, "shadows", "`render` switches them off"),
+        of(frame.shadows && !frame.lights.is_empty() && !traced, "traced shadows", "no light throws any"),
+        of(frame.lights.iter().all(|l| l.shadow != Shadow::Map), "shadow maps", "no light asks for one"),
+        of(reach <= 0.0 || strength <= 0.0, "occlusion", "its reach or its strength is 0"),
+        of(frame.reflections == 0, "mirrored rays", "`render` asks for none"),
+        of(blocks.capture.is_none(), "captured surroundings", "`render` asks for none"),
+        of(blocks.environment.is_none(), "images of the sky", "there is none"),
+        of(scene.functions.textures().is_empty(), "textures", "no material has one"),
+        of(blocks.meshes.is_empty(), "meshes", "there is none"),
+        of(blocks.balls.is_empty(), "balls", "there are none"),
+    ];
+    all.into_iter().flatten().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{MemoryLoader, Options, compile};
+
+    fn lines(text: &str) -> Vec<String> {
+        let outcome = compile(&MemoryLoader::new().with("scenes/a.sdf", text), "scenes/a.sdf", &Options::default());
+        skipped(outcome.compiled.as_ref().unwrap(), &outcome.sources)
+    }
+
+    #[test]
+    fn what_is_left_out_is_said_with_its_place() {
+        let said = lines(
+            "fn far(t: float) = t * t\n\
+             material gold { color: #d4af37 }\n\
+             shape part(s: float) = box(s).translate(0, s, 0)\n\
+             light sun { direction: (0, -1, 0), shadow: soft(8) }\n\
+             scene = part(1).translate(0, 0, 0) | for i in 0..3 { sphere(0.2).translate(i, 0, 0) }",
+        );
+        let places: Vec<&String> = said.iter().filter(|l| l.contains(" at a.sdf:")).collect();
+        assert_eq!(
+            places,
+            [
+                "far at a.sdf:1:4: nothing uses it",
+                "gold at a.sdf:2:10: nothing uses it",
+                "translate(0, 0, 0) at a.sdf:5:17: it changes nothing"
+            ]
+        );
+        assert!(said.contains(&"shadow maps: no light asks for one".to_owned()), "{said:?}");
+        assert!(!said.iter().any(|l| l.starts_with("traced shadows") || l.starts_with("light:")), "{said:?}");
+    }
+
+    #[test]
+    fn what_is_there_is_not_said_to_be_left_out() {
+        let said = lines("scene = box(1).rotate(y, 0.3) | sphere(1)\nrender { reflections: 1, ambient_occlusion: (0, 1) }");
+        assert!(!said.iter().any(|l| l.contains(" at a.sdf:") || l.starts_with("mirrored")), "{said:?}");
+        assert!(said.contains(&"light: there is no lamp".to_owned()), "{said:?}");
+        assert!(said.contains(&"occlusion: its reach or its strength is 0".to_owned()), "{said:?}");
+    }
+}
