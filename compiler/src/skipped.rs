@@ -27,7 +27,7 @@ pub fn skipped(scene: &Compiled, sources: &Sources) -> Vec<String> {
             lines.push(format!("{text} at {}: it changes nothing", place(sources, span)));
         }
     }
-    lines.extend(parts(scene).into_iter().map(|(part, why)| format!("{part}: {why}")));
+    lines.extend(parts(scene).map(|(part, why)| format!("{part}: {why}")));
     lines
 }
 
@@ -45,26 +45,36 @@ fn passes_on(scene: &Compiled, shape: &Shape) -> bool {
     args.iter().take(usize::from(shape.dimensions)).zip(0..).all(|(&a, i)| *scene.graph.node(a) == Node::Leaf(Leaf::P(i)))
 }
 
-/// The parts of a frame that are not drawn.
-fn parts(scene: &Compiled) -> Vec<(&'static str, &'static str)> {
-    let (frame, blocks) = (scene.frame(&scene.live()), &scene.blocks);
+/// Parts of a frame, and why a scene does without each.
+pub const PARTS: [(&str, &str); 8] = [
+    ("meshes", "the scene has none"),
+    ("balls", "the scene has none"),
+    ("shadows", "no light throws any, or `shadows` is off"),
+    ("shadow maps", "no mesh and no ball throws a shadow, and no light has `shadow: map`"),
+    ("occlusion", "its reach or its strength is 0"),
+    ("reflections", "`reflections` is 0"),
+    ("capture", "the environment has no `capture`"),
+    ("images of the sky", "the sky is a colour or a gradient"),
+];
+
+/// Those of [`PARTS`] that a scene does without.
+fn parts(scene: &Compiled) -> impl Iterator<Item = (&'static str, &'static str)> {
+    let frame = scene.frame(&scene.live());
     let (reach, strength) = frame.ambient_occlusion;
-    let of = |left_out: bool, part, why| left_out.then_some((part, why));
-    let traced = frame.lights.iter().any(|l| matches!(l.shadow, Shadow::Hard | Shadow::Soft(_)));
-    let all = [
-        of(frame.lights.is_empty(), "light", "there is no lamp"),
-        of(!frame.shadows, "shadows", "`render` switches them off"),
-        of(frame.shadows && !frame.lights.is_empty() && !traced, "traced shadows", "no light throws any"),
-        of(frame.lights.iter().all(|l| l.shadow != Shadow::Map), "shadow maps", "no light asks for one"),
-        of(reach <= 0.0 || strength <= 0.0, "occlusion", "its reach or its strength is 0"),
-        of(frame.reflections == 0, "mirrored rays", "`render` asks for none"),
-        of(blocks.capture.is_none(), "captured surroundings", "`render` asks for none"),
-        of(blocks.environment.is_none(), "images of the sky", "there is none"),
-        of(scene.functions.textures().is_empty(), "textures", "no material has one"),
-        of(blocks.meshes.is_empty(), "meshes", "there is none"),
-        of(blocks.balls.is_empty(), "balls", "there are none"),
+    let throws = |wanted: fn(&Shadow) -> bool| frame.shadows && frame.lights.iter().any(|l| wanted(&l.shadow));
+    let shadows = throws(|s| *s != Shadow::None);
+    let (meshes, balls) = (scene.has_meshes(), scene.has_balls());
+    let there = [
+        meshes,
+        balls,
+        shadows,
+        shadows && (meshes || balls) || throws(|s| *s == Shadow::Map),
+        reach > 0.0 && strength > 0.0,
+        frame.reflections > 0,
+        frame.capture.is_some(),
+        frame.has_environment,
     ];
-    all.into_iter().flatten().collect()
+    PARTS.into_iter().zip(there).filter(|(_, there)| !there).map(|(part, _)| part)
 }
 
 #[cfg(test)]
@@ -95,15 +105,15 @@ mod tests {
                 "translate(0, 0, 0) at a.sdf:5:17: it changes nothing"
             ]
         );
-        assert!(said.contains(&"shadow maps: no light asks for one".to_owned()), "{said:?}");
-        assert!(!said.iter().any(|l| l.starts_with("traced shadows") || l.starts_with("light:")), "{said:?}");
+        assert!(said.iter().any(|l| l.starts_with("shadow maps: no mesh")), "{said:?}");
+        assert!(!said.iter().any(|l| l.starts_with("shadows:")), "{said:?}");
     }
 
     #[test]
     fn what_is_there_is_not_said_to_be_left_out() {
         let said = lines("scene = box(1).rotate(y, 0.3) | sphere(1)\nrender { reflections: 1, ambient_occlusion: (0, 1) }");
-        assert!(!said.iter().any(|l| l.contains(" at a.sdf:") || l.starts_with("mirrored")), "{said:?}");
-        assert!(said.contains(&"light: there is no lamp".to_owned()), "{said:?}");
+        assert!(!said.iter().any(|l| l.contains(" at a.sdf:") || l.starts_with("reflections")), "{said:?}");
+        assert!(said.contains(&"balls: the scene has none".to_owned()), "{said:?}");
         assert!(said.contains(&"occlusion: its reach or its strength is 0".to_owned()), "{said:?}");
     }
 }

@@ -6,6 +6,7 @@ use crate::headless::{Shot, render_with};
 use crate::passes::scene::Features;
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::{Compiled, Live};
+use surefoot_compiler::skipped::PARTS;
 
 /// A pass of a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -90,17 +91,18 @@ fn median(mut measure: impl FnMut() -> Result<Duration, String>) -> Result<Durat
 /// What a view of a scene does without, and why.
 fn left_out(compiled: &Compiled, features: &Features) -> Vec<(&'static str, &'static str)> {
     let shaded = features.view == crate::ViewMode::Shaded;
-    let because = |why| if shaded { why } else { "this view shows no light" };
-    let drawn = |has: bool| if has { "this view shows rays alone" } else { "the scene has none" };
-    let parts = [
-        (features.meshes, "meshes", drawn(compiled.has_meshes())),
-        (features.balls, "balls", drawn(compiled.has_balls())),
-        (features.shadows, "shadows", because("no light throws any, or `shadows` is off")),
-        (features.maps(), "shadow maps", because("no mesh and no ball throws a shadow, and no light has `shadow: map`")),
-        (features.occlusion, "occlusion", because("its reach or its strength is 0")),
-        (features.reflections, "reflections", because("`reflections` is 0")),
-        (features.capture.is_some(), "capture", because("the environment has no `capture`")),
-        (features.environment, "images of the sky", because("the sky is a colour or a gradient")),
+    // Why the view does without what the scene may have.
+    let rays = |has: bool| has.then_some("this view shows rays alone");
+    let dark = (!shaded).then_some("this view shows no light");
+    let there = [
+        (features.meshes, rays(compiled.has_meshes())),
+        (features.balls, rays(compiled.has_balls())),
+        (features.shadows, dark),
+        (features.maps(), dark),
+        (features.occlusion, dark),
+        (features.reflections, dark),
+        (features.capture.is_some(), dark),
+        (features.environment, dark),
     ];
-    parts.into_iter().filter(|(there, ..)| !there).map(|(_, what, why)| (what, why)).collect()
+    PARTS.into_iter().zip(there).filter(|(_, (there, _))| !there).map(|((what, why), (_, view))| (what, view.unwrap_or(why))).collect()
 }
