@@ -52,8 +52,8 @@ fn every_example_is_drawn() {
             let mut colors: Vec<_> = pixels.rgba.chunks(4).collect();
             colors.sort();
             colors.dedup();
-            // A picture of one colour, or of two, shows nothing.
-            if colors.len() < 8 {
+            // A picture of one colour, or of two, shows nothing; the normals of a sponge are those of its three faces, the cut and the floor.
+            if colors.len() < 5 {
                 wrong.push(format!("{name}, {view}: {} colours", colors.len()));
             }
             if mode == ViewMode::Shaded {

@@ -56,7 +56,7 @@ fn an_edge_covers_its_pixels_as_geometry_says() {
     let compiled = ball();
     let wanted = coverage(&compiled);
     assert!(wanted.iter().filter(|c| **c > 0.05 && **c < 0.95).count() > 80);
-    // A ray ends a thirty-second of a pixel before the surface, so an edge lies as far outside.
+    // A ray ends within a 128th of a pixel of the surface, so an edge lies at most so far outside.
     for (samples, worst) in [(1, 0.6), (16, 0.28), (64, 0.12), (256, 0.08)] {
         let shot = Shot { samples, ..Shot::new(SIZE.0, SIZE.1) };
         let drawn = headless::render(&gpu, &compiled, &compiled.live(), &shot).unwrap();

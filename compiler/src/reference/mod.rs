@@ -4,17 +4,18 @@
 //! `runtime/src/passes/scene/*.wgsl`. A picture is made tile by tile; tiles may be made on as many threads as there are.
 
 pub mod camera;
+mod follow;
 pub mod march;
 pub mod shade;
 pub mod vector;
 
 use crate::compiled::{Camera, Compiled, Frame, Live};
-use crate::emit::tracer::Tracer;
 use crate::evaluate::{Tape, TooLarge};
 use crate::graph::{Function, NodeId, Slot};
 use crate::functions::Surface;
 use crate::images::{Images, Texture, TextureKind, sides};
 use camera::Basis;
+use follow::{Follow, Small, TRACER, Turn};
 use march::{Look, Ray, Scene, at_points, march, sizes};
 use shade::{Leaving, Seen, Shading, SurfaceValues};
 use std::cell::Cell;
@@ -73,48 +74,6 @@ const LIMIT: usize = 2_000_000;
 const BLOCK: u32 = 32;
 /// Looks of a shadow's ray.
 const MOST_SHADOW_STEPS: u32 = 256;
-
-/// How rays are followed.
-const TRACER: Tracer = Tracer::DEFAULT;
-
-/// Where a ray is in its search: the variables of `sf_trace`.
-#[derive(Clone, Copy, Debug)]
-struct Follow {
-    /// Of the last sphere that is known to be empty.
-    radius: f64,
-    /// From its centre to here.
-    stride: f64,
-    /// How the bound changes along the ray.
-    slope: f64,
-    /// How often it has looked.
-    steps: u32,
-}
-
-impl Follow {
-    const START: Self = Self { radius: 0.0, stride: 0.0, slope: -1.0, steps: 0 };
-
-    /// Where to look again, if there is a gap between the sphere here and the last.
-    fn back(&mut self, look: &Look) -> Option<f64> {
-        let gap = self.stride > self.radius && self.stride > self.radius + look.free;
-        gap.then(|| {
-            let t = look.t + self.radius - self.stride;
-            *self = Self { stride: self.radius, slope: -1.0, ..*self };
-            t
-        })
-    }
-
-    /// Where to look next.
-    fn ahead(&mut self, look: &Look, tolerance: f64, end: f64) -> f64 {
-        if self.stride > 0.0 {
-            let seen = (look.free - self.radius) / self.stride;
-            let slope = self.slope + TRACER.relaxation * (seen - self.slope);
-            self.slope = slope.clamp(-1.0, Tracer::STEEPEST);
-        }
-        self.radius = look.free.max(0.5 * tolerance);
-        self.stride = (self.radius * 2.0 / (1.0 - self.slope)).min(end - look.t);
-        look.t + self.stride
-    }
-}
 
 /// A scene's functions at one moment, ready for any number of points.
 #[derive(Clone, Debug)]
@@ -236,10 +195,7 @@ impl Reference {
         let states = vec![Cell::new(Follow::START); rays.len()];
         let state = |look: &Look| states.get(look.ray).map_or(Follow::START, Cell::get);
         let size = sizes(rays, self.near);
-        let tolerance = |look: &Look, step: u32| {
-            let pixels = TRACER.tolerance + Tracer::TIRED * f64::from(step) / f64::from(TRACER.budget);
-            (pixels * footprint * look.t).max(4e-7 * (size(look) + look.t))
-        };
+        let small = |look: &Look| Small { pixel: footprint * look.t, rounding: 4e-7 * (size(look) + look.t) };
         // Only a hit asks for the distance; where it costs next to nothing it comes along.
         let scene = match self.both.operations() * 5 <= self.bound.operations() * 6 {
             true => Scene::Both(&self.both),
@@ -248,29 +204,20 @@ impl Reference {
         march(
             scene,
             &clipped,
-            |look| look.free <= tolerance(look, state(look).steps + 1),
+            |look| look.free <= state(look).tolerance(&small(look)),
             |look, distance| {
                 let hit = hits.get_mut(look.ray)?;
-                let end = clipped.get(look.ray).copied().flatten()?.t_max;
+                let ray = clipped.get(look.ray).copied().flatten()?;
                 let mut follow = state(look);
-                follow.steps += 1;
-                hit.steps = follow.steps;
-                let tolerance = tolerance(look, hit.steps);
-                hit.t = look.t;
-                let next = match follow.back(look) {
-                    Some(t) if hit.steps < TRACER.budget => Some(t),
-                    Some(_) => None,
-                    None => {
-                        hit.hit = distance.is_some_and(|d| look.free <= tolerance && d <= tolerance);
-                        // The end itself is looked at before it counts as a miss.
-                        let ends = hit.hit || look.t >= end || hit.steps >= TRACER.budget;
-                        (!ends).then(|| follow.ahead(look, tolerance, end))
-                    }
-                };
-                if let Some(state) = states.get(look.ray) {
-                    state.set(follow);
+                let turn = follow.turn(look, distance, &small(look), &ray);
+                states.get(look.ray)?.set(follow);
+                *hit = Hit { t: look.t, hit: false, steps: follow.steps };
+                match turn {
+                    Turn::Hit(t) => *hit = Hit { t, hit: true, ..*hit },
+                    Turn::Go(t) if follow.steps < TRACER.budget => return Some(t),
+                    Turn::Go(_) | Turn::Missed => {}
                 }
-                next
+                None
             },
         );
         hits

@@ -15,11 +15,13 @@ pub struct Method {
     pub wgsl: String,
 }
 
-/// Names and descriptions, in the order of the tables.
-pub const METHODS: [(&str, &str); 9] = [
+/// Names and descriptions, in the order of the tables. All that stop before the surface stop as near to it as ours, unless they say so.
+pub const METHODS: [(&str, &str); 11] = [
     ("ours", "what the module holds"),
     ("whole-steps", "ours without relaxation"),
-    ("half-pixel", "ours that stops half a pixel before the surface, as auto-relaxation is published (Bálint and Valasek 2023)"),
+    ("no-leap", "ours without leaps, and the hit is where the ray stopped: auto-relaxation alone (Bálint and Valasek 2023), with our factors and tolerance"),
+    ("half-pixel", "the same that stops half a pixel before the surface, as auto-relaxation is published"),
+    ("half-factors", "ours with half of each factor: nothing is proven, and rays pass through what is thin"),
     ("relaxed-1.2", "over-relaxation 1.2, same factors (Keinert 2014)"),
     ("relaxed-1.6", "over-relaxation 1.6, same factors (Keinert 2014)"),
     ("root", "one proven factor for the whole field"),
@@ -49,19 +51,22 @@ fn ours(tracer: Tracer, scene: &Compiled) -> String {
 pub fn method(name: &str, scene: &Compiled) -> Option<Result<Method, &'static str>> {
     let (_, about) = METHODS.iter().find(|(known, _)| *known == name)?;
     let whole = Tracer::DEFAULT;
-    let scaled = |scale: f64| format!("{HEAD}{}", SCALED.replace("SCALE", &format!("{scale:?}")));
+    let other = |text: &str| format!("{HEAD}{}", text.replace("TOLERANCE", &format!("{:?}", whole.tolerance)));
+    let scaled = |scale: f64| other(&SCALED.replace("SCALE", &format!("{scale:?}")));
     let wgsl = match name {
         "ours" => ours(whole, scene),
         "whole-steps" => ours(Tracer { relaxation: 0.0, ..whole }, scene),
-        "half-pixel" => ours(Tracer { tolerance: 0.5, ..whole }, scene),
-        "relaxed-1.2" | "relaxed-1.6" => format!("{HEAD}{}", RELAXED.replace("OMEGA", &name[8..])),
+        "no-leap" => ours(Tracer { leap: 0.0, ..whole }, scene),
+        "half-pixel" => ours(Tracer { tolerance: 0.5, leap: 0.0, ..whole }, scene),
+        "half-factors" => ours(Tracer { factor: 2.0, ..whole }, scene),
+        "relaxed-1.2" | "relaxed-1.6" => other(&RELAXED.replace("OMEGA", &name[8..])),
         "root" => match root_constant(scene) {
             Some(constant) => scaled(1.0 / constant),
             None => return Some(Err("the whole field has no finite constant")),
         },
         "hand" => scaled(0.7),
         "plain" => scaled(1.0),
-        _ => format!("{HEAD}{FIXED}"),
+        _ => other(FIXED),
     };
     Some(Ok(Method { name: name.to_owned(), about, wgsl }))
 }
@@ -81,7 +86,10 @@ pub fn sweep(scene: &Compiled) -> Vec<Method> {
     for relaxation in [0.1, 0.2, 0.5, 0.7, 1.0] {
         add(format!("relaxation {relaxation}"), "ours that learns the slope faster or slower", Tracer { relaxation, ..whole });
     }
-    for factor in [0.25, 0.5, 2.0] {
+    for leap in [0.5, 1.0, 4.0] {
+        add(format!("leap {leap}"), "ours with shorter or longer leaps, in pixels", Tracer { leap, ..whole });
+    }
+    for factor in [0.25, 0.5, 4.0] {
         add(format!("bound x{factor:?}"), "ours with another bound: above 1 nothing is proven", Tracer { factor, ..whole });
     }
     all

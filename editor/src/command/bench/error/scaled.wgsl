@@ -1,7 +1,7 @@
 // The rest of a tracer: steps of the field times SCALE.
   for (var step = 1u; step <= 1024u; step++) {
     let p = origin + direction * t;
-    let tolerance = max(0.5 * footprint * t, 4e-7 * (length(p) + 1.0));
+    let tolerance = max(TOLERANCE * footprint * t, 4e-7 * (length(p) + 1.0));
     let free = SCALE * sf_field(p);
     if free <= SCALE * tolerance {
       return sf_Hit(t, true, step);

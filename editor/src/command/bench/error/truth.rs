@@ -11,6 +11,8 @@ use surefoot_runtime::passes::rays::{GpuRay, RayPicture, Traced};
 
 /// Boxes that one ray may cost.
 pub const BOXES: usize = 20_000;
+/// Normals are those of so far before the surface, times the way: on it a formula may have a kink, a box's for one, and no slope.
+const OUTSIDE: f64 = 1e-9;
 /// Operations of the field at most.
 const LIMIT: usize = 2_000_000;
 
@@ -177,7 +179,7 @@ impl View {
             .collect();
         let reference = Reference::new(scene, live).map_err(|e| e.to_string())?;
         let points: Vec<Vec3> =
-            rays.iter().zip(&found).map(|(ray, hit)| ray.at(if let Hit::Hit(t) = hit { *t } else { 0.0 })).collect();
+            rays.iter().zip(&found).map(|(ray, hit)| ray.at(if let Hit::Hit(t) = hit { t - OUTSIDE * t.max(1.0) } else { 0.0 })).collect();
         let normals = unit_all(reference.gradients(&points));
         let pixels: Vec<Pixel> = found
             .iter()

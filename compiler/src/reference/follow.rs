@@ -1,0 +1,88 @@
+//! Where a ray is in its search, step for step as in the text of `compiler/src/emit/tracer.rs`.
+
+use super::march::{Look, Ray};
+use crate::emit::tracer::Tracer;
+
+/// How rays are followed.
+pub const TRACER: Tracer = Tracer::DEFAULT;
+
+/// What comes of a look.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Turn {
+    /// The surface is so far along the ray.
+    Hit(f64),
+    /// Nothing was met up to the ray's end.
+    Missed,
+    /// The next look is so far along the ray.
+    Go(f64),
+}
+
+/// What is small where a ray looks.
+#[derive(Clone, Copy, Debug)]
+pub struct Small {
+    /// How wide a pixel is there.
+    pub pixel: f64,
+    /// How far rounding in 32 bits may be off.
+    pub rounding: f64,
+}
+
+/// The variables of `sf_trace`.
+#[derive(Clone, Copy, Debug)]
+pub struct Follow {
+    /// Of the last sphere that is known to be empty.
+    radius: f64,
+    /// From its centre to here.
+    stride: f64,
+    /// How the bound changes along the ray, as far as that is learnt.
+    slope: f64,
+    /// How it changed over the step before.
+    before: f64,
+    /// Whether the last step was a leap.
+    leapt: bool,
+    /// How often it has looked.
+    pub steps: u32,
+}
+
+impl Follow {
+    /// At the ray's beginning, before the first look.
+    pub const START: Self = Self { radius: 0.0, stride: 0.0, slope: -1.0, before: -1.0, leapt: false, steps: 0 };
+
+    /// How near is near enough at the next look.
+    pub fn tolerance(&self, small: &Small) -> f64 {
+        let pixels = TRACER.tolerance + Tracer::TIRED * f64::from(self.steps + 1) / f64::from(TRACER.budget);
+        (pixels * small.pixel).max(small.rounding)
+    }
+
+    /// One look along `ray`, with the `distance` to the surface where the bound is within the tolerance.
+    pub fn turn(&mut self, look: &Look, distance: Option<f64>, small: &Small, ray: &Ray) -> Turn {
+        let tolerance = self.tolerance(small);
+        let pixel = small.pixel;
+        self.steps += 1;
+        let free = look.free;
+        let change = if self.stride > 0.0 { (free - self.radius) / self.stride } else { -1.0 };
+        let fall = (-change).max(Tracer::FLATTEST);
+        let ahead = (free - small.rounding) / fall;
+        let gap = self.stride > self.radius.max(self.radius + free);
+        if free <= tolerance && (!gap || self.leapt && free >= 0.0) && distance.is_some_and(|d| d <= tolerance) {
+            let aside = Tracer::ASIDE * pixel;
+            return Turn::Hit((look.t + ahead.clamp(-aside, aside)).clamp(ray.t_min, ray.t_max));
+        }
+        if gap {
+            let t = look.t + self.radius - self.stride;
+            *self = Self { stride: self.radius, slope: -1.0, leapt: false, ..*self };
+            return Turn::Go(t);
+        }
+        if look.t >= ray.t_max {
+            return Turn::Missed;
+        }
+        self.slope = (self.slope + TRACER.relaxation * (change - self.slope)).clamp(-1.0, Tracer::STEEPEST);
+        self.radius = free.max(0.5 * tolerance);
+        let stride = self.radius * 2.0 / (1.0 - self.slope);
+        let close = ahead <= TRACER.leap * pixel && free <= Tracer::NEAR * pixel;
+        let leap = ahead * (1.0 - Tracer::FASTER * (self.before - change).max(0.0) / fall);
+        self.leapt = leap > stride && close && (change - self.before).abs() * ahead <= Tracer::EVEN * tolerance;
+        self.before = change;
+        self.stride = if self.leapt { leap } else { stride }.min(ray.t_max - look.t);
+        Turn::Go(look.t + self.stride)
+    }
+}
