@@ -73,7 +73,8 @@ impl Tracer {
         if leaps {
             line("  // As the bound falls faster and faster, the surface is nearer than the line says.");
             line(&format!("  let leap = ahead * (1.0 - {faster:?} * max(before - change, 0.0) / max(-change, {flattest:?}));"));
-            line(&format!("  leapt = leap > stride && ahead <= {leap:?} * pixel && free <= {near:?} * pixel && abs(change - before) * ahead <= {even:?} * tolerance;"));
+            line(&format!("  let close = ahead <= {leap:?} * pixel && free <= {near:?} * pixel;"));
+            line(&format!("  leapt = leap > stride && close && abs(change - before) * ahead <= {even:?} * tolerance;"));
             line("  before = change;");
             line("  stride = select(stride, leap, leapt);");
         }
