@@ -394,7 +394,7 @@ fn bench_finds_what_steps_too_far_and_nothing_in_ours() {
     assert!(of("ours", "operations_per_ray") < 1.3 * of("half-pixel", "operations_per_ray"));
     assert!(of("ours", "operations_per_ray") < 0.9 * of("whole-steps", "operations_per_ray"));
     // The instrument sees a factor that is left out, and one that is too small.
-    for method in ["plain", "hand", "bound x2.0"] {
+    for method in ["plain", "hand", "half-factors"] {
         assert!(of(method, "missed") > 0.0, "{method}");
     }
     for file in ["page.md", "page.svg"] {

@@ -23,8 +23,8 @@ const PART: ((u32, u32), (u32, u32)) = ((600, 260), (900, 560));
 const FULL: u64 = 560;
 /// How far a pixel of a coarser picture may be mixed with its neighbours: the coarsest has a pixel for every 5.5 each way.
 const COARSE: u32 = 11;
-/// The same for a still of fewer samples: the pixels of an edge are smooth only in time.
-const UNFINISHED: u32 = 1;
+/// The same for a still of fewer samples: the pixels of an edge are smooth only in time, and the samples lie aside in both pictures.
+const UNFINISHED: u32 = 2;
 
 const BALL: &str = "shape ball(r: float) = sphere(r)\n";
 
