@@ -4,7 +4,7 @@ use super::{BUDGET, Builder, Cut, GENTLE, LONG, Narrowed, STEEPEST, UNIT};
 use crate::analysis::{Box3, Constant, Domain};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::graph::{Claim, Function, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
+use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
 use rustc_hash::FxHashSet;
 
 /// A constant up to here needs no other region than a box.
@@ -127,7 +127,7 @@ impl Builder<'_> {
                 self.facts.map_constant(self.graph, point, &everywhere, 1).lipschitz > STEEPEST
             }
             Node::Op(_, args) => args.iter().any(|&a| {
-                self.facts.constant(self.graph, a, &everywhere, 1).lipschitz > STEEPEST
+                self.rough_constant(a, &everywhere) > STEEPEST && self.facts.constant(self.graph, a, &everywhere, 1).lipschitz > STEEPEST
             }),
             _ => false,
         };
@@ -140,6 +140,40 @@ impl Builder<'_> {
         }
         let inner = Domain { narrowed: true, ..domain.at(region.grow(reach)) };
         Some((inner, region, reach))
+    }
+
+    /// A constant over all space that follows from those of the parts: found at once, and no smaller than what a look at the whole finds.
+    fn rough_constant(&mut self, node: NodeId, everywhere: &Domain) -> f64 {
+        let key = (node, everywhere.key());
+        if let Some(known) = self.rough.get(&key) {
+            return *known;
+        }
+        let found = match self.graph.node(node).clone() {
+            Node::Constant(_) => 0.0,
+            Node::Op(Op::Min | Op::Max, args) => args.iter().map(|a| self.rough_constant(*a, everywhere)).fold(0.0, f64::max),
+            Node::Op(Op::Add | Op::Sub, args) => args.iter().map(|a| self.rough_constant(*a, everywhere)).sum(),
+            Node::Op(Op::Neg | Op::Abs, args) | Node::Claim(args, Claim::Continuous) => {
+                args.first().map_or(f64::INFINITY, |a| self.rough_constant(*a, everywhere))
+            }
+            Node::Call(shape, Function::Field, args) => self.rough_of_call(shape, &args, everywhere).unwrap_or_else(|| {
+                self.facts.constant(self.graph, node, everywhere, 1).lipschitz
+            }),
+            _ => self.facts.constant(self.graph, node, everywhere, 1).lipschitz,
+        };
+        self.rough.insert(key, found);
+        found
+    }
+
+    /// The same of a shape at a moved point: how the point moves, times what is known of the shape. None where its variables count.
+    fn rough_of_call(&mut self, shape: ShapeId, args: &[NodeId], everywhere: &Domain) -> Option<f64> {
+        let s = self.graph.shape(shape)?;
+        let (value, exact) = (s.value, s.exactness == Exactness::Exact);
+        let moving = args.iter().skip(3).any(|a| self.graph.reads(*a).point || self.graph.reads(*a).shapes);
+        if moving || (!exact && args.len() > 3) {
+            return None;
+        }
+        let inner = if exact { 1.0 } else { self.rough_constant(value, &Domain::of(Box3::ALL)) };
+        Some(inner * self.facts.map_constant(self.graph, args.get(..3)?, everywhere, 1).lipschitz)
     }
 
     /// For an intersection of something wild with something tame: the wild operand need only hold near the tame one, if there it is less
@@ -162,6 +196,9 @@ impl Builder<'_> {
         }
         let everywhere = Domain { within: Vec::new(), ..domain.at(Box3::ALL) };
         for (wild, tame) in [(a, b), (b, a)] {
+            if self.rough_constant(wild, &everywhere) <= STEEPEST {
+                continue;
+            }
             let of_tame = self.facts.constant(self.graph, tame, &everywhere, 1);
             if of_tame.lipschitz > UNIT || of_tame.jumps || self.graph.reads(tame).variables != 0 {
                 continue;

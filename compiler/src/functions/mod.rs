@@ -217,6 +217,7 @@ pub struct Builder<'a> {
     treatments: FxHashMap<(ShapeId, NodeId, Vec<u64>, bool), Option<Treatment>>,
     regions: FxHashMap<(NodeId, Vec<u64>, bool), Option<Narrowed>>,
     cuts: FxHashMap<(NodeId, Vec<u64>), Option<Cut>>,
+    rough: FxHashMap<(NodeId, Vec<u64>), f64>,
     /// Whether the scene has so many parts that they may be a union of many; found when it is first asked for.
     crowded: Option<bool>,
     built: Functions,
@@ -269,6 +270,7 @@ pub fn build(
         treatments: FxHashMap::default(),
         regions: FxHashMap::default(),
         cuts: FxHashMap::default(),
+        rough: FxHashMap::default(),
         crowded: None,
         built: Functions { searches, ..Functions::default() },
         diagnostics: Vec::new(),

@@ -122,7 +122,9 @@ fn row(gpu: &Gpu, subject: Subject) -> Result<Row, String> {
     draw(gpu, &mut picture, &compiled)?;
     let next = milliseconds(start.elapsed());
     let start = Instant::now();
-    show(gpu, &scene(&lit.replace("hash(i, 0)", "hash(i, 8)"))?)?;
+    let changed = scene(&lit.replace("hash(i, 0)", "hash(i, 8)"))?;
+    find_lists(&changed);
+    draw(gpu, &mut Picture::prepare(gpu, &changed, FORMAT, ViewMode::Shaded)?, &changed)?;
     let reload = milliseconds(start.elapsed());
 
     let mut bare = scene(&(subject.text.clone() + BARE))?;
@@ -154,10 +156,11 @@ fn draw(gpu: &Gpu, picture: &mut Picture, compiled: &Compiled) -> Result<Vec<u8>
     Ok(headless::render_with(gpu, picture, compiled, &compiled.live(), &Shot::new(SIDE, SIDE))?.rgba)
 }
 
-/// A picture whose pipeline is there, and the time that it took.
+/// A picture whose pipeline is there, and the time that it took. A driver builds some of it only when it first draws.
 fn show(gpu: &Gpu, compiled: &Compiled) -> Result<(f64, Vec<u8>), String> {
     find_lists(compiled);
     let mut picture = Picture::prepare(gpu, compiled, FORMAT, ViewMode::Shaded)?;
+    draw(gpu, &mut picture, compiled)?;
     let start = Instant::now();
     let pixels = draw(gpu, &mut picture, compiled)?;
     Ok((milliseconds(start.elapsed()), pixels))
