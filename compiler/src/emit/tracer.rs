@@ -95,7 +95,7 @@ impl Tracer {
         if leaps {
             line("// How far it is to where the bound is all but zero, if it goes on as it did: on the surface itself a gradient may vanish.");
             line(&format!("ahead = (free - rounding) / max(-change, {flattest:?});"));
-            line("arrived = free <= tolerance && (!back || leapt && free >= 0.0);");
+            line("arrived = free <= tolerance && (!back || (leapt && free >= 0.0));");
         } else {
             line("arrived = free <= tolerance && !back;");
         }
