@@ -155,6 +155,9 @@ mod tests {
         // Inside it is the field: no solid's inside is convex.
         let [field, bound, estimate] = at(text, [1.0, 0.0, 0.0]);
         assert!(field < 0.0 && bound == field && estimate == field);
+        // Half as steep as a whole it is twice as far, inside too, for the bound as for the estimate.
+        let [field, bound, estimate] = at("field f = (length(p / (4, 1, 1)) - 1) / 2\nscene = f", [0.5, 0.1, 0.0]);
+        assert!((bound - 2.0 * field).abs() < 1e-6 && (estimate - bound).abs() < 1e-6, "{field} {bound} {estimate}");
     }
 
     #[test]

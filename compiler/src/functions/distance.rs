@@ -31,8 +31,8 @@ impl Steepness {
 
 impl Builder<'_> {
     /// The estimate of the distance: composed under `min` and `max`, a field where it is no steeper than a distance, else the field over
-    /// its gradient (Hart 1996), which may not exceed four times what is proven, or twice
-    /// what is proven for the gentlest of a few values of the parameters, if that is more.
+    /// its gradient (Hart 1996), which may not exceed four times what is proven, or twice what is proven for the gentlest of a few values of
+    /// the parameters, if that is more.
     pub(super) fn distance(&mut self, shape: ShapeId, node: NodeId, domain: &Domain) -> NodeId {
         match self.graph.node(node).clone() {
             Node::Constant(_) => node,
@@ -89,7 +89,8 @@ impl Builder<'_> {
                 let Some(treatment) = self.treatment(shape, node, domain, true) else { return node };
                 let near = treatment.region.map(|(region, reach)| domain.at(region.grow(reach)));
                 let steepness = self.steepness(node, near.as_ref().unwrap_or(domain), treatment.constant);
-                let way = match treatment.constant <= UNIT && treatment.region.is_none() {
+                // Where the bound takes that way; what is flatter than a distance as a whole is divided by its constant.
+                let way = match (treatment.constant - 1.0).abs() <= 1e-6 && treatment.region.is_none() {
                     true => self.convex_way(node, domain),
                     false => None,
                 };
