@@ -1,6 +1,7 @@
 //! The graphics device: found here, or handed over by a program that has one. Everything that builds a pipeline goes through it, so
 //! that each one is counted and each error comes back as text.
 
+use crate::module;
 use crate::passes::CORNERS;
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -295,10 +296,8 @@ impl Gpu {
 
     fn module(&self, label: &str, wgsl: &str) -> wgpu::ShaderModule {
         self.counters.modules.fetch_add(1, Ordering::Relaxed);
-        let descriptor = wgpu::ShaderModuleDescriptor {
-            label: Some(label),
-            source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(wgsl)),
-        };
+        let wgsl = if self.software { module::with_copied_block(wgsl) } else { Cow::Borrowed(wgsl) };
+        let descriptor = wgpu::ShaderModuleDescriptor { label: Some(label), source: wgpu::ShaderSource::Wgsl(wgsl) };
         let checks = wgpu::ShaderRuntimeChecks {
             force_loop_bounding: false,
             ..wgpu::ShaderRuntimeChecks::checked()

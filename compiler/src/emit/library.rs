@@ -246,32 +246,35 @@ pub fn function(export: Export, one: bool) -> Option<Cow<'static, str>> {
 }
 
 // The penumbra of a ray is its closest passage, as an angle (Quilez, \"Soft shadows in raymarched SDFs\"). The bound is the distance.
+//
+// As the bound grows along the ray by s, the next look is free / (1 - s) away, where it is as much again: whatever stands beside the ray, outside of
+// both spheres, is then no nearer to it between the looks than 0.86 of the smaller one's radius, as between two looks at the same distance without a
+// slope. So nothing of a penumbra is lost, and a ray that leaves a plane is gone in half of the looks. Where the bound is less than was to be
+// expected, the ray goes back to the end of the first sphere.
 const SHADOW_OF_ONE: &str = "\
 fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: f32) -> f32 {
   let span = sf_clip(origin, direction, t_min, t_max);
-  if span.x > span.y {
-    return 1.0;
-  }
   let size = length(origin + sf_uniforms.origin) + 1.0;
+  let sharpness = select(1e18, softness, softness > 0.0);
   var lit = 1.0;
   var t = span.x;
-  for (var step = 0u; step < 256u; step++) {
+  // The last sphere known to be empty, and the step from its centre.
+  var radius = 1e18;
+  var stride = 1.0;
+  for (var step = 0u; step < 256u && t <= span.y && lit >= 0.002; step++) {
     let tolerance = 2e-6 * (size + t);
     let free = sf_bound(origin + direction * t);
-    if free <= tolerance {
-      return 0.0;
-    }
-    if softness > 0.0 {
-      lit = min(lit, softness * free / max(t, tolerance));
-      if lit < 0.002 {
-        return 0.0;
-      }
-    }
-    t += free;
-    if t > span.y {
-      break;
-    }
+    lit = select(min(lit, sharpness * free / max(t, tolerance)), 0.0, free <= tolerance);
+    // On by the slope over the last step, but not beyond the end without a look at it; or back.
+    let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
+    let next = max(t + free, min(t + on, span.y));
+    let back = stride > radius && free < 0.75 * stride;
+    let seen = t;
+    t = select(next, t + radius - stride, back);
+    stride = select(next - seen, radius, back);
+    radius = select(free, radius, back);
   }
+  lit = select(lit, 0.0, lit < 0.002);
   return lit * lit * (3.0 - 2.0 * lit);
 }
 ";
@@ -281,38 +284,40 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
 const SHADOW: &str = "\
 fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: f32) -> f32 {
   let span = sf_clip(origin, direction, t_min, t_max);
-  if span.x > span.y {
-    return 1.0;
-  }
   let size = length(origin + sf_uniforms.origin) + 1.0;
+  let sharpness = select(1e18, softness, softness > 0.0);
   var lit = 1.0;
   var t = span.x;
+  var step = 0u;
+  // Where it was looked last, and what was found there.
+  var seen = t;
   var free = 0.0;
   var tolerance = 0.0;
-  for (var step = 0u; step < 256u; step++) {
-    loop {
-      t += free;
-      tolerance = 2e-6 * (size + t);
-      if t > span.y || step >= 256u {
-        break;
-      }
-      free = sf_bound(origin + direction * t);
-      if free <= tolerance || (softness > 0.0 && softness * free < lit * max(t, tolerance)) {
-        break;
-      }
+  // The last sphere known to be empty, and the step from its centre.
+  var radius = 1e18;
+  var stride = 1.0;
+  while step < 256u && t <= span.y && lit >= 0.002 {
+    var near = false;
+    while step < 256u && t <= span.y && !near {
       step += 1u;
+      tolerance = 2e-6 * (size + t);
+      free = sf_bound(origin + direction * t);
+      near = free <= tolerance || sharpness * free < lit * max(t, tolerance);
+      // On by the slope over the last step, but not beyond the end without a look at it; or back.
+      let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
+      let next = max(t + free, min(t + on, span.y));
+      let back = stride > radius && free < 0.75 * stride;
+      seen = t;
+      t = select(next, t + radius - stride, back);
+      stride = select(next - seen, radius, back);
+      radius = select(free, radius, back);
     }
-    if t > span.y || step >= 256u {
-      break;
-    }
-    if free <= tolerance {
-      return 0.0;
-    }
-    lit = min(lit, softness * sf_distance(origin + direction * t) / max(t, tolerance));
-    if lit < 0.002 {
-      return 0.0;
+    if near {
+      let share = sharpness * sf_distance(origin + direction * seen) / max(seen, tolerance);
+      lit = select(min(lit, share), 0.0, free <= tolerance);
     }
   }
+  lit = select(lit, 0.0, lit < 0.002);
   return lit * lit * (3.0 - 2.0 * lit);
 }
 ";
@@ -334,13 +339,11 @@ fn sf_collision(center: vec3f, radius: f32) -> sf_Contact {
 
 // Five looks along the normal (Evans 2006, Quilez), the nearest counting most. At a height h above the edge of a wedge that opens by a, the
 // distance is -h cos a, and the edge sees (1 - cos a) / 2 of the sky, weighted by the cosine: so half of what is missing of the height is the
-// share that is hidden.
+// share that is hidden. Nothing is left early: a reach of zero has no strength.
 const OCCLUSION: &str = "\
 fn sf_occlusion(p: vec3f, normal: vec3f) -> f32 {
-  let reach = sf_uniforms.occlusion_reach;
-  if reach <= 0.0 {
-    return 1.0;
-  }
+  let reach = max(sf_uniforms.occlusion_reach, 1e-12);
+  let strength = select(0.0, sf_uniforms.occlusion_strength, sf_uniforms.occlusion_reach > 0.0);
   var sum = 0.0;
   var weight = 1.0;
   for (var i = 1; i <= 5; i++) {
@@ -350,7 +353,7 @@ fn sf_occlusion(p: vec3f, normal: vec3f) -> f32 {
     weight *= 0.5;
   }
   // The weights add up to 31 / 16.
-  return clamp(1.0 - sf_uniforms.occlusion_strength * sum / 3.875, 0.0, 1.0);
+  return clamp(1.0 - strength * sum / 3.875, 0.0, 1.0);
 }
 ";
 

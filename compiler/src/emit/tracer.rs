@@ -47,91 +47,52 @@ impl Tracer {
     pub const FLATTEST: f64 = 1e-4;
 
     /// The function `sf_trace`, which calls `sf_clip`, `sf_bound` and, unless that is the bound itself (`one`), `sf_distance`. The distance
-    /// is asked for outside of the loop over bounds: a machine that leads several rays in step computes what stands inside for all of them.
+    /// is asked for outside of the loop over bounds: a machine that leads several rays in step computes what stands inside for all of them. For
+    /// the same reason little goes from one turn of the loop to the next, and nothing is computed under a condition.
     pub fn wgsl(&self, one: bool) -> String {
-        let Self { factor, relaxation, tolerance, leap, budget } = *self;
-        let (steepest, near, even, faster) = (Self::STEEPEST, Self::NEAR, Self::EVEN, Self::FASTER);
-        let (aside, flattest) = (Self::ASIDE, Self::FLATTEST);
-        let times = if factor == 1.0 { String::new() } else { format!("{factor:?} * ") };
-        let tired = Self::TIRED / f64::from(budget);
-        let leaps = leap > 0.0;
-        // The lines of the loop, further in where a loop stands around it.
-        let mut lines: Vec<String> = Vec::new();
-        let mut line = |text: &str| lines.push(text.to_owned());
-        line("if back {");
-        line("  // A gap between two spheres may hold a surface: back to the end of the first.");
-        line("  t += radius - stride;");
-        line("  stride = radius;");
-        line("  slope = -1.0;");
-        if leaps {
-            line("  leapt = false;");
-        }
-        line("} else {");
-        line(&format!("  slope = clamp(mix(slope, change, {relaxation:?}), -1.0, {steepest:?});"));
-        line("  radius = max(free, 0.5 * tolerance);");
-        line("  stride = radius * 2.0 / (1.0 - slope);");
-        if leaps {
-            line("  // As the bound falls faster and faster, the surface is nearer than the line says.");
-            line(&format!("  let leap = ahead * (1.0 - {faster:?} * max(before - change, 0.0) / max(-change, {flattest:?}));"));
-            line(&format!("  let close = ahead <= {leap:?} * pixel && free <= {near:?} * pixel;"));
-            line(&format!("  leapt = leap > stride && close && abs(change - before) * ahead <= {even:?} * tolerance;"));
-            line("  before = change;");
-            line("  stride = select(stride, leap, leapt);");
-        }
-        line("  stride = min(stride, span.y - t);");
-        line("  t += stride;");
-        line("}");
-        line("step += 1u;");
-        line("let p = origin + direction * t;");
-        line("let rounding = 4e-7 * (size + t);");
-        line("pixel = footprint * t;");
-        line(&format!("tolerance = max(({tolerance:?} + {tired:?} * f32(step)) * pixel, rounding);"));
-        line(&format!("free = {times}sf_bound(p);"));
-        line("change = -1.0;");
-        line("if stride > 0.0 {");
-        line("  change = (free - radius) / stride;");
-        line("}");
-        line("back = stride > max(radius, radius + free);");
-        if leaps {
-            line("// How far it is to where the bound is all but zero, if it goes on as it did: on the surface itself a gradient may vanish.");
-            line(&format!("ahead = (free - rounding) / max(-change, {flattest:?});"));
-            line("arrived = free <= tolerance && (!back || (leapt && free >= 0.0));");
-        } else {
-            line("arrived = free <= tolerance && !back;");
-        }
-        line("// The end itself is looked at before it counts as a miss.");
-        line(&format!("if step >= {budget}u || arrived || (!back && t >= span.y) {{"));
-        line("  break;");
-        line("}");
-        let indent = if one { "  " } else { "    " };
-        let looped: String = lines.iter().map(|l| format!("{indent}  {l}\n")).collect();
-        let end = match leaps {
-            true => format!("clamp(t + clamp(ahead, -{aside:?} * pixel, {aside:?} * pixel), span.x, span.y)"),
-            false => "t".to_owned(),
-        };
-        let state = match leaps {
-            true => "  // How the bound changed over the step before, how far the surface seems to be, and whether the last step was a leap to it.
+        let Self { leap, budget, .. } = *self;
+        let aside = Self::ASIDE;
+        let indented = |lines: &[String], by: &str| -> String { lines.iter().map(|l| format!("{by}{l}\n")).collect() };
+        let (look, go_on) = (self.look(one), self.go_on());
+        let (mut state, mut hit) = ("", Vec::new());
+        if leap > 0.0 {
+            state = "  // How the bound changed over the step before, how far the surface seems to be, and whether the last step was a leap to it.
   var before = -1.0;
   var ahead = 0.0;
-  var leapt = false;\n",
-            false => "",
-        };
-        let search = match one {
-            true => format!("  loop {{\n{looped}  }}\n  if arrived {{\n    return sf_Hit({end}, true, step);\n  }}\n"),
-            false => format!(
-                "  while step < {budget}u {{
+  var leapt = false;\n";
+            hit = vec![
+                format!("let aside = {aside:?} * footprint * t;"),
+                "t = clamp(t + clamp(ahead, -aside, aside), span.x, span.y);".to_owned(),
+            ];
+        }
+        let search = if one {
+            let hit = if hit.is_empty() { hit } else { [vec!["if arrived {".to_owned()], inner(hit), vec!["}".to_owned()]].concat() };
+            format!("  loop {{\n{}{}  }}\n{}", indented(&look, "    "), indented(&go_on, "    "), indented(&hit, "  "))
+        } else {
+            format!(
+                "  // What the last look found.
+  var free = 0.0;
+  var change = -1.0;
+  var fall = 1.0;
+  var gap = false;
+  var pixel = 0.0;
+  var tolerance = 0.0;
+  loop {{
     loop {{
-{looped}    }}
-    if arrived {{
-      if sf_distance(origin + direction * t) <= tolerance {{
-        return sf_Hit({end}, true, step);
-      }}
+{}{}    }}
+    if arrived && sf_distance(origin + direction * t) <= tolerance {{
+{}      break;
     }}
-    if !back && t >= span.y {{
+    arrived = false;
+    if step >= {budget}u || (!gap && t >= span.y) {{
       break;
     }}
-  }}\n"
-            ),
+{}  }}\n",
+                indented(&look, "      "),
+                indented(&go_on, "      "),
+                indented(&hit, "      "),
+                indented(&go_on, "    "),
+            )
         };
         format!(
             "\
@@ -144,20 +105,93 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
   let size = length(origin + sf_uniforms.origin) + 1.0;
   var t = span.x;
   var step = 0u;
-  var free = 0.0;
-  var tolerance = 0.0;
-  var pixel = 0.0;
   var arrived = false;
-  // The last sphere known to be empty, the step from its centre, how the bound changed over it, how it changes along the ray as far as that is
-  // learnt, and whether the ray must go back.
+  // The last sphere known to be empty, the step from its centre, and how the bound changes along the ray as far as that is learnt.
   var radius = 0.0;
   var stride = 0.0;
-  var change = -1.0;
   var slope = -1.0;
-  var back = false;
-{state}{search}  return sf_Hit(t, false, step);
+{state}{search}  return sf_Hit(t, arrived, step);
 }}
 "
         )
     }
+
+    /// The lines of a look at `t`, which leave the loop where the ray may have arrived or ends. `one`: they name what they find; else that has
+    /// its names already.
+    fn look(&self, one: bool) -> Vec<String> {
+        let Self { factor, tolerance, leap, budget, .. } = *self;
+        let flattest = Self::FLATTEST;
+        let (once, first) = if one { ("let ", "var ") } else { ("", "") };
+        let times = if factor == 1.0 { String::new() } else { format!("{factor:?} * ") };
+        let tired = Self::TIRED / f64::from(budget);
+        let mut lines = vec![
+            "step += 1u;".to_owned(),
+            "let rounding = 4e-7 * (size + t);".to_owned(),
+            format!("{once}pixel = footprint * t;"),
+            format!("{once}tolerance = max(({tolerance:?} + {tired:?} * f32(step)) * pixel, rounding);"),
+            format!("{once}free = {times}sf_bound(origin + direction * t);"),
+            format!("{first}change = -1.0;"),
+            "if stride > 0.0 {".to_owned(),
+            "  change = (free - radius) / stride;".to_owned(),
+            "}".to_owned(),
+            "// A gap between two spheres may hold a surface.".to_owned(),
+            format!("{once}gap = stride > max(radius, radius + free);"),
+        ];
+        if leap > 0.0 {
+            lines.extend([
+                "// How far it is to where the bound is all but zero, if it goes on as it did: on the surface itself a gradient may vanish.".to_owned(),
+                format!("{once}fall = 1.0 / max(-change, {flattest:?});"),
+                "ahead = (free - rounding) * fall;".to_owned(),
+                "arrived = free <= tolerance && (!gap || (leapt && free >= 0.0));".to_owned(),
+            ]);
+        } else {
+            lines.push("arrived = free <= tolerance && !gap;".to_owned());
+        }
+        lines.extend([
+            "// The end itself is looked at before it counts as a miss.".to_owned(),
+            format!("if step >= {budget}u || arrived || (!gap && t >= span.y) {{"),
+            "  break;".to_owned(),
+            "}".to_owned(),
+        ]);
+        lines
+    }
+
+    /// The lines of the step after a look: on, or back to the end of the last sphere where there is a gap.
+    fn go_on(&self) -> Vec<String> {
+        let Self { relaxation, leap, .. } = *self;
+        let (steepest, near, even, faster) = (Self::STEEPEST, Self::NEAR, Self::EVEN, Self::FASTER);
+        let mut lines = vec![
+            format!("let learnt = clamp(mix(slope, change, {relaxation:?}), -1.0, {steepest:?});"),
+            "let reach = max(free, 0.5 * tolerance);".to_owned(),
+        ];
+        if leap > 0.0 {
+            lines.extend([
+                "let far = reach * 2.0 / (1.0 - learnt);".to_owned(),
+                "// As the bound falls faster and faster, the surface is nearer than the line says.".to_owned(),
+                format!("let leap = ahead * (1.0 - {faster:?} * max(before - change, 0.0) * fall);"),
+                format!("let close = ahead <= {leap:?} * pixel && free <= {near:?} * pixel;"),
+                format!("leapt = !gap && leap > far && close && abs(change - before) * ahead <= {even:?} * tolerance;"),
+                "let on = min(select(far, leap, leapt), span.y - t);".to_owned(),
+                "before = select(change, before, gap);".to_owned(),
+            ]);
+        } else {
+            lines.push("let on = min(reach * 2.0 / (1.0 - learnt), span.y - t);".to_owned());
+        }
+        lines.extend(
+            [
+                "// Back to the end of the last sphere where there was a gap.",
+                "t += select(on, radius - stride, gap);",
+                "stride = select(on, radius, gap);",
+                "radius = select(reach, radius, gap);",
+                "slope = select(learnt, -1.0, gap);",
+            ]
+            .map(str::to_owned),
+        );
+        lines
+    }
+}
+
+/// Lines one step further in.
+fn inner(lines: Vec<String>) -> Vec<String> {
+    lines.into_iter().map(|l| format!("  {l}")).collect()
 }

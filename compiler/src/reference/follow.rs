@@ -1,4 +1,4 @@
-//! Where a ray is in its search, step for step as in the text of `compiler/src/emit/tracer.rs`.
+//! Where a ray is in its search, step for step as in the texts of `compiler/src/emit/tracer.rs` and of the shadow in `library.rs` beside it.
 
 use super::march::{Look, Ray};
 use crate::emit::tracer::Tracer;
@@ -84,5 +84,54 @@ impl Follow {
         self.before = change;
         self.stride = if self.leapt { leap } else { stride }.min(ray.t_max - look.t);
         Turn::Go(look.t + self.stride)
+    }
+}
+
+/// Looks of a shadow's ray at most.
+const MOST_SHADOW_STEPS: u32 = 256;
+/// A shadow's ray goes on by as much as the bound at most divided by this.
+const SHORTEST_REST: f64 = 0.25;
+/// It goes back where the bound is less than this share of the step.
+const CLOSE: f64 = 0.75;
+/// Less light counts as none.
+const DARK: f64 = 0.002;
+
+/// The variables of `sf_shadow`.
+#[derive(Clone, Copy, Debug)]
+pub struct Shadow {
+    /// How much light comes along the ray so far, before its edge is smoothed.
+    pub lit: f64,
+    /// Of the last sphere that is known to be empty.
+    radius: f64,
+    /// From its centre to here.
+    stride: f64,
+    steps: u32,
+}
+
+impl Shadow {
+    /// At the ray's beginning, before the first look.
+    pub const START: Self = Self { lit: 1.0, radius: 1e18, stride: 1.0, steps: 0 };
+
+    /// One look. `share`: the softness times the distance, where that can matter. `end`: of the ray. The answer: where to look next.
+    pub fn turn(&mut self, look: &Look, share: Option<f64>, tolerance: f64, end: f64) -> Option<f64> {
+        let Self { radius, stride, .. } = *self;
+        let (t, free) = (look.t, look.free);
+        self.steps += 1;
+        if let Some(share) = share {
+            self.lit = self.lit.min(share / t.max(tolerance));
+        }
+        if free <= tolerance || self.lit < DARK {
+            self.lit = 0.0;
+            return None;
+        }
+        let on = free * stride / (stride + radius - free).min(stride).max(SHORTEST_REST * stride);
+        let mut next = (t + free).max((t + on).min(end));
+        if stride > radius && free < CLOSE * stride {
+            next = t + radius - stride;
+            self.stride = radius;
+        } else {
+            (self.radius, self.stride) = (free, next - t);
+        }
+        (next <= end && self.steps < MOST_SHADOW_STEPS).then_some(next)
     }
 }

@@ -15,7 +15,7 @@ use crate::graph::{Function, NodeId, Slot};
 use crate::functions::Surface;
 use crate::images::{Images, Texture, TextureKind, sides};
 use camera::Basis;
-use follow::{Follow, Small, TRACER, Turn};
+use follow::{Follow, Shadow, Small, TRACER, Turn};
 use march::{Look, Ray, Scene, at_points, march, sizes};
 use shade::{Leaving, Seen, Shading, SurfaceValues};
 use std::cell::Cell;
@@ -72,8 +72,6 @@ pub struct Hit {
 const LIMIT: usize = 2_000_000;
 /// Rays are led together in squares of so many pixels a side.
 const BLOCK: u32 = 32;
-/// Looks of a shadow's ray.
-const MOST_SHADOW_STEPS: u32 = 256;
 
 /// A scene's functions at one moment, ready for any number of points.
 #[derive(Clone, Debug)]
@@ -226,7 +224,8 @@ impl Reference {
     /// How much light comes along rays: 1 lit, 0 dark. Of `softness` 0 is a sharp edge, more is sharper.
     pub fn shadow(&self, rays: &[Ray], softness: f64, extent: f64) -> Vec<f64> {
         let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
-        let lit: Vec<Cell<(f64, u32)>> = vec![Cell::new((1.0, 0)); rays.len()];
+        let states = vec![Cell::new(Shadow::START); rays.len()];
+        let state = |look: &Look| states.get(look.ray).map_or(Shadow::START, Cell::get);
         let size = sizes(rays, self.near);
         let tolerance = |look: &Look| 2e-6 * (size(look) + look.t);
         let scene = match softness > 0.0 {
@@ -237,29 +236,19 @@ impl Reference {
             scene,
             &clipped,
             |look| {
-                let (lit, _) = lit.get(look.ray).map_or((1.0, 0), Cell::get);
                 let tolerance = tolerance(look);
                 // The distance is looked at where the bound says that it can matter.
-                softness > 0.0 && look.free > tolerance && softness * look.free < lit * look.t.max(tolerance)
+                softness > 0.0 && look.free > tolerance && softness * look.free < state(look).lit * look.t.max(tolerance)
             },
             |look, distance| {
-                let state = lit.get(look.ray)?;
-                let (mut lit, steps) = state.get();
                 let end = clipped.get(look.ray).copied().flatten()?.t_max;
-                let tolerance = tolerance(look);
-                if let Some(distance) = distance {
-                    lit = lit.min(softness * distance / look.t.max(tolerance));
-                }
-                if look.free <= tolerance || lit < 0.002 {
-                    state.set((0.0, steps));
-                    return None;
-                }
-                state.set((lit, steps + 1));
-                let t = look.t + look.free;
-                (t <= end && steps + 1 < MOST_SHADOW_STEPS).then_some(t)
+                let mut shadow = state(look);
+                let t = shadow.turn(look, distance.map(|d| softness * d), tolerance(look), end);
+                states.get(look.ray)?.set(shadow);
+                t
             },
         );
-        lit.iter().map(Cell::get).map(|(lit, _)| lit * lit * (3.0 - 2.0 * lit)).collect()
+        states.iter().map(|s| s.get().lit).map(|lit| lit * lit * (3.0 - 2.0 * lit)).collect()
     }
 
     /// How open the surroundings of a surface are: 1 open, 0 closed; at strength 1 the edge of a wedge gets the share of the sky that it sees,
