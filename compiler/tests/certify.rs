@@ -368,6 +368,20 @@ fn distances_are_those_in_closed_form() {
     }
 }
 
+/// Where three conditions meet, each of them holds on its own side and not all together: no point lies in that piece.
+#[test]
+fn a_piece_without_a_point_is_no_crossing() {
+    let truth = truth("scene = sphere(0.8).displace(0.12 * simplex(2 * p))");
+    let mut prover = truth.prover();
+    for (point, radius) in [
+        ([0.2558321952819824, -0.2569023668766022, 0.7556093335151672], 0.0134),
+        ([0.249629408121109, -0.22378942370414734, 0.7726006507873535], 0.0353),
+    ] {
+        let found = prover.empty_ball(point, radius, 4000);
+        assert!(!matches!(found, Ball::Crossed(_)), "{found:?} about {point:?}");
+    }
+}
+
 /// However large the ball is in which it is looked for, what is found beyond the surface is there, and the distance is the same.
 #[test]
 fn a_distance_does_not_depend_on_how_far_is_looked() {

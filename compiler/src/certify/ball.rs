@@ -164,7 +164,8 @@ impl Prover<'_> {
                     Some(value) => excludes(value, -side),
                     None => self.sign(&code, at) == -side,
                 };
-                if other {
+                // Where conditions meet, a piece may be one that no point is in; the field itself has the last word.
+                if other && self.sign(&root, at) == -side {
                     found = self.closer(&root, found, centre, at, side, close.is_some());
                     let Some(close) = close else { return found };
                     radius = radius.min(found.at_most * (1.0 - close));
