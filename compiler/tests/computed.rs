@@ -63,6 +63,8 @@ fn found(scene: &Compiled, module: &Module, function: &Function, out: &mut Vec<S
             | Expression::Swizzle { vector: base, .. }
             | Expression::AccessIndex { base, .. }
             | Expression::Unary { op: UnaryOperator::Negate, expr: base } => of(*base),
+            // Not of a condition is none of the work.
+            Expression::Unary { op: UnaryOperator::LogicalNot, expr } => of(*expr),
             Expression::Unary { expr, .. } | Expression::As { expr, .. } => {
                 operation = true;
                 of(*expr)

@@ -4,6 +4,7 @@
 //! called; [`write`] turns expressions into text; [`library`] holds the WGSL that is the same for every scene. Nothing that
 //! nobody reads is emitted, and the same source gives the same bytes. The graph is only read.
 
+mod arms;
 mod body;
 mod formulas;
 mod header;

@@ -204,6 +204,39 @@ fn sphere_reads_like_one() {
 }
 
 #[test]
+fn a_dear_arm_is_computed_where_it_is_taken() {
+    let mut b = Bench::new();
+    let p = b.g.point();
+    // A sum of so many sines, and something that others read too.
+    let dear = |b: &mut Bench, of: NodeId, count: usize| {
+        (0..count).fold(of, |sum, i| {
+            let k = b.c(1.5 + i as f64);
+            let product = b.g.op(Op::Mul, &[of, k]);
+            let sine = b.g.op(Op::Sin, &[product]);
+            b.g.op(Op::Add, &[sum, sine])
+        })
+    };
+    let shared = dear(&mut b, p[1], 20);
+    let (left, right, cheap) = (dear(&mut b, p[0], 20), dear(&mut b, p[2], 20), dear(&mut b, p[2], 2));
+    let sum = b.g.op(Op::Add, &[left, shared]);
+    let is = b.g.op(Op::Lt, &[p[0], p[1]]);
+    let one_arm = b.g.op(Op::Select, &[is, sum, cheap]);
+    let is_not = b.g.op(Op::Lt, &[p[2], p[1]]);
+    let both_arms = b.g.op(Op::Select, &[is_not, one_arm, right]);
+    let all = b.g.op(Op::Add, &[both_arms, shared]);
+    let root = b.shape(None, all);
+    b.all(root, None);
+    let wgsl = b.check(root, &Options { exports: vec![Export::Field], ..Options::default() }).wgsl;
+    let body = wgsl.split("fn sf_field").last().unwrap();
+    let (before, branches) = body.split_once("  if ").unwrap();
+    // What both read comes first; of the branches the inner one stands in the outer one, and the cheap arm in none of its own.
+    assert!(before.contains("sin(q.y * 20.5)") && !before.contains("q.x * 20.5"), "{wgsl}");
+    let lines: Vec<&str> = branches.lines().filter(|l| l.contains("if ") || l.contains("else")).collect();
+    assert_eq!(lines.len(), 2, "{wgsl}");
+    assert!(lines[0].starts_with("    if ") && lines[1] == "  } else {", "{wgsl}");
+}
+
+#[test]
 fn every_export_alone_and_together() {
     let (b, root) = pair();
     for export in Export::ALL {

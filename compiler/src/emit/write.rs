@@ -1,5 +1,6 @@
 //! Expressions as a person would write them: what is used twice or has a name stands in a `let`, the rest is nested while short.
 
+use super::arms::{Arms, BlockId};
 use super::body::{Body, Code, ExprId};
 use super::library::{Helpers, helper_of};
 use super::names::{Scope, identifier};
@@ -97,6 +98,9 @@ pub const FAR_OUT: f64 = 64.0;
 /// A nested expression longer than this is split.
 const LONGEST: u32 = 78;
 
+/// What is no longer than this is not split from what it stands in.
+const SHORTEST: u32 = 12;
+
 struct Writer<'c, 'a> {
     context: &'c mut Context<'a>,
     body: &'c Body,
@@ -107,6 +111,10 @@ struct Writer<'c, 'a> {
     ranges: Vec<Interval>,
     locals: Scope,
     operations: usize,
+    /// What is computed in which branch, and which one is being written, so far in.
+    arms: Arms,
+    block: BlockId,
+    depth: usize,
 }
 
 /// Writes the lines that compute `root` and give it back. `arguments` are names that the function's arguments have.
@@ -130,8 +138,19 @@ pub fn write(
     });
     states.resize(count, State::default());
     ranges.resize(if divides { count } else { 0 }, Interval::ALL);
-    let mut writer = Writer { context, body, out, scratch, states, ranges, locals, operations: 0 };
+    let mut writer = Writer { context, body, out, scratch, states, ranges, locals, operations: 0, arms: Arms::default(), block: 0, depth: 1 };
     writer.order(root, &mut order, &mut stack);
+    let arms = Arms::find(writer.body, &order, |id| match writer.body.code(id) {
+        Code::Call(target) => writer.context.operations.get(&target).copied().unwrap_or(0),
+        Code::VectorOp(_, count) => usize::from(count),
+        Code::Op(_) => 1,
+        _ => 0,
+    });
+    // Branch by branch; in each, arguments first as before.
+    if arms.any() {
+        order.sort_by_key(|&id| arms.place(id));
+    }
+    writer.arms = arms;
     for &id in &order {
         if let Code::Component(_) | Code::Swizzle(..) = writer.body.code(id) {
             let vector = writer.argument(id, 0);
@@ -147,9 +166,7 @@ pub fn write(
             writer.context.reads_scene = true;
         }
     }
-    for &id in &order {
-        writer.expression(id, id == root);
-    }
+    writer.block(0, &order, Some(root));
     let result = writer.text(root);
     let Writer { mut scratch, mut states, mut ranges, mut locals, operations, out, .. } = writer;
     out.push_str("  return ");
@@ -208,6 +225,75 @@ impl Writer<'_, '_> {
         self.body.arguments(id).get(i).copied().unwrap_or(id)
     }
 
+    /// Writes the expressions of a block.
+    fn block(&mut self, block: BlockId, order: &[ExprId], root: Option<ExprId>) {
+        let place = |id: &ExprId| self.arms.place(*id);
+        let (start, end) = (order.partition_point(|id| place(id) < block), order.partition_point(|id| place(id) <= block));
+        let around = std::mem::replace(&mut self.block, block);
+        for &id in order.get(start..end).unwrap_or(&[]) {
+            match [1, 2].map(|arm| self.arms.branch(id, arm)) {
+                [None, None] => self.expression(id, root == Some(id)),
+                branches => self.choice(id, branches, order),
+            }
+        }
+        self.block = around;
+    }
+
+    /// Writes a choice of which an arm is worth a branch.
+    fn choice(&mut self, id: ExprId, [first, second]: [Option<BlockId>; 2], order: &[ExprId]) {
+        let &[condition, a, b] = self.body.arguments(id) else { return };
+        self.learn(id, self.body.code(id), &[condition, a, b]);
+        self.operations += usize::from(self.body.components(id));
+        let name = self.fresh(id);
+        let start = self.scratch.len();
+        match (first, second) {
+            (Some(_), Some(_)) => {
+                self.scratch.extend_from_within(name.range());
+                self.put(": ");
+                self.put(vector_type(self.body.components(id)));
+            }
+            _ => self.assign(name, if first.is_some() { b } else { a }),
+        }
+        self.line("var ", start, ";");
+        let start = self.scratch.len();
+        if first.is_none() {
+            self.put("!");
+        }
+        self.put_condition(condition, if first.is_none() { 9 } else { 0 });
+        self.line("if ", start, " {");
+        for (i, (arm, branch)) in [(a, first), (b, second)].into_iter().filter_map(|(arm, branch)| Some((arm, branch?))).enumerate() {
+            if i > 0 {
+                self.line("} else {", self.scratch.len(), "");
+            }
+            self.depth += 1;
+            self.block(branch, order, None);
+            let start = self.scratch.len();
+            self.assign(name, arm);
+            self.line("", start, ";");
+            self.depth -= 1;
+        }
+        self.line("}", self.scratch.len(), "");
+        if let Some(state) = self.states.get_mut(id as usize) {
+            state.text = name;
+        }
+    }
+
+    /// `name = value` into the scratch.
+    fn assign(&mut self, name: Text, value: ExprId) {
+        self.scratch.extend_from_within(name.range());
+        self.put(" = ");
+        self.put_number(value, 0);
+    }
+
+    /// A line with what the scratch holds from `start` on in its midst.
+    fn line(&mut self, before: &str, start: usize, after: &str) {
+        (0..self.depth).for_each(|_| self.out.push_str("  "));
+        self.out.push_str(before);
+        self.out.push_str(self.scratch.get(start..).unwrap_or_default());
+        self.out.push_str(after);
+        self.out.push('\n');
+    }
+
     /// Writes an expression into the scratch, and as a `let` where that is better.
     fn expression(&mut self, id: ExprId, is_root: bool) {
         let (code, args) = (self.body.code(id), self.body.arguments(id));
@@ -243,7 +329,8 @@ impl Writer<'_, '_> {
             return;
         }
         let light = matches!(code, Code::Op(Op::Neg) | Code::Splat(_));
-        let short = light && args.first().is_some_and(|&a| self.text(a).atom);
+        // What is longer may get a name later, in a branch that others don't see.
+        let short = light && text.length <= SHORTEST && args.first().is_some_and(|&a| self.text(a).atom);
         let named = self.body.named(id).is_some();
         // Components are taken of names only.
         let State { uses, taken_apart, .. } = self.state(id);
@@ -262,7 +349,7 @@ impl Writer<'_, '_> {
             }
         }
         loop {
-            let (mut total, mut longest, mut which) = (0, 12, None);
+            let (mut total, mut longest, mut which) = (0, SHORTEST, None);
             for &arg in args {
                 let text = self.text(arg);
                 total += text.length + 2;
@@ -280,6 +367,19 @@ impl Writer<'_, '_> {
     /// Gives an expression a name.
     fn bind(&mut self, id: ExprId) {
         let text = self.text(id);
+        let name = self.fresh(id);
+        let start = self.scratch.len();
+        self.scratch.extend_from_within(name.range());
+        self.put(" = ");
+        self.scratch.extend_from_within(text.range());
+        self.line("let ", start, ";");
+        if let Some(state) = self.states.get_mut(id as usize) {
+            state.text = name;
+        }
+    }
+
+    /// A name for an expression that is not taken yet.
+    fn fresh(&mut self, id: ExprId) -> Text {
         let source = self.body.named(id).and_then(|n| self.context.graph.node_name(n));
         // A vector is named after its first component.
         let is_vector = matches!(self.body.code(id), Code::VectorOp(..) | Code::Vector(_));
@@ -306,17 +406,7 @@ impl Writer<'_, '_> {
                 self.locals.write_plain(name, &mut self.scratch);
             }
         }
-        let name = self.scratch.get(start..).unwrap_or_default();
-        let value = self.scratch.get(text.range()).unwrap_or("0.0");
-        self.out.push_str("  let ");
-        self.out.push_str(name);
-        self.out.push_str(" = ");
-        self.out.push_str(value);
-        self.out.push_str(";\n");
-        let (start, length) = (start as u32, name.len() as u32);
-        if let Some(state) = self.states.get_mut(id as usize) {
-            state.text = Text { start, length, strength: 9, atom: true };
-        }
+        Text { start: start as u32, length: (self.scratch.len() - start) as u32, strength: 9, atom: true }
     }
 
     /// The name that a person would take for a value without one.
