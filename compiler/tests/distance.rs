@@ -21,15 +21,9 @@ impl Loader for Disk {
 
 /// How far over the true distance the estimate may be.
 const OVER: f64 = 1.05;
-/// Where more is allowed: of so many points in a thousand the estimate may be over, and this much. The field over its gradient is what a
-/// straight line says; where the field steepens toward the surface within a hundredth of the scene's size, the surface is nearer. Deep in a
-/// tube that is sheared to half its width it is far nearer.
-const STEEPENS: [(&str, usize, f64); 4] = [
-    ("(box((2.4, 0.3, 0.3)) | torus(0.8, 0.1)).shear(y, x, 1.5)", 120, 2.6),
-    ("colonnade.sdf", 10, 1.2),
-    ("gyroid_ring.sdf", 40, 1.3),
-    ("melting.sdf", 20, 1.25),
-];
+/// Where more is allowed: of so many points in a thousand the estimate may be over, and this much. Deep in a tube that is sheared to half its
+/// width the surface is far nearer than two looks along the gradient say.
+const STEEPENS: [(&str, usize, f64); 1] = [("(box((2.4, 0.3, 0.3)) | torus(0.8, 0.1)).shear(y, x, 1.5)", 120, 2.6)];
 /// How close the certified distance is settled, and the boxes that it may cost.
 const CLOSE: f64 = 0.005;
 const BOXES: usize = 4000;
@@ -191,7 +185,8 @@ fn a_wide_range_makes_no_shape_fatter() {
         compile(&loader, "main.sdf", &Options::default()).compiled.unwrap()
     });
     let mut random = Random(3);
-    let points: Vec<[f64; 3]> = (0..2000).map(|_| random.within(1.2)).collect();
+    // Within the regions of both: beyond a region the distance to it is known too, and the wider one is nearer.
+    let points: Vec<[f64; 3]> = (0..2000).map(|_| random.within(1.0)).collect();
     let [wide, still] = scenes.map(|scene| {
         let root = scene.functions.formulas[&(scene.root, Function::Distance)];
         let tape = Tape::new(&scene.graph, &scene.functions, &[root], &scene.live(), 4_000_000).unwrap();

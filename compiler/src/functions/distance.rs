@@ -4,13 +4,19 @@ use super::{Builder, BUDGET, STEEPEST, UNIT};
 use crate::analysis::search::{Search, Target, spread};
 use crate::analysis::{Box3, Domain};
 use crate::graph::kernel::Op;
-use crate::graph::{Claim, FAR, Function, Leaf, Node, NodeId, ShapeId, kernel};
+use crate::graph::{Claim, Exactness, FAR, Function, Leaf, Node, NodeId, Shape, ShapeId, kernel};
 
 /// A moved shape of more parts than this is one formula: each part costs its own gradient.
 const PARTS: usize = 16;
 
 /// A formula that is no steeper than this is flat.
 const FLAT: f64 = 0.99;
+
+/// Up to this part of the scene's extent the estimate looks twice.
+const CLOSE: f64 = 0.003;
+
+/// How much of its first way the second look goes, and by how much it may shorten it.
+const MOST: f64 = 0.75;
 
 /// At how many values of the parameters a constant is looked for again, and with how many boxes each.
 const GENTLE_VALUES: usize = 4;
@@ -230,9 +236,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The field over its gradient: right to first order. Where the field steepens toward the surface the surface is nearer, by up to a fifth
-    /// within a hundredth of a scene's size. A look at the foot of that way, and the chord from there, leaves a tenth of that; but it makes
-    /// a picture up to twice as slow, for soft shadows ask at each step, so it is not taken.
+    /// The field over its gradient: right to first order. Close to the surface a second look further on tells how the field goes on.
     pub(super) fn over_gradient(&mut self, node: NodeId, Steepness { constant, gentlest }: Steepness) -> NodeId {
         // What is flatter than a distance everywhere is as much less than one.
         if constant < FLAT && constant > 1e-6 {
@@ -242,11 +246,90 @@ impl Builder<'_> {
         if constant <= UNIT || !constant.is_finite() {
             return node;
         }
-        let gradient = self.gradient(node);
-        let length = self.graph.op(Op::Length3, &gradient);
         let least = self.graph.constant((constant / 4.0).min(gentlest / 2.0));
-        let length = self.graph.op(Op::Max, &[length, least]);
-        self.graph.op(Op::Div, &[node, length])
+        // What comes from around the shape moves with the point in ways that are not seen further on.
+        if self.graph.reads(node).variables != 0 {
+            let gradient = self.gradient(node);
+            let length = self.length_of(gradient, least);
+            return self.graph.op(Op::Div, &[node, length]);
+        }
+        // A shape of its own, so that both looks are calls of one function.
+        let Some(span) = self.graph.shape(self.root).map(|s| s.span) else { return node };
+        let exactness = Exactness::Formula;
+        let part = Shape { name: None, dimensions: 3, value: node, variables: [].into(), exactness, material: None, paints: [].into(), span };
+        let part = self.graph.add_shape(part);
+        let here = self.graph.point();
+        let [node, gradient @ ..] = self.seen_from(part, here);
+        let length = self.length_of(gradient, least);
+        let first = self.graph.op(Op::Div, &[node, length]);
+        let near = self.graph.constant(CLOSE * self.extent);
+        let [one, two] = [1.0, 2.0].map(|c| self.graph.constant(c));
+        let away = self.graph.op(Op::Abs, &[first]);
+        let away = self.graph.op(Op::Div, &[away, near]);
+        let is_near = self.graph.op(Op::Lt, &[away, two]);
+        // All of it where it is near, less and less up to twice as far.
+        let weight = self.graph.op(Op::Sub, &[two, away]);
+        let weight = self.graph.op(Op::Min, &[weight, one]);
+        let less = self.too_far(part, node, gradient, length, least);
+        let less = self.graph.op(Op::Mul, &[weight, less]);
+        let less = self.graph.op(Op::Mul, &[first, less]);
+        let nearer = self.graph.op(Op::Sub, &[first, less]);
+        self.graph.op(Op::Select, &[is_near, nearer, first])
+    }
+
+    /// By which part of it the way `node / length` against the gradient is too far. Most of that way further on the tangent plane is as far from here
+    /// as the turn of the gradient and the value there say (Newton's second step); the foot itself may lie on an edge. Where the gradient turned so
+    /// much that it must have come over an edge, the chord of both values says it.
+    fn too_far(&mut self, part: ShapeId, node: NodeId, gradient: [NodeId; 3], length: NodeId, least: NodeId) -> NodeId {
+        let [zero, one] = [0.0, 1.0].map(|c| self.graph.constant(c));
+        let square = self.graph.op(Op::Square, &[length]);
+        let most = self.graph.constant(MOST);
+        let way = self.graph.op(Op::Div, &[node, square]);
+        let way = self.graph.op(Op::Mul, &[way, most]);
+        let mut further = self.graph.point();
+        for (p, g) in further.iter_mut().zip(gradient) {
+            let step = self.graph.op(Op::Mul, &[way, g]);
+            *p = self.graph.op(Op::Sub, &[*p, step]);
+        }
+        let [value, x, y, z] = self.seen_from(part, further);
+        let steepness = self.length_of([x, y, z], least);
+        let products = gradient.into_iter().zip([x, y, z]).map(|(a, b)| self.graph.op(Op::Mul, &[a, b]));
+        let products: Vec<NodeId> = products.collect();
+        let dot = products.into_iter().fold(zero, |sum, product| self.graph.op(Op::Add, &[sum, product]));
+        let lengths = self.graph.op(Op::Mul, &[length, steepness]);
+        let cosine = self.graph.op(Op::Div, &[dot, lengths]);
+        let rest = self.graph.op(Op::Div, &[value, node]);
+        let beyond = self.graph.op(Op::Div, &[length, steepness]);
+        let beyond = self.graph.op(Op::Mul, &[rest, beyond]);
+        let along = self.graph.op(Op::Mul, &[cosine, most]);
+        let plane = self.graph.op(Op::Add, &[along, beyond]);
+        let fallen = self.graph.op(Op::Sub, &[one, rest]);
+        let fallen = self.graph.op(Op::Max, &[fallen, most]);
+        let chord = self.graph.op(Op::Div, &[most, fallen]);
+        // From a turn of 60 degrees to one of 45.
+        let [turned, rate] = [0.5, 5.0].map(|c| self.graph.constant(c));
+        let smooth = self.graph.op(Op::Sub, &[cosine, turned]);
+        let smooth = self.graph.op(Op::Mul, &[smooth, rate]);
+        let smooth = self.graph.op(Op::Max, &[smooth, zero]);
+        let smooth = self.graph.op(Op::Min, &[smooth, one]);
+        let other = self.graph.op(Op::Sub, &[plane, chord]);
+        let other = self.graph.op(Op::Mul, &[smooth, other]);
+        let share = self.graph.op(Op::Add, &[chord, other]);
+        let less = self.graph.op(Op::Sub, &[one, share]);
+        let less = self.graph.op(Op::Min, &[less, most]);
+        self.graph.op(Op::Max, &[less, zero])
+    }
+
+    /// The field of a shape at a point, and its gradient there.
+    fn seen_from(&mut self, part: ShapeId, point: [NodeId; 3]) -> [NodeId; 4] {
+        let functions = [Function::Field, Function::Gradient(0), Function::Gradient(1), Function::Gradient(2)];
+        functions.map(|function| self.graph.call(part, function, &point))
+    }
+
+    /// The length of a gradient, and no less than `least`.
+    fn length_of(&mut self, gradient: [NodeId; 3], least: NodeId) -> NodeId {
+        let length = self.graph.op(Op::Length3, &gradient);
+        self.graph.op(Op::Max, &[length, least])
     }
 
     /// The gradient of a node by the point of its space, as nodes: forward, by the kernel's partial derivatives.
