@@ -72,6 +72,10 @@ struct State {
     not_negative: bool,
     /// Whether it is a vector of which components are read.
     taken_apart: bool,
+    /// Whether it is a root, or the least or largest of roots that nothing else reads.
+    rooted: bool,
+    /// Whether its square is written instead, of which another one takes the root.
+    squared: bool,
 }
 
 /// Text of an expression, in the scratch of its writer.
@@ -159,6 +163,7 @@ pub fn write(
             }
         }
     }
+    writer.mark_squares(&order);
     for &id in &order {
         let code = writer.body.code(id);
         let reads = writer.body.arguments(id).iter().any(|&a| writer.of_scene(a).is_some());
@@ -199,6 +204,30 @@ impl Writer<'_, '_> {
                             stack.push((next, 0));
                         }
                     }
+                }
+            }
+        }
+    }
+
+    /// Finds where the least or the largest of roots is the root of the least or largest square: one root is computed for all of them.
+    fn mark_squares(&mut self, order: &[ExprId]) {
+        let is_extremum = |code| matches!(code, Code::Op(Op::Min | Op::Max));
+        for &id in order {
+            let code = self.body.code(id);
+            let alone = |a: ExprId| self.state(a).rooted && self.state(a).uses == 1 && self.body.named(a).is_none();
+            let rooted = match code {
+                Code::Op(Op::Sqrt | Op::Length2 | Op::Length3 | Op::Length4) => true,
+                _ => is_extremum(code) && self.body.arguments(id).iter().all(|a| alone(*a)),
+            };
+            if let Some(state) = self.states.get_mut(id as usize) {
+                state.rooted = rooted;
+            }
+        }
+        for &id in order.iter().filter(|id| is_extremum(self.body.code(**id))) {
+            let rooted = self.state(id).rooted;
+            for &arg in self.body.arguments(id).iter().filter(|_| rooted) {
+                if let Some(state) = self.states.get_mut(arg as usize) {
+                    state.squared = true;
                 }
             }
         }
@@ -298,7 +327,7 @@ impl Writer<'_, '_> {
     fn expression(&mut self, id: ExprId, is_root: bool) {
         let (code, args) = (self.body.code(id), self.body.arguments(id));
         self.learn(id, code, args);
-        self.shorten(code, args);
+        self.shorten(id, code, args);
         let start = self.scratch.len() as u32;
         let strength = self.compose(id, code, args);
         let text = Text {
@@ -341,12 +370,16 @@ impl Writer<'_, '_> {
     }
 
     /// Moves the longest arguments into `let`s until the expression fits on a line.
-    fn shorten(&mut self, code: Code, args: &[ExprId]) {
-        if let (Code::VectorOp(Op::Square, _), Some(&of)) = (code, args.first()) {
-            // A vector's square has no helper: it is written as a product of names.
-            if !self.text(of).atom {
-                self.bind(of);
-            }
+    fn shorten(&mut self, id: ExprId, code: Code, args: &[ExprId]) {
+        // The square of a vector, or of its length, has no helper: it is written as a product of names.
+        let of = args.first().filter(|of| !self.text(**of).atom);
+        let squares = match code {
+            Code::VectorOp(Op::Square, _) => true,
+            Code::Op(Op::Length2 | Op::Length3 | Op::Length4) => self.state(id).squared,
+            _ => false,
+        };
+        if let (true, Some(&of)) = (squares, of) {
+            self.bind(of);
         }
         loop {
             let (mut total, mut longest, mut which) = (0, SHORTEST, None);
@@ -780,6 +813,32 @@ impl Writer<'_, '_> {
                 self.put(" * ");
                 self.put_number(a, 9);
                 return 7;
+            }
+            Op::Sqrt if self.state(id).squared => {
+                if self.state(a).not_negative {
+                    self.put_number(a, 0);
+                    return self.text(a).strength;
+                }
+                self.put("max(");
+                self.put_number(a, 0);
+                self.put(", 0.0)");
+                return 9;
+            }
+            Op::Length2 | Op::Length3 | Op::Length4 if self.state(id).squared => {
+                self.put("dot(");
+                self.put_argument(a, 0);
+                self.put(", ");
+                self.put_argument(a, 0);
+                self.put(")");
+                return 9;
+            }
+            Op::Min | Op::Max if self.state(id).rooted => {
+                let whole = !self.state(id).squared;
+                self.put(if whole { "sqrt(" } else { "" });
+                self.put(if op == Op::Min { "min" } else { "max" });
+                self.list(args);
+                self.put(if whole { ")" } else { "" });
+                return 9;
             }
             Op::Sqrt if self.state(a).not_negative => {
                 self.put("sqrt(");
