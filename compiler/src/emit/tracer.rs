@@ -37,10 +37,10 @@ impl Tracer {
     pub const NEAR: f64 = 0.25;
     /// A ray leaps where the bound fell so evenly over the last two steps that, as they differ, it would land at most this share of the
     /// tolerance beside the surface.
-    pub const EVEN: f64 = 0.25;
+    pub const EVEN: f64 = 0.0625;
     /// A leap falls short of the line's zero by so many times what the bound would fall more on its way if it fell faster as over the last two
     /// steps, so that it ends outside.
-    pub const FASTER: f64 = 2.0;
+    pub const FASTER: f64 = 4.0;
     /// No hit is further from where the ray stopped, in widths of a pixel.
     pub const ASIDE: f64 = 0.4;
     /// The bound counts as falling at least so fast along a ray, so that what is ahead is finite.
