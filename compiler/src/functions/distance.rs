@@ -12,8 +12,9 @@ const PARTS: usize = 16;
 /// A formula that is no steeper than this is flat.
 const FLAT: f64 = 0.99;
 
-/// Up to this part of the scene's extent the estimate looks twice.
+/// Up to this part of the scene's extent the estimate looks twice; a wider extent than this holds what stands around a scene.
 const CLOSE: f64 = 0.003;
+const WIDE: f64 = 30.0;
 
 /// How much of its first way the second look goes, and by how much it may shorten it.
 const MOST: f64 = 0.75;
@@ -262,13 +263,14 @@ impl Builder<'_> {
         let [node, gradient @ ..] = self.seen_from(part, here);
         let length = self.length_of(gradient, least);
         let first = self.graph.op(Op::Div, &[node, length]);
-        let near = self.graph.constant(CLOSE * self.extent);
-        let [one, two] = [1.0, 2.0].map(|c| self.graph.constant(c));
+        let near = self.graph.constant(CLOSE * self.extent.min(WIDE));
+        let [one, two, end] = [1.0, 2.0, 1.5].map(|c| self.graph.constant(c));
         let away = self.graph.op(Op::Abs, &[first]);
         let away = self.graph.op(Op::Div, &[away, near]);
-        let is_near = self.graph.op(Op::Lt, &[away, two]);
-        // All of it where it is near, less and less up to twice as far.
-        let weight = self.graph.op(Op::Sub, &[two, away]);
+        let is_near = self.graph.op(Op::Lt, &[away, end]);
+        // All of it where it is near, less and less up to half as far again.
+        let weight = self.graph.op(Op::Sub, &[end, away]);
+        let weight = self.graph.op(Op::Mul, &[weight, two]);
         let weight = self.graph.op(Op::Min, &[weight, one]);
         let less = self.too_far(part, node, gradient, length, least);
         let less = self.graph.op(Op::Mul, &[weight, less]);
