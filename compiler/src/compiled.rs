@@ -5,7 +5,7 @@ pub use crate::emit::table::{ModuleTables, Tables};
 pub use crate::frame::{CAPTURE_SIZES, Camera, CaptureNodes, Frame, Light, LightKind, LightNodes, MAX_BOUNCES, SceneBlocks, Shadow, Sky};
 
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::functions::{Functions, Summary};
+use crate::functions::{self, Functions, Summary};
 use crate::graph::algebra::Reals;
 use crate::graph::{multiple_of, Graph, Leaf, NodeId, Proof, ShapeId};
 pub use crate::loader::{Loader, MemoryLoader};
@@ -314,6 +314,11 @@ impl Compiled {
     /// same; in a scene without balls it is the scene.
     pub fn ground(&self) -> &Compiled {
         self.apart.as_deref().unwrap_or(self)
+    }
+
+    /// Least and greatest corner of a box that holds the solid, where there is one within the extent; looked for when it is asked for.
+    pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
+        functions::bounds(&self.graph, self.root, &self.functions, self.blocks.extent)
     }
 
     /// Time zero and every parameter at its default.

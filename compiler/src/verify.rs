@@ -425,7 +425,7 @@ fn certain(prover: &mut Prover<'_>, tried: &Tried, extent: f64, settle: bool) ->
 impl Room {
     fn of(compiled: &Compiled) -> Self {
         let extent = compiled.blocks.extent;
-        let (centre, size) = match compiled.summary.bounds {
+        let (centre, size) = match compiled.bounds() {
             Some([low, high]) => {
                 let side = |i: usize| low.get(i).zip(high.get(i)).map_or((0.0, 0.0), |(l, h)| (0.5 * (l + h), h - l));
                 ([0, 1, 2].map(|i| side(i).0), [0, 1, 2].map(|i| side(i).1).into_iter().fold(0.0, f64::max))

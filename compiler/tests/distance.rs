@@ -39,7 +39,7 @@ fn length(v: [f64; 3]) -> f64 {
 /// The middle of a scene and its size; of one without end what the camera looks at.
 fn place(scene: &Compiled) -> ([f64; 3], f64) {
     let frame = scene.frame(&scene.live());
-    match (scene.summary.bounds, frame.cameras.first()) {
+    match (scene.bounds(), frame.cameras.first()) {
         (Some([low, high]), _) => {
             ([0, 1, 2].map(|i| 0.5 * (low[i] + high[i])), [0, 1, 2].map(|i| high[i] - low[i]).into_iter().fold(0.0, f64::max))
         }

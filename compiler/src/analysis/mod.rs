@@ -104,9 +104,19 @@ impl Facts {
         Self { memory, ..Self::default() }
     }
 
+    /// No facts, but boxes that hold all points at which nodes are at most zero.
+    pub fn knowing(solids: FxHashMap<NodeId, Box3>) -> Self {
+        Self { solids, ..Self::default() }
+    }
+
     /// Remembers a box that holds every point at which a node is at most zero.
     pub fn know_solid(&mut self, node: NodeId, solid: Box3) {
         self.solids.insert(node, solid);
+    }
+
+    /// All such boxes.
+    pub fn known_solids(&self) -> &FxHashMap<NodeId, Box3> {
+        &self.solids
     }
 
     /// Such a box, where one is known.

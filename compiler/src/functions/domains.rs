@@ -1,10 +1,10 @@
 //! Where a shape is asked for its value: the domain of every shape, and the region that holds the solid of a formula.
 
-use super::{BUDGET, Builder, Cut, GENTLE, LONG, Narrowed, STEEPEST, UNIT};
+use super::{BUDGET, Builder, Cut, GENTLE, LONG, Narrowed, STEEPEST, UNIT, whole_scene};
 use crate::analysis::{Box3, Constant, Domain};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
+use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId};
 use rustc_hash::FxHashSet;
 
 /// A constant up to here needs no other region than a box.
@@ -17,9 +17,7 @@ pub(super) const LONGER: usize = 16;
 impl Builder<'_> {
     /// Where each shape's formula is asked for, from the extent of the scene inward.
     pub(super) fn find_domains(&mut self) {
-        let world = [0, 1, 2].map(|i| (WORLD + i, Interval::new(-self.extent, self.extent)));
-        let root = Domain { variables: world.to_vec(), ..Domain::of(Box3::cube(self.extent)) };
-        self.domains.insert(self.root, root);
+        self.domains.insert(self.root, whole_scene(self.extent));
         let mut order: Vec<ShapeId> = vec![self.root];
         let mut seen: FxHashSet<ShapeId> = order.iter().copied().collect();
         let mut at = 0;

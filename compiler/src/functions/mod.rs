@@ -19,6 +19,7 @@ use crate::analysis::search::{Search, Target};
 use crate::analysis::{Box3, Domain, Facts};
 use crate::compiled::SceneBlocks;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::graph::interval::Interval;
 use crate::images::TextureKind;
 use crate::graph::{Function, Graph, Leaf, Node, NodeId, Proof, ShapeId, Slot, WORLD};
 use crate::source::Span;
@@ -44,6 +45,8 @@ pub struct Functions {
     pub unions: FxHashMap<unions::Of, unions::Union>,
     /// How what is solid moves, where balls ask for it and it does.
     pub carry: Option<Carry>,
+    /// Boxes that hold all points at which nodes are at most zero, of nodes of which more is known than their formulas show.
+    pub solids: FxHashMap<NodeId, Box3>,
 }
 
 impl Functions {
@@ -141,8 +144,6 @@ pub struct Summary {
     pub factor: f64,
     /// What is known of the field as a whole.
     pub kind: Kind,
-    /// Least and greatest corner of a box that holds the solid, where there is one within the extent.
-    pub bounds: Option<[[f64; 3]; 2]>,
 }
 
 /// What is known of a scene's value as a whole.
@@ -304,8 +305,23 @@ pub fn build(
         }
     }
     builder.built.unions = unions::find(builder.graph, builder.facts, &builder.built, &asked);
+    builder.built.solids = builder.facts.known_solids().clone();
     let summary = builder.summary();
     (builder.built, summary, builder.diagnostics)
+}
+
+/// Where a scene is asked for: the cube of its extent, and the point of the scene within it.
+fn whole_scene(extent: f64) -> Domain {
+    let world = [0, 1, 2].map(|i| (WORLD + i, Interval::new(-extent, extent)));
+    Domain { variables: world.to_vec(), ..Domain::of(Box3::cube(extent)) }
+}
+
+/// Least and greatest corner of a box that holds the solid of a scene; none where there is nothing solid, or it leaves the extent.
+pub fn bounds(graph: &Graph, root: ShapeId, functions: &Functions, extent: f64) -> Option<[[f64; 3]; 2]> {
+    let mut facts = Facts::knowing(functions.solids.clone());
+    let region = facts.region(graph, graph.shape(root)?.value, &whole_scene(extent), 0.0);
+    let within = !region.is_empty() && region.0.iter().all(|i| i.lo > -extent && i.hi < extent);
+    within.then(|| [region.0.map(|i| i.lo), region.0.map(|i| i.hi)])
 }
 
 impl Kind {
@@ -323,7 +339,7 @@ impl Kind {
 impl Builder<'_> {
     fn calls(&self, roots: &[NodeId]) -> Vec<(ShapeId, Function)> {
         self.graph
-            .reachable(roots)
+            .calling(roots)
             .into_iter()
             .filter_map(|id| match self.graph.node(id) {
                 Node::Call(shape, function, _) => Some((*shape, *function)),
@@ -335,25 +351,23 @@ impl Builder<'_> {
     fn summary(&mut self) -> Summary {
         let mut shapes = vec![self.root];
         let mut seen: FxHashSet<ShapeId> = FxHashSet::default();
-        let mut nodes: FxHashSet<NodeId> = FxHashSet::default();
+        let mut values = Vec::new();
         let mut primitives = 0;
         while let Some(shape) = shapes.pop() {
             let Some(s) = self.graph.shape(shape) else { continue };
             if !seen.insert(shape) {
                 continue;
             }
-            nodes.extend(self.graph.reachable(&[s.value]));
+            values.push(s.value);
             let inner = self.calls(&[s.value]);
             primitives += usize::from(inner.is_empty() && self.graph.as_constant(s.value).is_none());
             shapes.extend(inner.into_iter().map(|(s, _)| s));
         }
         let factor = self.graph.factors.iter().map(|f| f.lipschitz).fold(1.0, f64::max);
-        let domain = self.domain(self.root);
-        let value = self.graph.shape(self.root).map(|s| s.value);
-        let region = value.map(|value| self.facts.rough_region(self.graph, value, &domain));
         // Who writes `nothing` means it: there may be meshes.
-        if let Some(value) = value.filter(|v| self.graph.as_constant(*v).is_none())
-            && region.is_some_and(|r| r.is_empty())
+        let value = self.graph.shape(self.root).map(|s| s.value).filter(|v| self.graph.as_constant(*v).is_none());
+        if let Some(value) = value
+            && self.facts.is_nowhere(self.graph, value, &whole_scene(self.extent))
         {
             let span = self.place(self.root, value);
             self.diagnostics.push(Diagnostic::new(
@@ -363,10 +377,7 @@ impl Builder<'_> {
                 "move the scene toward the origin, or set `render { extent: … }` to what it needs",
             ));
         }
-        let bounds = region
-            .filter(|r| !r.is_empty() && r.0.iter().all(|i| i.lo > -self.extent && i.hi < self.extent))
-            .map(|r| [r.0.map(|i| i.lo), r.0.map(|i| i.hi)]);
-        Summary { nodes: nodes.len(), primitives, factor, kind: self.kind, bounds }
+        Summary { nodes: self.graph.reachable(&values).len(), primitives, factor, kind: self.kind }
     }
 
     /// The formula of a function of a shape; of a gradient, all three.

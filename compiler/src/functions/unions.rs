@@ -105,7 +105,7 @@ pub fn find(graph: &Graph, facts: &mut Facts, functions: &Functions, asked: &[Of
     if functions.formulas.len() < MANY {
         return unions;
     }
-    let mut finder = Finder { graph, functions, asked: FxHashSet::default(), joints: FxHashMap::default(), below: FxHashMap::default() };
+    let mut finder = Finder { graph, functions, asked: FxHashSet::default(), joints: FxHashMap::default(), counts: FxHashMap::default(), below: FxHashMap::default() };
     finder.asked = asked.iter().map(|of| finder.passed_on(*of)).collect();
     // What is the same as another function of its shape is computed as that one.
     let solid = |of: &Of| graph.shape(of.0).is_some_and(|s| s.dimensions == 3);
@@ -116,6 +116,10 @@ pub fn find(graph: &Graph, facts: &mut Facts, functions: &Functions, asked: &[Of
     let operands = joints.iter().flat_map(|(_, j)| j.operands());
     let inner: FxHashSet<Of> = operands.map(|of| finder.passed_on(*of)).collect();
     for (of, _) in joints.iter().filter(|(of, _)| !inner.contains(of)) {
+        // Where the operands lie is asked only of those that are many.
+        if finder.count(*of) < MANY {
+            continue;
+        }
         for root in finder.roots(*of, facts) {
             if !unions.contains_key(&root)
                 && let Some(union) = finder.union(root, facts)
@@ -145,14 +149,13 @@ struct Finder<'a> {
     functions: &'a Functions,
     asked: FxHashSet<Of>,
     joints: FxHashMap<Of, Option<Joint>>,
+    counts: FxHashMap<Of, usize>,
     below: FxHashMap<Of, Below>,
 }
 
 /// What is below a function that is a joint, or an operand.
 #[derive(Clone, Copy, Debug)]
 struct Below {
-    /// How many operands. A joint that stands in two places counts twice.
-    count: usize,
     /// Whether one of them is better alone: it has no end, or too long a formula, or the surface asks for what is beside it.
     parted: bool,
     /// A box that holds an operand's solid.
@@ -305,21 +308,48 @@ impl Finder<'_> {
         let (mut found, mut open, mut kept) = (Vec::new(), vec![root], 0usize);
         while let Some(of) = open.pop() {
             let below = self.below(of, facts);
-            let inner = if below.parted { self.large(of, facts) } else { Vec::new() };
+            let inner = if below.parted { self.large(of) } else { Vec::new() };
             if inner.is_empty() {
-                kept = kept.saturating_add(below.count);
+                kept = kept.saturating_add(self.count(of));
                 found.push(of);
             }
             open.extend(inner);
         }
-        if 2 * kept < self.below(root, facts).count { vec![root] } else { found }
+        if 2 * kept < self.count(root) { vec![root] } else { found }
     }
 
     /// The operands of a joint that are joints of many.
-    fn large(&mut self, of: Of, facts: &mut Facts) -> Vec<Of> {
-        let operands = self.joint(of).map(|j| j.operands().to_vec()).unwrap_or_default();
-        let inner: Vec<Of> = operands.into_iter().map(|o| self.passed_on(o)).collect();
-        inner.into_iter().filter(|o| self.below(*o, facts).count >= MANY).collect()
+    fn large(&mut self, of: Of) -> Vec<Of> {
+        let inner = self.joint(of).map(|j| self.inner(&j)).unwrap_or_default();
+        inner.into_iter().filter(|o| self.count(*o) >= MANY).collect()
+    }
+
+    /// What a joint joins, each as the function that computes it.
+    fn inner(&self, joint: &Joint) -> Vec<Of> {
+        joint.operands().iter().map(|o| self.passed_on(*o)).collect()
+    }
+
+    /// How many operands are below a function. A joint that stands in two places counts twice.
+    fn count(&mut self, root: Of) -> usize {
+        let mut stack = vec![(root, false)];
+        while let Some((of, ready)) = stack.pop() {
+            if self.counts.contains_key(&of) {
+                continue;
+            }
+            let Some(joint) = self.joint(of) else {
+                self.counts.insert(of, 1);
+                continue;
+            };
+            let inner = self.inner(&joint);
+            if ready {
+                let known = inner.iter().filter_map(|o| self.counts.get(o));
+                self.counts.insert(of, known.fold(0, |sum, count| sum.saturating_add(*count)));
+            } else {
+                stack.push((of, true));
+                stack.extend(inner.into_iter().map(|o| (o, false)));
+            }
+        }
+        self.counts.get(&root).copied().unwrap_or(1)
     }
 
     fn below(&mut self, root: Of, facts: &mut Facts) -> Below {
@@ -332,30 +362,28 @@ impl Finder<'_> {
                 let value = self.graph.shape(of.0).map(|s| s.value);
                 let region = value.map_or(Box3::ALL, |v| facts.rough_region(self.graph, v, &Domain::of(Box3::ALL)));
                 let long = self.formula(of).is_some_and(|f| facts.weight(self.graph, f) > LONGEST);
-                self.below.insert(of, Below { count: 1, parted: long || !region.is_empty() && !region.is_finite(), region });
+                self.below.insert(of, Below { parted: long || !region.is_empty() && !region.is_finite(), region });
                 continue;
             };
-            let inner: Vec<Of> = joint.operands().iter().map(|o| self.passed_on(*o)).collect();
+            let inner = self.inner(&joint);
             if !ready {
                 stack.push((of, true));
                 stack.extend(inner.iter().map(|o| (*o, false)));
                 continue;
             }
-            let mut all = Below { count: 0, parted: false, region: Box3::ALL };
+            let mut all = Below { parted: false, region: Box3::ALL };
             for operand in inner {
-                let Some(below) = self.below.get(&operand) else { continue };
-                let asked = matches!(joint, Joint::Least(_)) && below.count >= MANY && self.asked.contains(&operand);
-                all.count = all.count.saturating_add(below.count);
-                all.parted |= below.parted || asked;
+                let asked = matches!(joint, Joint::Least(_)) && self.asked.contains(&operand) && self.count(operand) >= MANY;
+                all.parted |= asked || self.below.get(&operand).is_some_and(|b| b.parted);
             }
             self.below.insert(of, all);
         }
-        self.below.get(&root).copied().unwrap_or(Below { count: 1, parted: true, region: Box3::ALL })
+        self.below.get(&root).copied().unwrap_or(Below { parted: true, region: Box3::ALL })
     }
 
     /// The union whose last join is a function; none where it has few operands.
     fn union(&mut self, root: Of, facts: &mut Facts) -> Option<Union> {
-        let total = self.below(root, facts).count;
+        let total = self.count(root);
         if !(MANY..=MOST).contains(&total) {
             return None;
         }
@@ -394,7 +422,7 @@ impl Finder<'_> {
                     (Some(joint), true) => {
                         // What is largest comes first, so that few values wait.
                         let mut operands = joint.operands().to_vec();
-                        let counts: Vec<usize> = operands.iter().map(|o| self.below(self.passed_on(*o), facts).count).collect();
+                        let counts: Vec<usize> = operands.iter().map(|o| self.count(self.passed_on(*o))).collect();
                         let largest = (0..counts.len()).rev().max_by_key(|&i| counts.get(i)).unwrap_or(0);
                         if let Some(first) = operands.get_mut(..=largest) {
                             first.rotate_right(1);

@@ -4,8 +4,11 @@ use super::algebra::Algebra;
 use super::{Function, Graph, Leaf, Node, NodeId, ShapeId};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// So many nodes are looked for in a list faster than in a set.
+/// So many nodes are looked for in a list faster than in a set of all nodes of a large graph.
 const FEW: usize = 48;
+
+/// So many words hold a bit for each node of a small graph.
+const SHORT: usize = 64;
 
 impl Graph {
     /// Every node that the roots need, arguments before the nodes that use them, each once. Calls are not entered.
@@ -13,21 +16,35 @@ impl Graph {
         self.needed(roots, |_| true)
     }
 
+    /// The same without what calls no shape.
+    pub fn calling(&self, roots: &[NodeId]) -> Vec<NodeId> {
+        let roots: Vec<NodeId> = roots.iter().copied().filter(|r| self.reads(*r).shapes).collect();
+        self.needed(&roots, |id| self.reads(id).shapes)
+    }
+
     /// The same without the arguments that are not `wanted`.
     fn needed(&self, roots: &[NodeId], wanted: impl Fn(NodeId) -> bool) -> Vec<NodeId> {
         let Some(last) = roots.iter().map(|r| r.0 as usize).max() else { return Vec::new() };
-        if let Some(few) = self.few(roots, &wanted) {
-            return few;
-        }
         // Arguments have smaller indices, so one pass from the last root down finds all, in order.
-        let mut marked = vec![0u64; last / 64 + 1];
+        let mut short = [0u64; SHORT];
+        let mut long = Vec::new();
+        let marked: &mut [u64] = match short.get_mut(..=last / 64) {
+            Some(short) => short,
+            None => {
+                if let Some(few) = self.few(roots, &wanted) {
+                    return few;
+                }
+                long.resize(last / 64 + 1, 0);
+                &mut long
+            }
+        };
         let mark = |marked: &mut [u64], id: NodeId| {
             if let Some(word) = marked.get_mut(id.0 as usize / 64) {
                 *word |= 1 << (id.0 % 64);
             }
         };
         for &root in roots {
-            mark(&mut marked, root);
+            mark(marked, root);
         }
         let mut order = Vec::new();
         for index in (0..marked.len()).rev() {
@@ -39,7 +56,7 @@ impl Graph {
                 let id = NodeId((index * 64) as u32 + bit);
                 order.push(id);
                 for &argument in self.arguments(id).iter().filter(|a| wanted(**a)) {
-                    mark(&mut marked, argument);
+                    mark(marked, argument);
                 }
             }
         }

@@ -121,7 +121,7 @@ fn scene_json(sources: &Sources, compiled: &Compiled) -> Value {
         "kind": summary.kind.name(),
         "factor": summary.factor,
         "factors": explained.iter().map(factor_json).collect::<Vec<_>>(),
-        "bounds": summary.bounds.map(|[min, max]| json!({ "min": min, "max": max })),
+        "bounds": compiled.bounds().map(|[min, max]| json!({ "min": min, "max": max })),
     })
 }
 
