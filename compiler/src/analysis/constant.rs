@@ -1,10 +1,11 @@
 //! Lipschitz constants: the largest norm of a gradient over a domain, the worst box split again and again.
 
 use super::tape::Tape;
+use super::region::shift_along;
 use super::{Box3, Domain, Facts, branches, dual, leaf_dual, period};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::graph::{Exactness, Function, Graph, Leaf, Node, NodeId};
+use crate::graph::{Exactness, Function, Graph, Leaf, Node, NodeId, NodeList};
 use std::collections::BinaryHeap;
 
 /// A constant of a formula over a domain.
@@ -102,7 +103,12 @@ impl Facts {
         domain: &Domain,
         budget: usize,
     ) -> Constant {
-        let key = (point.to_vec(), domain.key(), budget);
+        // A point that is moved along is no farther from another than before.
+        if point.iter().enumerate().all(|(i, &p)| shift_along(graph, p, i).is_some() || graph.as_constant(p).is_some()) {
+            let moves = point.iter().any(|&p| graph.as_constant(p).is_none());
+            return Constant { lipschitz: f64::from(u8::from(moves)), jumps: false };
+        }
+        let key = (NodeList::from(point), domain.key(), budget);
         if let Some(known) = self.maps.get(&key) {
             return *known;
         }
@@ -168,6 +174,9 @@ impl Facts {
         norm: impl Fn(&mut Self, &Domain) -> Norm,
     ) -> Constant {
         let first = norm(self, domain);
+        if budget <= 1 {
+            return Constant { lipschitz: first.norm, jumps: first.jumps };
+        }
         // What the formula does not read needs no splitting.
         let conditions: Vec<_> = domain.within.iter().map(|(node, level)| (self.tape(graph, *node), *level)).collect();
         let axes: Vec<usize> = (0..3).filter(|&i| tape.reads(i) || conditions.iter().any(|(c, _)| c.reads(i))).collect();
@@ -184,7 +193,7 @@ impl Facts {
         let domain = &domain.at(point);
         // Without end a formula is worth a search where it is not wild already: what is far away is one box.
         let endless = axes.iter().any(|&i| !domain.point.axis(i).is_finite());
-        if axes.is_empty() || budget <= 1 || endless && !first.norm.is_finite() {
+        if axes.is_empty() || endless && !first.norm.is_finite() {
             return Constant { lipschitz: first.norm, jumps: first.jumps };
         }
         let mut used = first.runs;

@@ -2,6 +2,7 @@
 
 use crate::graph::NodeId;
 use crate::graph::interval::Interval;
+use smallvec::SmallVec;
 
 /// A box: the product of three intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,6 +77,9 @@ impl Box3 {
     }
 }
 
+/// The bits of a domain. Most have few variables.
+pub type Key = SmallVec<[u64; 12]>;
+
 /// Where a formula is looked at: a box of points, and an interval for each variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Domain {
@@ -138,16 +142,16 @@ impl Domain {
     }
 
     /// Its bits, to look things up by in one graph.
-    pub fn key(&self) -> Vec<u64> {
+    pub fn key(&self) -> Key {
         let mut key = self.plain_key();
         key.extend(self.within.iter().flat_map(|(node, level)| [u64::from(node.0), level.to_bits()]));
         key
     }
 
     /// The same without what nodes say.
-    pub fn plain_key(&self) -> Vec<u64> {
+    pub fn plain_key(&self) -> Key {
         let bits = |i: &Interval| [i.lo.to_bits(), i.hi.to_bits()];
-        let mut key: Vec<u64> =
+        let mut key: Key =
             self.point.0.iter().chain(self.variables.iter().map(|(_, r)| r)).flat_map(bits).collect();
         key.extend(self.tube.iter().flat_map(|(axis, radius)| [*axis as u64, radius.to_bits()]));
         key

@@ -4,13 +4,14 @@
 //! can reach one, and because a turn by any angle, varying or not, is an isometry.
 
 use super::branches::{self, Branches, Side};
-use super::matrix::matrix_norm;
+use super::matrix::{Rows, matrix_norm};
 use super::tape::{Step, Tape};
 use super::{leaf_range, Box3, Domain, Facts, Pinned};
 use crate::graph::algebra::{Algebra, Intervals};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
 use crate::graph::{Claim, ClaimGroup, Graph, Leaf, NodeId, ShapeId};
+use smallvec::SmallVec;
 
 /// Jumps in the formula itself.
 pub const JUMPS_HERE: u8 = 1;
@@ -209,7 +210,7 @@ impl Algebra for Duals {
         match claim {
             Claim::Continuous => Dual { jumps: value.jumps & !JUMPS_HERE, ..value },
             Claim::Lipschitz(constant, groups) => {
-                let mut constants = Vec::new();
+                let mut constants: SmallVec<[f64; 4]> = SmallVec::new();
                 let mut rest = of;
                 for group in groups.iter() {
                     let (n, values) = match group {
@@ -221,7 +222,7 @@ impl Algebra for Duals {
                     constants.push(if values {
                         these.iter().map(|d| d.norm).fold(0.0, f64::max)
                     } else {
-                        matrix_norm(&these.iter().map(|d| (d.gradient, d.norm)).collect::<Vec<_>>())
+                        matrix_norm(&these.iter().map(|d| (d.gradient, d.norm)).collect::<Rows>())
                     });
                 }
                 let limit = claim_constant(graph, &self.pinned, *constant, &constants);
@@ -294,7 +295,7 @@ pub fn run(
     facts.ran += tape.steps.len() as u64;
     let mut values: Vec<Dual> = Vec::with_capacity(tape.steps.len());
     for (i, step) in tape.steps.iter().enumerate() {
-        let gather = |args: &[usize]| -> Vec<Dual> {
+        let gather = |args: &[usize]| -> SmallVec<[Dual; 4]> {
             args.iter().filter_map(|&a| values.get(a).copied()).collect()
         };
         // An operation has at most four arguments.
@@ -525,7 +526,7 @@ fn call(facts: &mut Facts, graph: &Graph, shape: ShapeId, args: &[Dual], norm: f
         dual.jumps |= here;
         return dual;
     }
-    let values: Vec<Interval> = args.iter().map(|a| a.value).collect();
+    let values: SmallVec<[Interval; 4]> = args.iter().map(|a| a.value).collect();
     let inner = facts.shape_dual(graph, shape, &values);
     let mut gradient = [Interval::ZERO; 3];
     for (arg, slope) in args.iter().zip(inner.gradient) {
@@ -543,7 +544,7 @@ fn call(facts: &mut Facts, graph: &Graph, shape: ShapeId, args: &[Dual], norm: f
 /// by an angle t counts as that pair with its slip: (∇u - v∇t, ∇v + u∇t), for a turn is an isometry.
 pub fn map_norm(tape: &Tape, values: &[Dual], rows: &[usize]) -> f64 {
     let dual = |i: usize| values.get(i).copied().unwrap_or(Dual::constant(Interval::ALL));
-    let mut matrix: Vec<([Interval; 3], f64)> =
+    let mut matrix: Rows =
         rows.iter().map(|&r| (dual(r).gradient, dual(r).norm)).collect();
     for (i, &a) in rows.iter().enumerate() {
         let Some(Step::Op(Op::TurnU, first)) = tape.steps.get(a) else { continue };
@@ -571,9 +572,9 @@ pub fn map_norm(tape: &Tape, values: &[Dual], rows: &[usize]) -> f64 {
             }
         }
     }
-    let apart = rows.iter().map(|&r| steady(tape, values, r, 8)).collect::<Vec<_>>();
+    let apart: Rows = rows.iter().map(|&r| steady(tape, values, r, 8)).collect();
     let rest = apart.iter().map(|(_, norm)| norm * norm).sum::<f64>().sqrt().next_up();
-    let steady: Vec<_> = apart.iter().map(|(g, _)| (*g, Dual::components_norm(g))).collect();
+    let steady: Rows = apart.iter().map(|(g, _)| (*g, Dual::components_norm(g))).collect();
     matrix_norm(&matrix).min(matrix_norm(&steady) + rest)
 }
 

@@ -1,14 +1,31 @@
 //! Norms of matrices of intervals.
 
 use crate::graph::interval::Interval;
+use smallvec::SmallVec;
+
+/// A row of a matrix, with a bound of its norm.
+pub type Row = ([Interval; 3], f64);
+/// Rows of a matrix: a few.
+pub type Rows = SmallVec<[Row; 4]>;
 
 /// A bound of the largest singular value of a matrix of intervals, given by rows with a bound of each row's norm.
-pub fn matrix_norm(rows: &[([Interval; 3], f64)]) -> f64 {
+pub fn matrix_norm(rows: &[Row]) -> f64 {
     let by_rows = match rows {
         [one] => return one.1,
         _ => rows.iter().map(|(_, n)| n * n).sum::<f64>().sqrt().next_up(),
     };
-    let used: Vec<([Interval; 3], f64)> = rows.iter().filter(|(_, n)| *n > 0.0).copied().collect();
+    // Rows that each act on an axis of their own, as those of a point that is moved along.
+    let mut free = [true; 3];
+    let apart = rows.iter().all(|(g, n)| {
+        *n == 0.0 || {
+            let mut touched = g.iter().zip(&mut free).filter(|(i, _)| **i != Interval::ZERO);
+            touched.next().is_none_or(|(_, free)| std::mem::replace(free, false)) && touched.next().is_none()
+        }
+    });
+    if apart {
+        return rows.iter().map(|(_, n)| *n).fold(0.0, f64::max);
+    }
+    let used: Rows = rows.iter().filter(|(_, n)| *n > 0.0).copied().collect();
     if used.len() <= 1 {
         return used.first().map_or(0.0, |(_, n)| *n);
     }
@@ -16,10 +33,10 @@ pub fn matrix_norm(rows: &[([Interval; 3], f64)]) -> f64 {
     let touches = |g: &[Interval; 3]| g.map(|i| i != Interval::ZERO);
     if let Some((first, rest)) = used.split_first() {
         let mut columns = touches(&first.0);
-        let mut block = vec![*first];
-        let mut others: Vec<([Interval; 3], f64)> = rest.to_vec();
+        let mut block = Rows::from_slice(&[*first]);
+        let mut others = Rows::from_slice(rest);
         loop {
-            let (joined, apart): (Vec<_>, Vec<_>) = others
+            let (joined, apart): (Rows, Rows) = others
                 .into_iter()
                 .partition(|(g, _)| touches(g).iter().zip(&columns).any(|(a, b)| *a && *b));
             others = apart;

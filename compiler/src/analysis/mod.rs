@@ -20,10 +20,10 @@ mod turned;
 use crate::graph::algebra::Intervals;
 use crate::graph::interval::Interval;
 use crate::graph::kernel;
-use crate::graph::{ANY_TIME, Exactness, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
+use crate::graph::{ANY_TIME, Exactness, Graph, Leaf, Node, NodeId, NodeList, ShapeId, WORLD};
 use constant::STEPS;
 pub use constant::Constant;
-pub use domain::{Box3, Domain};
+pub use domain::{Box3, Domain, Key};
 use dual::Dual;
 use memory::{Content, Memory};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -37,12 +37,12 @@ pub struct Facts {
     contents: FxHashMap<NodeId, Content>,
     tapes: FxHashMap<NodeId, Rc<Tape>>,
     weights: FxHashMap<NodeId, usize>,
-    duals: FxHashMap<(ShapeId, Vec<u64>), Dual>,
-    ranges: FxHashMap<(ShapeId, Vec<u64>), Interval>,
+    duals: FxHashMap<(ShapeId, Key), Dual>,
+    ranges: FxHashMap<(ShapeId, Key), Interval>,
     live_ranges: FxHashMap<NodeId, Interval>,
-    regions: FxHashMap<(NodeId, Vec<u64>, u64), Box3>,
-    constants: FxHashMap<(NodeId, Vec<u64>, usize), Constant>,
-    maps: FxHashMap<(Vec<NodeId>, Vec<u64>, usize), Constant>,
+    regions: FxHashMap<(NodeId, Key, u64), Box3>,
+    constants: FxHashMap<(NodeId, Key, usize), Constant>,
+    maps: FxHashMap<(NodeList, Key, usize), Constant>,
     /// Boxes that hold all points at which a node is at most zero, where whoever made the node knows.
     solids: FxHashMap<NodeId, Box3>,
     /// How many more shapes the contraction at hand may enter.

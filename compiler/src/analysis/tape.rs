@@ -3,6 +3,10 @@
 use crate::graph::algebra::Algebra;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Graph, Leaf, Node, NodeId, ShapeId};
+use smallvec::SmallVec;
+
+/// Earlier steps that a step needs: a few.
+pub type Steps = SmallVec<[usize; 4]>;
 
 /// One step.
 #[derive(Clone, Debug)]
@@ -12,11 +16,11 @@ pub enum Step {
     /// A value from outside.
     Leaf(Leaf),
     /// An operation on earlier steps.
-    Op(Op, Vec<usize>),
+    Op(Op, Steps),
     /// A field of a shape at earlier steps.
-    Call(ShapeId, Vec<usize>),
+    Call(ShapeId, Steps),
     /// A value and what it is known by: earlier steps.
-    Claim(Claim, Vec<usize>),
+    Claim(Claim, Steps),
 }
 
 /// Steps in order; each needs only those before it.
@@ -26,7 +30,7 @@ pub struct Tape {
     pub steps: Vec<Step>,
     /// The node that each step computes.
     pub nodes: Vec<NodeId>,
-    roots: Vec<usize>,
+    roots: Steps,
     /// Steps with a kink of which each side is worth a look by itself.
     kinks: Vec<bool>,
     /// Coordinates that only `abs` reads: one half of the axis stands for both.
@@ -122,7 +126,7 @@ impl Tape {
     }
 
     /// Of a root of a length of squares, which is the root of a sum of fourth powers, or eighth powers and so on: what is raised.
-    pub fn raised(&self, step: usize) -> Option<Vec<usize>> {
+    pub fn raised(&self, step: usize) -> Option<Steps> {
         match self.steps.get(step)? {
             Step::Op(Op::Length2 | Op::Length3 | Op::Length4, args) => Some(args.clone()),
             Step::Op(Op::Sqrt, args) => {

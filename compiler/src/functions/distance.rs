@@ -5,6 +5,7 @@ use crate::analysis::search::{Search, Target, spread};
 use crate::analysis::{Box3, Domain};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, FAR, Function, Leaf, Node, NodeId, Shape, ShapeId, kernel};
+use smallvec::SmallVec;
 
 /// A moved shape of more parts than this is one formula: each part costs its own gradient.
 const PARTS: usize = 16;
@@ -113,9 +114,12 @@ impl Builder<'_> {
     /// How steep a node is that is no steeper than `constant`. A parameter's whole range says little about one of its values: at a few values
     /// the constant is looked for again.
     fn steepness(&self, node: NodeId, domain: &Domain, constant: f64) -> Steepness {
+        if constant <= UNIT {
+            return Steepness::same(constant);
+        }
         let target = Target::Value(node);
         let parameters = self.parameters_of(&target);
-        if constant <= UNIT || (parameters.is_empty() && !self.graph.leaves_under(&[node]).contains(&Leaf::Time)) {
+        if parameters.is_empty() && !self.graph.leaves_under(&[node]).contains(&Leaf::Time) {
             return Steepness::same(constant);
         }
         let search = Search { target, domain: domain.clone(), parameters };
@@ -369,7 +373,7 @@ impl Builder<'_> {
                     self.pick(c, of(a, &gradients), of(b, &gradients))
                 }
                 Node::Op(op, args) => {
-                    let inner: Vec<[NodeId; 3]> = args.iter().map(|a| of(a, &gradients)).collect();
+                    let inner: SmallVec<[[NodeId; 3]; 4]> = args.iter().map(|a| of(a, &gradients)).collect();
                     if inner.iter().all(|g| *g == [zero; 3]) {
                         [zero; 3]
                     } else {
@@ -378,7 +382,7 @@ impl Builder<'_> {
                     }
                 }
                 Node::Call(shape, Function::Field, args) => {
-                    let inner: Vec<[NodeId; 3]> = args.iter().map(|a| of(a, &gradients)).collect();
+                    let inner: SmallVec<[[NodeId; 3]; 4]> = args.iter().map(|a| of(a, &gradients)).collect();
                     if inner.iter().skip(3).any(|g| *g != [zero; 3]) {
                         // A variable moves too: the formula is opened here.
                         let Some(value) = self.graph.shape(shape).map(|s| s.value) else {
@@ -388,9 +392,7 @@ impl Builder<'_> {
                         let opened = self.graph.open(shape, value, &args);
                         self.gradient(opened)
                     } else {
-                        let partials: Vec<NodeId> = (0..3)
-                            .map(|i| self.graph.call(shape, Function::Gradient(i), &args))
-                            .collect();
+                        let partials = [0, 1, 2].map(|i| self.graph.call(shape, Function::Gradient(i), &args));
                         self.chain_rule(&partials, &inner)
                     }
                 }

@@ -16,7 +16,7 @@ pub mod unions;
 pub use ground::{Carry, carry, firm};
 
 use crate::analysis::search::{Search, Target};
-use crate::analysis::{Box3, Domain, Facts};
+use crate::analysis::{Box3, Domain, Facts, Key};
 use crate::compiled::SceneBlocks;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::interval::Interval;
@@ -24,6 +24,7 @@ use crate::images::TextureKind;
 use crate::graph::{Function, Graph, Leaf, Node, NodeId, Proof, ShapeId, Slot, WORLD};
 use crate::source::Span;
 use rustc_hash::{FxHashMap, FxHashSet};
+use smallvec::{SmallVec, smallvec};
 use std::rc::Rc;
 
 /// The formulas of every function of every shape that the root's functions call.
@@ -215,10 +216,10 @@ pub struct Builder<'a> {
     root: ShapeId,
     extent: f64,
     domains: FxHashMap<ShapeId, Domain>,
-    treatments: FxHashMap<(ShapeId, NodeId, Vec<u64>, bool), Option<Treatment>>,
-    regions: FxHashMap<(NodeId, Vec<u64>, bool), Option<Narrowed>>,
-    cuts: FxHashMap<(NodeId, Vec<u64>), Option<Cut>>,
-    rough: FxHashMap<(NodeId, Vec<u64>), f64>,
+    treatments: FxHashMap<(ShapeId, NodeId, Key, bool), Option<Treatment>>,
+    regions: FxHashMap<(NodeId, Key, bool), Option<Narrowed>>,
+    cuts: FxHashMap<(NodeId, Key), Option<Cut>>,
+    rough: FxHashMap<(NodeId, Key), f64>,
     /// Whether the scene has so many parts that they may be a union of many; found when it is first asked for.
     crowded: Option<bool>,
     built: Functions,
@@ -381,20 +382,20 @@ impl Builder<'_> {
     }
 
     /// The formula of a function of a shape; of a gradient, all three.
-    fn formulas_of(&mut self, shape: ShapeId, function: Function) -> Vec<(Function, NodeId)> {
-        let Some(s) = self.graph.shape(shape) else { return Vec::new() };
+    fn formulas_of(&mut self, shape: ShapeId, function: Function) -> SmallVec<[(Function, NodeId); 3]> {
+        let Some(s) = self.graph.shape(shape) else { return SmallVec::new() };
         let value = s.value;
         match function {
-            Function::Field => vec![(function, value)],
+            Function::Field => smallvec![(function, value)],
             Function::Bound => {
                 let domain = self.domain(shape);
                 let bound = self.bound(shape, value, &domain, false);
-                vec![(function, bound)]
+                smallvec![(function, bound)]
             }
             Function::Distance => {
                 let domain = self.domain(shape);
                 let distance = self.distance(shape, value, &domain);
-                vec![(function, distance)]
+                smallvec![(function, distance)]
             }
             Function::Gradient(_) => {
                 let gradient = self.gradient(value);

@@ -30,6 +30,9 @@ impl Graph {
 
     /// Of `k h (1 - h)`, with h clamped between 0 and 1 and k the same everywhere: h, and the factors of k.
     fn dip(&self, node: NodeId) -> Option<(NodeId, Vec<NodeId>)> {
+        if !matches!(self.node(node), Node::Op(Op::Mul, _)) {
+            return None;
+        }
         let mut factors = vec![];
         let mut open = vec![node];
         while let Some(id) = open.pop() {

@@ -3,6 +3,7 @@
 use super::algebra::Algebra;
 use super::{Function, Graph, Leaf, Node, NodeId, ShapeId};
 use rustc_hash::{FxHashMap, FxHashSet};
+use smallvec::SmallVec;
 
 /// So many nodes are looked for in a list faster than in a set of all nodes of a large graph.
 const FEW: usize = 48;
@@ -18,7 +19,7 @@ impl Graph {
 
     /// The same without what calls no shape.
     pub fn calling(&self, roots: &[NodeId]) -> Vec<NodeId> {
-        let roots: Vec<NodeId> = roots.iter().copied().filter(|r| self.reads(*r).shapes).collect();
+        let roots: SmallVec<[NodeId; 4]> = roots.iter().copied().filter(|r| self.reads(*r).shapes).collect();
         self.needed(&roots, |id| self.reads(id).shapes)
     }
 
@@ -46,7 +47,7 @@ impl Graph {
         for &root in roots {
             mark(marked, root);
         }
-        let mut order = Vec::new();
+        let mut order = Vec::with_capacity(16);
         for index in (0..marked.len()).rev() {
             // Marking can add lower bits to the word at hand.
             let mut below = u64::MAX;
