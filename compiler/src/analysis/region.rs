@@ -118,12 +118,11 @@ impl Facts {
 
     /// Whether a node is above zero all over a domain, as far as that is seen at once. Of a union one operand that is not is enough.
     pub fn is_nowhere(&mut self, graph: &Graph, node: NodeId, domain: &Domain) -> bool {
-        let tape = self.tape(graph, node);
-        (self.entries, self.sifts, self.unions) = (ENTRIES, 0, 0);
-        let ranges = self.ranges_of(graph, &tape, domain);
-        let Some(last) = tape.steps.len().checked_sub(1) else { return false };
-        let mut visits = VISITS;
-        Walk { facts: self, graph, tape: &tape, ranges: &ranges, visits: &mut visits }.is_nowhere(last, domain.point)
+        match graph.node(node) {
+            // What was added last is mostly the least: a floor, a frame.
+            Node::Op(Op::Min, args) => args.iter().rev().all(|&a| self.is_nowhere(graph, a, domain)),
+            _ => self.rough_region(graph, node, domain).is_empty(),
+        }
     }
 
     /// Drops parts of which a constant of the formula proves that they are empty: the value at the middle is more than the constant times
@@ -329,14 +328,6 @@ pub(super) struct Walk<'a> {
 impl Walk<'_> {
     pub(super) fn range(&self, step: usize) -> Interval {
         self.ranges.get(step).copied().unwrap_or(Interval::ALL)
-    }
-
-    fn is_nowhere(&mut self, step: usize, region: Box3) -> bool {
-        match self.tape.steps.get(step) {
-            // What was added last is mostly the least: a floor, a frame.
-            Some(Step::Op(Op::Min, args)) => args.iter().rev().all(|&a| self.is_nowhere(a, region)),
-            _ => self.step(step, Interval::new(f64::NEG_INFINITY, 0.0), region).is_empty(),
-        }
     }
 
     /// The part of `region` in which a step can be within `target`.

@@ -413,11 +413,12 @@ impl Builder<'_> {
     }
 
     pub(super) fn chain_rule(&mut self, partials: &[NodeId], inner: &[[NodeId; 3]]) -> [NodeId; 3] {
-        let mut total = [self.graph.constant(0.0); 3];
+        let (zero, one) = (self.graph.constant(0.0), self.graph.constant(1.0));
+        let mut total = [zero; 3];
         for (partial, gradient) in partials.iter().zip(inner) {
-            for (slot, g) in total.iter_mut().zip(gradient) {
-                let term = self.graph.op(Op::Mul, &[*partial, *g]);
-                *slot = self.graph.op(Op::Add, &[*slot, term]);
+            for (slot, g) in total.iter_mut().zip(gradient).filter(|(_, g)| **g != zero) {
+                let term = if *g == one { *partial } else { self.graph.op(Op::Mul, &[*partial, *g]) };
+                *slot = if *slot == zero { term } else { self.graph.op(Op::Add, &[*slot, term]) };
             }
         }
         total

@@ -1,11 +1,13 @@
 //! Where a shape is asked for its value: the domain of every shape, and the region that holds the solid of a formula.
 
 use super::{BUDGET, Builder, Cut, GENTLE, LONG, Narrowed, STEEPEST, UNIT, whole_scene};
+use crate::analysis::tape::Tape;
 use crate::analysis::{Box3, Constant, Domain};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId};
+use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, NodeList, ShapeId};
 use rustc_hash::FxHashSet;
+use smallvec::SmallVec;
 
 /// A constant up to here needs no other region than a box.
 const MILD: f64 = 2.0;
@@ -83,25 +85,31 @@ impl Builder<'_> {
     }
 
     pub(super) fn visit_all(&mut self, node: NodeId, domain: &Domain) {
-        let tape = self.facts.tape(self.graph, node);
+        let calls: Vec<(ShapeId, NodeList)> = self
+            .graph
+            .calling(&[node])
+            .into_iter()
+            .filter_map(|id| match self.graph.node(id) {
+                Node::Call(inner, _, args) => Some((*inner, args.clone())),
+                _ => None,
+            })
+            .collect();
+        // What is made of the calls does not matter, where they ask does.
+        let asked: Vec<NodeId> = calls.iter().flat_map(|(_, args)| args.iter().copied()).collect();
+        let tape = Tape::new(self.graph, &asked);
         let ranges = self.facts.ranges_of(self.graph, &tape, domain);
-        for (at, step) in tape.steps.iter().enumerate() {
-            if let crate::analysis::tape::Step::Call(inner, args) = step {
-                let args: Vec<Interval> = args
-                    .iter()
-                    .map(|&a| ranges.get(a).copied().unwrap_or(Interval::ALL))
-                    .collect();
-                let variables =
-                    self.graph.shape(*inner).map(|s| s.variables.clone()).unwrap_or_default();
-                let mut own = crate::analysis::call_domain(&variables, &args);
-                own.narrowed = domain.narrowed;
-                // What stands at the same point is within the same.
-                let here = |(i, a): (usize, &NodeId)| *self.graph.node(*a) == Node::Leaf(Leaf::P(i as u8));
-                if tape.nodes.get(at).is_some_and(|n| self.graph.arguments(*n).iter().take(3).enumerate().all(here)) {
-                    own.within.clone_from(&domain.within);
-                }
-                self.widen(*inner, own);
+        let mut roots = tape.roots().map(|step| ranges.get(step).copied().unwrap_or(Interval::ALL));
+        for (inner, args) in calls {
+            let ranges: SmallVec<[Interval; 4]> = roots.by_ref().take(args.len()).collect();
+            let variables = self.graph.shape(inner).map(|s| s.variables.clone()).unwrap_or_default();
+            let mut own = crate::analysis::call_domain(&variables, &ranges);
+            own.narrowed = domain.narrowed;
+            // What stands at the same point is within the same.
+            let here = |(i, a): (usize, &NodeId)| *self.graph.node(*a) == Node::Leaf(Leaf::P(i as u8));
+            if args.iter().take(3).enumerate().all(here) {
+                own.within.clone_from(&domain.within);
             }
+            self.widen(inner, own);
         }
     }
 

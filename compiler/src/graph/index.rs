@@ -12,6 +12,11 @@ pub struct Index {
 const FREE: u32 = u32::MAX;
 
 impl Index {
+    /// Room for so many entries, a power of two, before it grows.
+    pub fn with_room(count: usize) -> Self {
+        Self { slots: vec![(0, FREE); 2 * count], count: 0 }
+    }
+
     /// The entry with this hash for which `same` holds.
     pub fn find(&self, hash: u64, mut same: impl FnMut(u32) -> bool) -> Option<u32> {
         let half = hash as u32;

@@ -297,6 +297,8 @@ pub enum Slot {
 
 /// More nodes than most scenes have. Room that is not used costs nothing, and a list that grows is copied.
 const ROOM: usize = 1 << 15;
+/// As many as a small scene has: room in the index is filled at once.
+const INDEXED: usize = 1 << 12;
 
 /// The graph of a program.
 #[derive(Clone, Debug, Default)]
@@ -326,7 +328,7 @@ impl Graph {
     /// An empty graph.
     pub fn new() -> Self {
         let (nodes, reads) = (Vec::with_capacity(ROOM), Vec::with_capacity(ROOM));
-        Self { nodes, reads, next_variable: FIRST_VARIABLE, ..Self::default() }
+        Self { nodes, reads, index: Index::with_room(INDEXED), next_variable: FIRST_VARIABLE, ..Self::default() }
     }
 
     /// Number of nodes.
