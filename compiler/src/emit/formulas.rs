@@ -274,7 +274,10 @@ impl Body {
     /// The field of the uniform block that an operation is, where its arguments depend on parameters and time alone. A sign costs a
     /// shader nothing, and a comparison of two numbers no more than reading what came of it.
     pub(super) fn computed(&mut self, op: Op, args: &[ExprId]) -> Option<ExprId> {
-        if matches!(op, Op::Neg | Op::Lt | Op::Le | Op::Eq) || args.iter().all(|&a| matches!(self.code(a), Code::Constant(_))) {
+        if matches!(op, Op::Neg | Op::Lt | Op::Le | Op::Eq) || !args.iter().all(|&a| self.is_live(a)) {
+            return None;
+        }
+        if args.iter().all(|&a| self.as_constant(a).is_some()) {
             return None;
         }
         let mut terms = [0; 4];
@@ -319,6 +322,16 @@ impl Body {
         let formulas = self.formulas.as_mut().filter(|f| f.fields.len() < MOST)?;
         let field = formulas.field(terms);
         Some(self.add(Code::Computed(field, terms.len() as u8), &[]))
+    }
+
+    /// Whether a number depends on nothing but parameters, time and factors.
+    fn is_live(&self, id: ExprId) -> bool {
+        let args = self.arguments(id);
+        match self.code(id) {
+            Code::Constant(_) | Code::Uniform(..) | Code::Computed(..) => true,
+            Code::Component(_) | Code::Op(Op::Neg | Op::Lt | Op::Le | Op::Eq) => args.iter().all(|&a| self.is_live(a)),
+            _ => false,
+        }
     }
 
     /// The term that a number is, where it depends on parameters and time alone.

@@ -7,6 +7,7 @@ use super::tracer::Tracer;
 use crate::compiled::Export;
 use crate::graph::kernel::Op;
 use std::borrow::Cow;
+use std::sync::LazyLock;
 
 /// Text that a module may hold.
 pub struct Piece {
@@ -233,10 +234,16 @@ struct sf_Surface {
 /// Names of structs, which nothing else may take.
 pub const STRUCTURES: [&str; 3] = ["Hit", "Contact", "Surface"];
 
+/// The tracer's text, put together once: where the bound is not the distance, and where it is.
+static TRACE: LazyLock<[String; 2]> = LazyLock::new(|| [false, true].map(|one| Tracer::DEFAULT.wgsl(one)));
+
 /// The text of an exported function that is the same for every scene. `one`: whether the bound is the distance.
 pub fn function(export: Export, one: bool) -> Option<Cow<'static, str>> {
     match export {
-        Export::Trace => Some(Tracer::DEFAULT.wgsl(one).into()),
+        Export::Trace => {
+            let [two, of_one] = &*TRACE;
+            Some(if one { of_one } else { two }.as_str().into())
+        }
         Export::Shadow if one => Some(SHADOW_OF_ONE.into()),
         Export::Shadow => Some(SHADOW.into()),
         Export::Collision => Some(COLLISION.into()),

@@ -319,9 +319,9 @@ fn export_functions(
         let _ = writeln!(text, "\n// {}", library::purpose(export));
         if let Some(function) = library::function(export, one) {
             // Where only ways from places far out are read, rounding grows with the distance from the eye and not from the scene's middle.
-            let near = function.replace("length(origin + sf_uniforms.origin)", "length(origin)");
-            let function = if context.reads_scene { &*function } else { &*near };
-            text.push_str(&prefixed(function, prefix));
+            let (far, near) = ("length(origin + sf_uniforms.origin)", "length(origin)");
+            let function = if context.reads_scene { function } else { function.replace(far, near).into() };
+            text.push_str(&prefixed(&function, prefix));
             continue;
         }
         let _ = writeln!(text, "fn {} {{", prefixed(library::signature(export), prefix));

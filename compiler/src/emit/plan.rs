@@ -196,11 +196,8 @@ pub struct Plans<'a> {
     pub targets: Vec<Target>,
     /// For each shape and group the target, if there is one.
     index: Vec<[Option<TargetId>; 4]>,
-    /// For each node, the step that computes it in the plan that is being made, and the plan's number.
-    seen: Vec<(u32, u32)>,
-    round: u32,
-    /// The nodes of the plan that is being made; room that is kept.
-    nodes: Vec<NodeId>,
+    /// For each node of the plan that is being made, the step that computes it; room that is kept.
+    places: Vec<u32>,
     /// Pairs of formulas that were compared, and whether they compute the same.
     compared: FxHashMap<(NodeId, NodeId), bool>,
 }
@@ -211,10 +208,10 @@ const DEEPEST: u32 = 200;
 impl<'a> Plans<'a> {
     /// No function yet.
     pub fn new(graph: &'a Graph, functions: &'a Functions, tables: &'a Tables) -> Self {
-        let seen = vec![(0, 0); graph.len()];
+        let places = vec![0; graph.len()];
         let shapes = graph.shapes().len();
-        let (targets, index, nodes) = (Vec::with_capacity(shapes), vec![[None; 4]; shapes], Vec::new());
-        Self { graph, functions, tables, targets, index, seen, round: 0, nodes, compared: FxHashMap::default() }
+        let (targets, index) = (Vec::with_capacity(shapes), vec![[None; 4]; shapes]);
+        Self { graph, functions, tables, targets, index, places, compared: FxHashMap::default() }
     }
 
     /// Whether a shape has the formulas of a group.
@@ -334,8 +331,9 @@ impl<'a> Plans<'a> {
         }
         let mut state = vec![State::New; self.targets.len()];
         let mut order = Vec::with_capacity(self.targets.len());
+        let mut stack = Vec::new();
         for first in 0..self.targets.len() as TargetId {
-            let mut stack = vec![(first, 0usize)];
+            stack.push((first, 0usize));
             while let Some((id, from)) = stack.pop() {
                 let Some(now) = state.get_mut(id as usize) else { continue };
                 if *now == State::Done || (*now == State::Open && from == 0) {
@@ -492,30 +490,9 @@ impl<'a> Plans<'a> {
 
     /// The steps of some formulas over a space with these variables. A call's target is found, its plan made later.
     pub fn plan(&mut self, roots: &[NodeId], variables: Arc<[u32]>) -> Plan {
-        self.round += 1;
-        let round = self.round;
         let graph = self.graph;
-        let mut seen = std::mem::take(&mut self.seen);
-        // What a claim speaks of is not computed.
-        let arguments = |id: NodeId| match graph.node(id) {
-            Node::Claim(args, _) => args.get(..1).unwrap_or(&[]),
-            _ => graph.arguments(id),
-        };
-        let mut nodes = std::mem::take(&mut self.nodes);
-        nodes.clear();
-        let mut visit = |id: NodeId, nodes: &mut Vec<NodeId>| {
-            if let Some(seen) = seen.get_mut(id.0 as usize).filter(|s| s.0 != round) {
-                *seen = (round, 0);
-                nodes.push(id);
-            }
-        };
-        roots.iter().for_each(|&root| visit(root, &mut nodes));
-        let mut at = 0;
-        while let Some(&id) = nodes.get(at) {
-            at += 1;
-            arguments(id).iter().for_each(|&arg| visit(arg, &mut nodes));
-        }
-        nodes.sort_unstable();
+        let nodes = graph.computed(roots);
+        let mut places = std::mem::take(&mut self.places);
         let mut plan = Plan { variables, ..Plan::default() };
         // Three components of a gradient take four steps.
         plan.steps.reserve(nodes.len() + nodes.len() / 3);
@@ -523,8 +500,8 @@ impl<'a> Plans<'a> {
         // Calls of a gradient at the same arguments are one step.
         let mut gradients: FxHashMap<(TargetId, &[NodeId]), u32> = FxHashMap::default();
         for &id in &nodes {
-            let args = arguments(id);
-            let place = |a: &NodeId| seen.get(a.0 as usize).map_or(0, |s| s.1);
+            let args = graph.operands(id);
+            let place = |a: &NodeId| places.get(a.0 as usize).copied().unwrap_or(0);
             let named = graph.node_name(id).map(|_| id);
             let step = match graph.node(id) {
                 Node::Claim(..) => {
@@ -557,17 +534,16 @@ impl<'a> Plans<'a> {
                     }
                 }
             };
-            if let Some(seen) = seen.get_mut(id.0 as usize) {
-                seen.1 = step;
+            if let Some(place) = places.get_mut(id.0 as usize) {
+                *place = step;
             }
         }
         plan.vectors = named_vectors(graph, &plan.steps);
         plan.results = roots
             .iter()
-            .map(|r| seen.get(r.0 as usize).map_or(0, |s| s.1))
+            .map(|r| places.get(r.0 as usize).copied().unwrap_or(0))
             .collect();
-        self.seen = seen;
-        self.nodes = nodes;
+        self.places = places;
         plan
     }
 }

@@ -76,6 +76,8 @@ struct State {
     rooted: bool,
     /// Whether its square is written instead, of which another one takes the root.
     squared: bool,
+    /// Whether its range matters: something below a division is made of it.
+    ranged: bool,
 }
 
 /// Text of an expression, in the scratch of its writer.
@@ -144,6 +146,9 @@ pub fn write(
     ranges.resize(if divides { count } else { 0 }, Interval::ALL);
     let mut writer = Writer { context, body, out, scratch, states, ranges, locals, operations: 0, arms: Arms::default(), block: 0, depth: 1 };
     writer.order(root, &mut order, &mut stack);
+    if divides {
+        writer.want_ranges(&order);
+    }
     let arms = Arms::find(writer.body, &order, |id| match writer.body.code(id) {
         Code::Call(target) => writer.context.operations.get(&target).copied().unwrap_or(0),
         Code::VectorOp(_, count) => usize::from(count),
@@ -155,16 +160,21 @@ pub fn write(
         order.sort_by_key(|&id| arms.place(id));
     }
     writer.arms = arms;
+    let mut has_scene = false;
     for &id in &order {
-        if let Code::Component(_) | Code::Swizzle(..) = writer.body.code(id) {
-            let vector = writer.argument(id, 0);
-            if let Some(state) = writer.states.get_mut(vector as usize) {
-                state.taken_apart = true;
+        match writer.body.code(id) {
+            Code::Component(_) | Code::Swizzle(..) => {
+                let vector = writer.argument(id, 0);
+                if let Some(state) = writer.states.get_mut(vector as usize) {
+                    state.taken_apart = true;
+                }
             }
+            Code::Scene => has_scene = true,
+            _ => {}
         }
     }
     writer.mark_squares(&order);
-    for &id in &order {
+    for &id in order.iter().filter(|_| has_scene) {
         let code = writer.body.code(id);
         let reads = writer.body.arguments(id).iter().any(|&a| writer.of_scene(a).is_some());
         if reads && !matches!(code, Code::Component(_) | Code::Swizzle(..)) && !writer.is_far_out(code, writer.body.arguments(id)) {
@@ -193,11 +203,14 @@ impl Writer<'_, '_> {
         if let Some(state) = self.states.get_mut(root as usize) {
             state.uses = 1;
         }
-        while let Some((id, at)) = stack.pop() {
-            match self.body.arguments(id).get(at) {
-                None => order.push(id),
+        while let Some((id, at)) = stack.last_mut() {
+            match self.body.arguments(*id).get(*at) {
+                None => {
+                    order.push(*id);
+                    stack.pop();
+                }
                 Some(&next) => {
-                    stack.push((id, at + 1));
+                    *at += 1;
                     if let Some(state) = self.states.get_mut(next as usize) {
                         state.uses += 1;
                         if state.uses == 1 {
@@ -228,6 +241,23 @@ impl Writer<'_, '_> {
             for &arg in self.body.arguments(id).iter().filter(|_| rooted) {
                 if let Some(state) = self.states.get_mut(arg as usize) {
                     state.squared = true;
+                }
+            }
+        }
+    }
+
+    /// Marks what is below a division, and what that is made of. `order` has arguments first.
+    fn want_ranges(&mut self, order: &[ExprId]) {
+        for &id in order.iter().rev() {
+            let args = self.body.arguments(id);
+            let wanted = match self.body.code(id) {
+                _ if self.state(id).ranged => args,
+                Code::Op(Op::Div) | Code::VectorOp(Op::Div, _) => args.get(1..).unwrap_or(&[]),
+                _ => &[],
+            };
+            for &arg in wanted {
+                if let Some(state) = self.states.get_mut(arg as usize) {
+                    state.ranged = true;
                 }
             }
         }
@@ -488,7 +518,7 @@ impl Writer<'_, '_> {
         if let Some(state) = self.states.get_mut(id as usize) {
             state.not_negative = not_negative;
         }
-        if !self.ranges.is_empty() {
+        if self.state(id).ranged {
             let range = self.range(id);
             if let Some(slot) = self.ranges.get_mut(id as usize) {
                 *slot = range;

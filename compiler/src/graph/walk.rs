@@ -2,7 +2,7 @@
 
 use super::algebra::Algebra;
 use super::{Function, Graph, Leaf, Node, NodeId, ShapeId};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
 /// So many nodes are looked for in a list faster than in a set of all nodes of a large graph.
@@ -14,17 +14,35 @@ const SHORT: usize = 64;
 impl Graph {
     /// Every node that the roots need, arguments before the nodes that use them, each once. Calls are not entered.
     pub fn reachable(&self, roots: &[NodeId]) -> Vec<NodeId> {
-        self.needed(roots, |_| true)
+        self.needed(roots, |id| self.arguments(id), |_| true)
+    }
+
+    /// Every node that the values of the roots are computed from, in the same order: without what claims speak of.
+    pub fn computed(&self, roots: &[NodeId]) -> Vec<NodeId> {
+        self.needed(roots, |id| self.operands(id), |_| true)
+    }
+
+    /// The nodes that the value of a node is computed from. Of a claim that is what it is about.
+    pub fn operands(&self, id: NodeId) -> &[NodeId] {
+        match self.node(id) {
+            Node::Claim(args, _) => args.get(..1).unwrap_or(&[]),
+            _ => self.arguments(id),
+        }
     }
 
     /// The same without what calls no shape.
     pub fn calling(&self, roots: &[NodeId]) -> Vec<NodeId> {
         let roots: SmallVec<[NodeId; 4]> = roots.iter().copied().filter(|r| self.reads(*r).shapes).collect();
-        self.needed(&roots, |id| self.reads(id).shapes)
+        self.needed(&roots, |id| self.arguments(id), |id| self.reads(id).shapes)
     }
 
-    /// The same without the arguments that are not `wanted`.
-    fn needed(&self, roots: &[NodeId], wanted: impl Fn(NodeId) -> bool) -> Vec<NodeId> {
+    /// The roots and what is inside of them, without what is not `wanted`.
+    fn needed<'g>(
+        &'g self,
+        roots: &[NodeId],
+        inside: impl Fn(NodeId) -> &'g [NodeId],
+        wanted: impl Fn(NodeId) -> bool,
+    ) -> Vec<NodeId> {
         let Some(last) = roots.iter().map(|r| r.0 as usize).max() else { return Vec::new() };
         // Arguments have smaller indices, so one pass from the last root down finds all, in order.
         let mut short = [0u64; SHORT];
@@ -32,7 +50,7 @@ impl Graph {
         let marked: &mut [u64] = match short.get_mut(..=last / 64) {
             Some(short) => short,
             None => {
-                if let Some(few) = self.few(roots, &wanted) {
+                if let Some(few) = self.few(roots, &inside, &wanted) {
                     return few;
                 }
                 long.resize(last / 64 + 1, 0);
@@ -56,7 +74,7 @@ impl Graph {
                 below = (1 << bit) - 1;
                 let id = NodeId((index * 64) as u32 + bit);
                 order.push(id);
-                for &argument in self.arguments(id).iter().filter(|a| wanted(**a)) {
+                for &argument in inside(id).iter().filter(|a| wanted(**a)) {
                     mark(marked, argument);
                 }
             }
@@ -66,7 +84,12 @@ impl Graph {
     }
 
     /// The same where it is a few nodes, in time that does not depend on how large the graph is.
-    fn few(&self, roots: &[NodeId], wanted: impl Fn(NodeId) -> bool) -> Option<Vec<NodeId>> {
+    fn few<'g>(
+        &'g self,
+        roots: &[NodeId],
+        inside: impl Fn(NodeId) -> &'g [NodeId],
+        wanted: impl Fn(NodeId) -> bool,
+    ) -> Option<Vec<NodeId>> {
         let mut found: Vec<NodeId> = Vec::with_capacity(FEW);
         let mut stack = roots.to_vec();
         while let Some(id) = stack.pop() {
@@ -77,27 +100,11 @@ impl Graph {
                 return None;
             }
             found.push(id);
-            stack.extend(self.arguments(id).iter().filter(|a| wanted(**a)));
+            stack.extend(inside(id).iter().filter(|a| wanted(**a)));
         }
         // Arguments have smaller indices.
         found.sort_unstable();
         Some(found)
-    }
-
-    /// Every node that the value of a root is computed from, in an order in which that can be done: without what claims speak of.
-    pub fn computed(&self, root: NodeId) -> Vec<NodeId> {
-        let mut found: FxHashSet<NodeId> = FxHashSet::default();
-        let mut stack = vec![root];
-        while let Some(id) = stack.pop() {
-            if found.insert(id) {
-                let all = self.arguments(id);
-                let count = if matches!(self.node(id), Node::Claim(..)) { 1 } else { all.len() };
-                stack.extend(all.iter().take(count));
-            }
-        }
-        let mut order: Vec<NodeId> = found.into_iter().collect();
-        order.sort_unstable();
-        order
     }
 
     /// The roots again, with leaves replaced: a leaf that `replace` answers for becomes that node.
@@ -168,7 +175,7 @@ impl Graph {
         if roots.iter().all(|&r| self.reads(r).nothing()) {
             return roots.to_vec();
         }
-        let order = self.needed(roots, |id| !self.reads(id).nothing());
+        let order = self.needed(roots, |id| self.arguments(id), |id| !self.reads(id).nothing());
         self.rewrite(&order, roots, |leaf| match leaf {
             Leaf::P(i) => args.get(i as usize).copied(),
             Leaf::Variable(v) => {

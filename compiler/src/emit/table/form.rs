@@ -157,7 +157,7 @@ impl<'a> Former<'a> {
                 FxHashMap::default()
             }
         };
-        for id in self.graph.computed(root) {
+        for id in self.graph.computed(&[root]) {
             if frame.contains_key(&id) {
                 continue;
             }
