@@ -44,8 +44,10 @@ impl Facts {
     /// The constant of a node as a whole.
     fn found(&mut self, graph: &Graph, node: NodeId, domain: &Domain, budget: usize) -> Constant {
         let tape = self.tape(graph, node);
-        let weight = self.weight(graph, node);
-        let budget = budget.min((self.steps / weight.max(1)).max(8));
+        let budget = match budget {
+            0 | 1 => budget,
+            _ => budget.min((self.steps / self.weight(graph, node).max(1)).max(8)),
+        };
         let search = |facts: &mut Self| {
             facts.supremum(graph, &tape, domain, budget, |facts, d| {
                 let (dual, runs) = facts.dual_of(graph, &tape, d);

@@ -305,8 +305,8 @@ impl Builder<'_> {
             all = self.facts.constant(self.graph, node, &everywhere, BUDGET);
             by_rule = Proof::Derived;
         }
-        let long = self.facts.weight(self.graph, node) > LONG;
-        if plain && all.lipschitz <= if long { 4.0 } else { GENTLE } {
+        let gentle = all.lipschitz <= GENTLE || all.lipschitz <= 4.0 && self.facts.weight(self.graph, node) > LONG;
+        if plain && gentle {
             return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true });
         }
         // A region of its own: tighter, or the only way.

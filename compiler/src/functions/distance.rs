@@ -340,68 +340,68 @@ impl Builder<'_> {
 
     /// The gradient of a node by the point of its space, as nodes: forward, by the kernel's partial derivatives.
     pub fn gradient(&mut self, root: NodeId) -> [NodeId; 3] {
-        let zero = self.graph.constant(0.0);
-        let one = self.graph.constant(1.0);
-        let order = self.graph.reachable(&[root]);
-        let mut gradients: Vec<[NodeId; 3]> = Vec::with_capacity(order.len());
-        for &id in &order {
-            let of = |a: &NodeId, g: &[[NodeId; 3]]| {
-                order.binary_search(a).ok().and_then(|i| g.get(i).copied()).unwrap_or([zero; 3])
-            };
-            let gradient = match self.graph.node(id).clone() {
-                Node::Leaf(Leaf::P(i)) => {
-                    let mut unit = [zero; 3];
-                    if let Some(slot) = unit.get_mut(usize::from(i)) {
-                        *slot = one;
-                    }
-                    unit
-                }
-                Node::Op(op @ (Op::Min | Op::Max), args) => {
-                    let (Some(&a), Some(&b)) = (args.first(), args.get(1)) else {
-                        gradients.push([zero; 3]);
-                        continue;
-                    };
-                    let (ga, gb) = (of(&a, &gradients), of(&b, &gradients));
-                    let first = self.graph.op(Op::Le, &if op == Op::Min { [a, b] } else { [b, a] });
-                    self.pick(first, ga, gb)
-                }
-                Node::Op(Op::Select, args) => {
-                    let (Some(&c), Some(a), Some(b)) = (args.first(), args.get(1), args.get(2)) else {
-                        gradients.push([zero; 3]);
-                        continue;
-                    };
-                    self.pick(c, of(a, &gradients), of(b, &gradients))
-                }
-                Node::Op(op, args) => {
-                    let inner: SmallVec<[[NodeId; 3]; 4]> = args.iter().map(|a| of(a, &gradients)).collect();
-                    if inner.iter().all(|g| *g == [zero; 3]) {
-                        [zero; 3]
-                    } else {
-                        let partials = kernel::partials(self.graph, op, &args, id);
-                        self.chain_rule(&partials, &inner)
-                    }
-                }
-                Node::Call(shape, Function::Field, args) => {
-                    let inner: SmallVec<[[NodeId; 3]; 4]> = args.iter().map(|a| of(a, &gradients)).collect();
-                    if inner.iter().skip(3).any(|g| *g != [zero; 3]) {
-                        // A variable moves too: the formula is opened here.
-                        let Some(value) = self.graph.shape(shape).map(|s| s.value) else {
-                        gradients.push([zero; 3]);
-                        continue;
-                    };
-                        let opened = self.graph.open(shape, value, &args);
-                        self.gradient(opened)
-                    } else {
-                        let partials = [0, 1, 2].map(|i| self.graph.call(shape, Function::Gradient(i), &args));
-                        self.chain_rule(&partials, &inner)
-                    }
-                }
-                Node::Claim(args, _) => args.first().map_or([zero; 3], |a| of(a, &gradients)),
-                _ => [zero; 3],
-            };
-            gradients.push(gradient);
+        let known = |slopes: &[Option<[NodeId; 3]>], id: NodeId| slopes.get(id.0 as usize).copied().flatten();
+        if let Some(known) = known(&self.slopes, root) {
+            return known;
         }
-        gradients.last().copied().unwrap_or([zero; 3])
+        for id in self.graph.reachable_among(&[root], |id| known(&self.slopes, id).is_none()) {
+            let slope = self.slope(id);
+            let at = id.0 as usize;
+            if at >= self.slopes.len() {
+                self.slopes.resize(self.graph.len(), None);
+            }
+            if let Some(slot) = self.slopes.get_mut(at) {
+                *slot = Some(slope);
+            }
+        }
+        known(&self.slopes, root).unwrap_or_default()
+    }
+
+    /// The gradient of a node whose arguments have theirs.
+    fn slope(&mut self, id: NodeId) -> [NodeId; 3] {
+        let zero = self.graph.constant(0.0);
+        let flat = [zero; 3];
+        let of = |builder: &Self, a: &NodeId| builder.slopes.get(a.0 as usize).copied().flatten().unwrap_or(flat);
+        match self.graph.node(id).clone() {
+            Node::Leaf(Leaf::P(i)) => {
+                let mut unit = flat;
+                if let Some(slot) = unit.get_mut(usize::from(i)) {
+                    *slot = self.graph.constant(1.0);
+                }
+                unit
+            }
+            Node::Op(op @ (Op::Min | Op::Max), args) => {
+                let (Some(&a), Some(&b)) = (args.first(), args.get(1)) else { return flat };
+                let (ga, gb) = (of(self, &a), of(self, &b));
+                let first = self.graph.op(Op::Le, &if op == Op::Min { [a, b] } else { [b, a] });
+                self.pick(first, ga, gb)
+            }
+            Node::Op(Op::Select, args) => {
+                let (Some(&c), Some(a), Some(b)) = (args.first(), args.get(1), args.get(2)) else { return flat };
+                self.pick(c, of(self, a), of(self, b))
+            }
+            Node::Op(op, args) => {
+                let inner: SmallVec<[[NodeId; 3]; 4]> = args.iter().map(|a| of(self, a)).collect();
+                if inner.iter().all(|g| *g == flat) {
+                    return flat;
+                }
+                let partials = kernel::partials(self.graph, op, &args, id);
+                self.chain_rule(&partials, &inner)
+            }
+            Node::Call(shape, Function::Field, args) => {
+                let inner: SmallVec<[[NodeId; 3]; 4]> = args.iter().map(|a| of(self, a)).collect();
+                if inner.iter().skip(3).all(|g| *g == flat) {
+                    let partials = [0, 1, 2].map(|i| self.graph.call(shape, Function::Gradient(i), &args));
+                    return self.chain_rule(&partials, &inner);
+                }
+                // A variable moves too: the formula is opened here.
+                let Some(value) = self.graph.shape(shape).map(|s| s.value) else { return flat };
+                let opened = self.graph.open(shape, value, &args);
+                self.gradient(opened)
+            }
+            Node::Claim(args, _) => args.first().map_or(flat, |a| of(self, a)),
+            _ => flat,
+        }
     }
 
     pub(super) fn pick(&mut self, condition: NodeId, a: [NodeId; 3], b: [NodeId; 3]) -> [NodeId; 3] {

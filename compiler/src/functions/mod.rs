@@ -229,6 +229,8 @@ pub struct Builder<'a> {
     pub kind: Kind,
     /// Whether what can't be proven is an error.
     strict: bool,
+    /// Gradients of nodes by the point of their space, as far as they were asked for.
+    slopes: Vec<Option<[NodeId; 3]>>,
     surfaces: FxHashMap<NodeId, Option<Look>>,
     looks: FxHashMap<NodeId, surface::Looks>,
 }
@@ -263,21 +265,23 @@ pub fn build(
     strict: bool,
     searches: Vec<Option<Search>>,
 ) -> (Functions, Summary, Vec<Diagnostic>) {
+    let shapes = graph.shapes().len();
     let mut builder = Builder {
         graph,
         facts,
         root,
         extent: blocks.extent,
-        domains: FxHashMap::default(),
+        domains: with_room(shapes),
         treatments: FxHashMap::default(),
         regions: FxHashMap::default(),
         cuts: FxHashMap::default(),
         rough: FxHashMap::default(),
         crowded: None,
-        built: Functions { searches, ..Functions::default() },
+        built: Functions { searches, formulas: with_room(6 * shapes), ..Functions::default() },
         diagnostics: Vec::new(),
         kind: Kind::Exact,
         strict,
+        slopes: Vec::new(),
         surfaces: FxHashMap::default(),
         looks: FxHashMap::default(),
     };
@@ -309,6 +313,10 @@ pub fn build(
     builder.built.solids = builder.facts.known_solids().clone();
     let summary = builder.summary();
     (builder.built, summary, builder.diagnostics)
+}
+
+fn with_room<K, V>(count: usize) -> FxHashMap<K, V> {
+    FxHashMap::with_capacity_and_hasher(count, Default::default())
 }
 
 /// Where a scene is asked for: the cube of its extent, and the point of the scene within it.

@@ -14,7 +14,12 @@ const SHORT: usize = 64;
 impl Graph {
     /// Every node that the roots need, arguments before the nodes that use them, each once. Calls are not entered.
     pub fn reachable(&self, roots: &[NodeId]) -> Vec<NodeId> {
-        self.needed(roots, |id| self.arguments(id), |_| true)
+        self.reachable_among(roots, |_| true)
+    }
+
+    /// The same without the arguments that are not `wanted`, and what only they need.
+    pub fn reachable_among(&self, roots: &[NodeId], wanted: impl Fn(NodeId) -> bool) -> Vec<NodeId> {
+        self.needed(roots, |id| self.arguments(id), wanted)
     }
 
     /// Every node that the values of the roots are computed from, in the same order: without what claims speak of.
@@ -33,7 +38,7 @@ impl Graph {
     /// The same without what calls no shape.
     pub fn calling(&self, roots: &[NodeId]) -> Vec<NodeId> {
         let roots: SmallVec<[NodeId; 4]> = roots.iter().copied().filter(|r| self.reads(*r).shapes).collect();
-        self.needed(&roots, |id| self.arguments(id), |id| self.reads(id).shapes)
+        self.reachable_among(&roots, |id| self.reads(id).shapes)
     }
 
     /// The roots and what is inside of them, without what is not `wanted`.
@@ -57,13 +62,17 @@ impl Graph {
                 &mut long
             }
         };
-        let mark = |marked: &mut [u64], id: NodeId| {
+        // How many are marked and not yet looked at.
+        let mut open = 0u32;
+        let mark = |marked: &mut [u64], open: &mut u32, id: NodeId| {
             if let Some(word) = marked.get_mut(id.0 as usize / 64) {
-                *word |= 1 << (id.0 % 64);
+                let bit = 1 << (id.0 % 64);
+                *open += u32::from(*word & bit == 0);
+                *word |= bit;
             }
         };
         for &root in roots {
-            mark(marked, root);
+            mark(marked, &mut open, root);
         }
         let mut order = Vec::with_capacity(16);
         for index in (0..marked.len()).rev() {
@@ -74,9 +83,13 @@ impl Graph {
                 below = (1 << bit) - 1;
                 let id = NodeId((index * 64) as u32 + bit);
                 order.push(id);
+                open -= 1;
                 for &argument in inside(id).iter().filter(|a| wanted(**a)) {
-                    mark(marked, argument);
+                    mark(marked, &mut open, argument);
                 }
+            }
+            if open == 0 {
+                break;
             }
         }
         order.reverse();
@@ -175,7 +188,7 @@ impl Graph {
         if roots.iter().all(|&r| self.reads(r).nothing()) {
             return roots.to_vec();
         }
-        let order = self.needed(roots, |id| self.arguments(id), |id| !self.reads(id).nothing());
+        let order = self.reachable_among(roots, |id| !self.reads(id).nothing());
         self.rewrite(&order, roots, |leaf| match leaf {
             Leaf::P(i) => args.get(i as usize).copied(),
             Leaf::Variable(v) => {

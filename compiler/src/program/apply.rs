@@ -75,19 +75,19 @@ impl Elaborator<'_> {
             FunctionKind::Blend => in_formula.clone(),
             FunctionKind::Fn | FunctionKind::Shape | FunctionKind::Shape2 => None,
         };
-        let mut values = Vec::new();
-        let mut places = Vec::new();
+        let mut values = Vec::with_capacity(args.len());
+        let mut places = Vec::with_capacity(args.len());
         for (parameter, arg) in function.parameters.iter().zip(args) {
-            places.push(match &arg {
-                Some(bound) => (bound.span, bound.parts.clone()),
-                None => (span, Vec::new()),
-            });
             let value = match (arg, &parameter.default) {
-                (Some(bound), _) => bound.value,
+                (Some(bound), _) => {
+                    places.push((bound.span, bound.parts));
+                    bound.value
+                }
                 (None, Some(default)) => {
                     let is_field = matches!(parameter.ty, Some((Type::Field, _)));
                     let place = if is_field { env.at(point.clone()) } else { env.clone() };
                     let value = self.expression(default, &place)?;
+                    places.push((span, Vec::new()));
                     match &parameter.ty {
                         Some((ty, _)) => self.coerce(value, ty, default.span, &place)?,
                         None => value,

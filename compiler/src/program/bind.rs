@@ -1,6 +1,6 @@
 //! How arguments meet parameters: by place or name, one by one or a vector at once, and within what the documentation requires.
 
-use super::load::ItemRef;
+use super::load::{ItemRef, prelude_items};
 use super::value::{type_words, Value};
 use super::blocks::short;
 use super::{Elaborated, Elaborator, Env, Stop};
@@ -10,7 +10,7 @@ use crate::graph::NodeId;
 use crate::source::Span;
 use crate::syntax::ast::{self, Argument, Expr, ExprKind, Parameter, Type, UnaryOp};
 use crate::syntax::words::nearest;
-use std::rc::Rc;
+use std::sync::LazyLock;
 
 /// A condition on an argument, from a `Requires:` line of its documentation.
 #[derive(Clone, Debug)]
@@ -19,6 +19,12 @@ pub struct Requirement {
     relation: String,
     bound: f64,
 }
+
+/// The conditions of each item of the prelude, read once as its texts are.
+static REQUIREMENTS: LazyLock<Vec<Vec<Requirement>>> = LazyLock::new(|| {
+    let docs = prelude_items().iter().map(|i| i.doc.as_deref().unwrap_or(""));
+    docs.map(parse_requirements).collect()
+});
 
 /// Where a live value must be above a limit, it is kept so far above it.
 const LEAST: f64 = 1e-5;
@@ -277,16 +283,7 @@ impl Elaborator<'_> {
         if !self.modules.is_prelude(item.module) {
             return Ok(kept);
         }
-        let requirements = match self.requirements.get(&item) {
-            Some(known) => known.clone(),
-            None => {
-                let doc = self.modules.item(item).and_then(|i| i.doc.as_deref()).unwrap_or("");
-                let parsed: Rc<[Requirement]> = parse_requirements(doc).into();
-                self.requirements.insert(item, parsed.clone());
-                parsed
-            }
-        };
-        for requirement in requirements.iter() {
+        for requirement in REQUIREMENTS.get(item.item).into_iter().flatten() {
             let (wanted, of_count) = match requirement.parameter.strip_suffix(".count") {
                 Some(list) => (list, true),
                 None => (requirement.parameter.as_str(), false),

@@ -7,6 +7,8 @@ use crate::diagnostic::Code;
 use crate::graph::kernel::{Op, KERNEL};
 use crate::graph::{NodeId, NodeList, ShapeId};
 use crate::source::Span;
+use rustc_hash::FxHashSet;
+use std::sync::LazyLock;
 
 /// Names that can be called and are not declared in the prelude.
 pub const FUNCTIONS: &[&str] = &[
@@ -23,7 +25,8 @@ pub const NAMES: &[&str] =
 
 /// Whether a name can be called without being declared.
 pub fn is_function(name: &str) -> bool {
-    FUNCTIONS.contains(&name)
+    static SET: LazyLock<FxHashSet<&str>> = LazyLock::new(|| FUNCTIONS.iter().copied().collect());
+    SET.contains(name)
 }
 
 impl Elaborator<'_> {

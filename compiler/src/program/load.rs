@@ -40,6 +40,11 @@ static PRELUDE_TREE: LazyLock<(Sources, Arc<Module>, Vec<Diagnostic>)> = LazyLoc
     (sources, Arc::new(module), diagnostics)
 });
 
+/// The declarations of the prelude: the items of its module.
+pub fn prelude_items() -> &'static [Item] {
+    &PRELUDE_TREE.1.ast.items
+}
+
 /// A declaration: which text, and which of its items.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ItemRef {
