@@ -27,6 +27,7 @@ pub use domain::{Box3, Domain, Key};
 use dual::Dual;
 use memory::{Content, Memory};
 use rustc_hash::{FxHashMap, FxHashSet};
+use smallvec::SmallVec;
 use std::rc::Rc;
 use tape::Tape;
 
@@ -189,6 +190,19 @@ impl Facts {
     pub fn range(&mut self, graph: &Graph, node: NodeId, domain: &Domain) -> Interval {
         let tape = self.tape(graph, node);
         self.ranges_of(graph, &tape, domain).last().copied().unwrap_or(Interval::ALL)
+    }
+
+    /// The same, at once where the node is made of few others.
+    pub fn near_range(&mut self, graph: &Graph, node: NodeId, domain: &Domain, depth: u32) -> Interval {
+        match graph.node(node) {
+            Node::Constant(bits) => Interval::point(f64::from_bits(*bits)),
+            Node::Leaf(leaf) => leaf_range(graph, &self.pinned, *leaf, domain),
+            Node::Op(op, args) if depth > 0 => {
+                let args: SmallVec<[Interval; 4]> = args.iter().map(|&a| self.near_range(graph, a, domain, depth - 1)).collect();
+                kernel::interval(*op, &args)
+            }
+            _ => self.range(graph, node, domain),
+        }
     }
 
     /// The range of every step of a tape over a domain.

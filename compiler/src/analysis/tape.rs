@@ -4,6 +4,7 @@ use crate::graph::algebra::Algebra;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Graph, Leaf, Node, NodeId, ShapeId};
 use smallvec::SmallVec;
+use std::cell::OnceCell;
 
 /// Earlier steps that a step needs: a few.
 pub type Steps = SmallVec<[usize; 4]>;
@@ -31,8 +32,14 @@ pub struct Tape {
     /// The node that each step computes.
     pub nodes: Vec<NodeId>,
     roots: Steps,
+    /// Found when they are first asked for: who only wants ranges has no use for them.
+    kinks: OnceCell<Kinks>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Kinks {
     /// Steps with a kink of which each side is worth a look by itself.
-    kinks: Vec<bool>,
+    steps: Vec<bool>,
     /// Coordinates that only `abs` reads: one half of the axis stands for both.
     mirrored: [bool; 3],
 }
@@ -56,14 +63,16 @@ impl Tape {
             })
             .collect();
         let roots = roots.iter().map(at).collect();
-        let mut tape = Self { steps, nodes, roots, kinks: Vec::new(), mirrored: [false; 3] };
-        tape.find_kinks();
-        tape
+        Self { steps, nodes, roots, kinks: OnceCell::new() }
+    }
+
+    fn kinks(&self) -> &Kinks {
+        self.kinks.get_or_init(|| self.find_kinks())
     }
 
     /// A kink whose result goes through nothing but `min`, `max` and their like to the only root needs no look at each side: the constant is
     /// the larger one. Below a claim it is the claim that counts.
-    fn find_kinks(&mut self) {
+    fn find_kinks(&self) -> Kinks {
         #[derive(Clone, Copy, PartialEq, PartialOrd)]
         enum State {
             Quiet,
@@ -107,22 +116,23 @@ impl Tape {
                 }
             }
         }
+        let mut mirrored = [false; 3];
         for step in &self.steps {
             if let Step::Op(Op::Abs, args) = step
                 && let Some(&a) = args.first()
                 && let Some(Step::Leaf(Leaf::P(i))) = self.steps.get(a)
                 && users.get(a) == Some(&1)
-                && let Some(slot) = self.mirrored.get_mut(usize::from(*i))
+                && let Some(slot) = mirrored.get_mut(usize::from(*i))
             {
                 *slot = true;
             }
         }
-        self.kinks = kinks;
+        Kinks { steps: kinks, mirrored }
     }
 
     /// Whether a step has a kink of which each side is worth a look by itself.
     pub fn is_kink(&self, step: usize) -> bool {
-        self.kinks.get(step).copied().unwrap_or(false)
+        self.kinks().steps.get(step).copied().unwrap_or(false)
     }
 
     /// Of a root of a length of squares, which is the root of a sum of fourth powers, or eighth powers and so on: what is raised.
@@ -142,12 +152,13 @@ impl Tape {
 
     /// Whether a coordinate is read by one `abs` alone.
     pub fn is_mirrored(&self, coordinate: u8) -> bool {
-        self.mirrored.get(usize::from(coordinate)).copied().unwrap_or(false)
+        self.kinks().mirrored.get(usize::from(coordinate)).copied().unwrap_or(false)
     }
 
     /// The same tape, of which it is not known that coordinates are read by one `abs` alone.
     pub fn unmirrored(&self) -> Tape {
-        Tape { mirrored: [false; 3], ..self.clone() }
+        let kinks = Kinks { mirrored: [false; 3], ..self.kinks().clone() };
+        Tape { kinks: kinks.into(), ..self.clone() }
     }
 
     /// Whether any step reads a coordinate.

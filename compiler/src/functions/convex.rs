@@ -59,7 +59,7 @@ impl Builder<'_> {
         let mut parts: FxHashMap<ShapeId, usize> = FxHashMap::default();
         let shapes: Vec<(ShapeId, NodeId)> = self.graph.shapes().map(|(id, s)| (id, s.value)).collect();
         for (shape, value) in shapes {
-            let inner = self.calls(&[value]).into_iter().map(|(inner, _)| parts.get(&inner).copied().unwrap_or(1));
+            let inner = self.calls(&[value]).map(|(inner, _)| parts.get(&inner).copied().unwrap_or(1));
             let sum = inner.fold(0usize, usize::saturating_add);
             parts.insert(shape, sum.max(1));
         }

@@ -1,7 +1,6 @@
 //! Where a shape is asked for its value: the domain of every shape, and the region that holds the solid of a formula.
 
 use super::{BUDGET, Builder, Cut, GENTLE, LONG, Narrowed, STEEPEST, UNIT, whole_scene};
-use crate::analysis::tape::Tape;
 use crate::analysis::{Box3, Constant, Domain};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -13,6 +12,8 @@ use smallvec::SmallVec;
 const MILD: f64 = 2.0;
 /// A constant beyond this is that of something wild.
 pub(super) const STEEP: f64 = 16.0;
+/// Where a shape is asked is found without a tape, as far as it takes no more operations within each other.
+const NEAR: u32 = 3;
 /// How many times as many boxes a constant may cost where conditions leave something out.
 pub(super) const LONGER: usize = 16;
 
@@ -27,7 +28,7 @@ impl Builder<'_> {
             at += 1;
             let Some(s) = self.graph.shape(shape) else { continue };
             let masks = s.paints.iter().map(|(m, _)| *m);
-            let inner = self.calls(&[s.value]).into_iter().map(|(s, _)| s).chain(masks);
+            let inner = self.calls(&[s.value]).map(|(s, _)| s).chain(masks);
             for shape in inner.collect::<Vec<_>>() {
                 if seen.insert(shape) {
                     order.push(shape);
@@ -95,12 +96,8 @@ impl Builder<'_> {
             })
             .collect();
         // What is made of the calls does not matter, where they ask does.
-        let asked: Vec<NodeId> = calls.iter().flat_map(|(_, args)| args.iter().copied()).collect();
-        let tape = Tape::new(self.graph, &asked);
-        let ranges = self.facts.ranges_of(self.graph, &tape, domain);
-        let mut roots = tape.roots().map(|step| ranges.get(step).copied().unwrap_or(Interval::ALL));
         for (inner, args) in calls {
-            let ranges: SmallVec<[Interval; 4]> = roots.by_ref().take(args.len()).collect();
+            let ranges: SmallVec<[Interval; 4]> = args.iter().map(|&a| self.facts.near_range(self.graph, a, domain, NEAR)).collect();
             let variables = self.graph.shape(inner).map(|s| s.variables.clone()).unwrap_or_default();
             let mut own = crate::analysis::call_domain(&variables, &ranges);
             own.narrowed = domain.narrowed;

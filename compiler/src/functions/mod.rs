@@ -298,7 +298,7 @@ pub fn build(
     builder.build_meshes(&blocks.meshes);
     let surfaces = builder.built.meshes.iter().chain([&builder.built.surface]);
     let surface_nodes: Vec<NodeId> = surfaces.flat_map(|s| s.look().into_iter().chain(s.layer_nodes())).collect();
-    let asked = builder.calls(&surface_nodes);
+    let asked: Vec<_> = builder.calls(&surface_nodes).collect();
     functions.extend(&asked);
     while let Some((shape, function)) = functions.pop() {
         if builder.built.formulas.contains_key(&(shape, function)) {
@@ -346,15 +346,11 @@ impl Kind {
 }
 
 impl Builder<'_> {
-    fn calls(&self, roots: &[NodeId]) -> Vec<(ShapeId, Function)> {
-        self.graph
-            .calling(roots)
-            .into_iter()
-            .filter_map(|id| match self.graph.node(id) {
-                Node::Call(shape, function, _) => Some((*shape, *function)),
-                _ => None,
-            })
-            .collect()
+    fn calls(&self, roots: &[NodeId]) -> impl Iterator<Item = (ShapeId, Function)> + use<'_> {
+        self.graph.calling(roots).into_iter().filter_map(|id| match self.graph.node(id) {
+            Node::Call(shape, function, _) => Some((*shape, *function)),
+            _ => None,
+        })
     }
 
     fn summary(&mut self) -> Summary {
@@ -368,9 +364,8 @@ impl Builder<'_> {
                 continue;
             }
             values.push(s.value);
-            let inner = self.calls(&[s.value]);
-            primitives += usize::from(inner.is_empty() && self.graph.as_constant(s.value).is_none());
-            shapes.extend(inner.into_iter().map(|(s, _)| s));
+            primitives += usize::from(!self.graph.reads(s.value).shapes && self.graph.as_constant(s.value).is_none());
+            shapes.extend(self.calls(&[s.value]).map(|(s, _)| s));
         }
         let factor = self.graph.factors.iter().map(|f| f.lipschitz).fold(1.0, f64::max);
         // Who writes `nothing` means it: there may be meshes.
