@@ -3,6 +3,7 @@
 mod methods;
 mod plot;
 mod report;
+mod silhouette;
 pub mod truth;
 
 use crate::command::bar::LateBar;

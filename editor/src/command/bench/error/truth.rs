@@ -1,5 +1,6 @@
 //! What is certain of each pixel, and how far a tracer's answer is from it.
 
+use super::silhouette;
 use rayon::prelude::*;
 use surefoot_compiler::certify::{Hit, Truth};
 use surefoot_compiler::compiled::{Camera, Compiled, Frame, Live, UniformSource};
@@ -66,7 +67,7 @@ pub struct View {
     /// The same in 64 bits.
     pub rays: Vec<Ray>,
     pixels: Vec<Pixel>,
-    /// Whether the surface ends, or nearly does, within a pixel.
+    /// Whether the surface ends, or nearly does, within a pixel, or the ray nearly touches it on its way.
     pub silhouette: Vec<bool>,
 }
 
@@ -128,7 +129,11 @@ impl View {
         let places = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
         let aimed: Vec<(Vec3, Vec3)> = places.map(|at| (camera.eye, basis.direction(at, size))).collect();
         let mut view = Self::aimed(scene, live, &aimed, size, basis.footprint(size.1), boxes, progress)?;
-        view.silhouette = silhouettes(&view.pixels, size, basis.footprint(size.1));
+        let reference = Reference::new(scene, live).map_err(|e| e.to_string())?;
+        let footprint = basis.footprint(size.1);
+        let beside = silhouette::beside(&view.pixels, size, footprint);
+        let touching = silhouette::touching(&reference, &view.rays, &view.pixels, footprint);
+        view.silhouette = beside.into_iter().zip(touching).map(|(a, b)| a || b).collect();
         Ok(view)
     }
 
@@ -256,32 +261,6 @@ fn unit_all(vectors: Vec<Vec3>) -> Vec<Vec3> {
         .map(|v| {
             let size = length(v).max(1e-30);
             v.map(|c| c / size)
-        })
-        .collect()
-}
-
-/// Pixels beside one of another kind, or beside a depth that the surface here does not lead to.
-fn silhouettes(pixels: &[Pixel], size: (u32, u32), footprint: f64) -> Vec<bool> {
-    let (width, height) = (size.0 as i64, size.1 as i64);
-    let apart = |a: Pixel, b: Pixel| match (a, b) {
-        (Pixel::Hit { t, facing, .. }, Pixel::Hit { t: u, facing: other, .. }) => {
-            let lean = |facing: f64| (1.0 - facing * facing).max(0.0).sqrt() / facing.max(1e-3);
-            // What two planes with these normals differ by over the diagonal of a pixel, and as much again.
-            (t - u).abs() > footprint * t.max(u) * (3.0 * (lean(facing) + lean(other)) + 1.0)
-        }
-        (Pixel::Miss, Pixel::Miss) => false,
-        _ => true,
-    };
-    (0..height)
-        .flat_map(|y| (0..width).map(move |x| (x, y)))
-        .map(|(x, y)| {
-            let at = |x: i64, y: i64| {
-                let inside = x >= 0 && y >= 0 && x < width && y < height;
-                inside.then(|| pixels[(y * width + x) as usize])
-            };
-            let Some(own) = at(x, y) else { return false };
-            let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
-            around.into_iter().any(|(dx, dy)| at(x + dx, y + dy).is_some_and(|other| apart(own, other)))
         })
         .collect()
 }
