@@ -123,8 +123,8 @@ pub fn write_page(file: &Path, curves: &Path, adapter: &str, args: &Args, scenes
          Written by `surefoot {command}` on {adapter}: {}×{} pixels, {} views of each scene around what its camera looks at, medians of {} \
          rounds in which the methods take turns.\n\n\
          What each ray meets is certified in intervals first. *Missed* pixels are those whose ray surely hits, and does not; *false* ones \
-         surely miss, and hit; *inside* are hits deeper in the solid than half a pixel. Silhouettes, where the neighbour meets something \
-         else, are not judged. Depth is the error along the ray in widths of a pixel, the normal's is in degrees, both at the 99th percentile. \
+         surely miss, and hit; *inside* are hits deeper in the solid than half a pixel. Silhouettes are not judged: the neighbour meets \
+         something else, or the ray passes a surface within a pixel's width before it meets one. Depth is the error along the ray in widths of a pixel, the normal's is in degrees, both at the 99th percentile. \
          Operations are those of the formulas, for each ray.\n\n\
          All methods stop as near to the surface as ours, so that a ratio compares what comes to about the same, but for *half-pixel* and *fixed*: \
          the first is auto-relaxation as it is published, which stops half a pixel before the surface, takes fewer looks for that, and errs by as much as its \
