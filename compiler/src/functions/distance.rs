@@ -15,7 +15,7 @@ const FLAT: f64 = 0.99;
 
 /// Up to this part of the scene's extent the estimate looks twice; a wider extent than this holds what stands around a scene.
 const CLOSE: f64 = 0.003;
-const WIDE: f64 = 30.0;
+const WIDE: f64 = 20.0;
 
 /// How much of its first way the second look goes, and by how much it may shorten it.
 const MOST: f64 = 0.75;
