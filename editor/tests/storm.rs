@@ -166,7 +166,13 @@ fn a_thousand_saves_in_ten_seconds() {
     // And at the end it is the right one.
     for (name, last, right) in [("last", SAVES + 1, &blue_ball), ("very-last", SAVES + 2, &red_ball)] {
         fs::write(window.scene(), scene(last)).unwrap();
-        let screen = settled(&window, name, if last % 2 == 0 { red } else { blue });
+        let mut screen = settled(&window, name, if last % 2 == 0 { red } else { blue });
+        // A busy machine takes a while to finish its edges.
+        let start = Instant::now();
+        while strange(&screen, &[right], UNFINISHED) > 0.0 && start.elapsed() < Duration::from_secs(10) {
+            sleep(Duration::from_millis(300));
+            screen = window.screen(name);
+        }
         let strange = strange(&screen, &[right], UNFINISHED);
         assert!(strange == 0.0, "{name}: {:.2} % are of another picture", 100.0 * strange);
     }
