@@ -24,6 +24,8 @@ pub struct Arms {
     blocks: Vec<Block>,
     /// By expression.
     places: Vec<BlockId>,
+    /// The arms that are kept: few, while every expression is asked for its own.
+    branches: Vec<((ExprId, u8), BlockId)>,
 }
 
 /// Whether an expression takes one of two values by a condition that is one for all components.
@@ -40,7 +42,7 @@ impl Arms {
         }
         const NEW: BlockId = BlockId::MAX;
         let function = Block { parent: 0, arm: (0, 0), cost: 0, kept: true };
-        let mut arms = Self { blocks: vec![function], places: vec![NEW; body.len()] };
+        let mut arms = Self { blocks: vec![function], places: vec![NEW; body.len()], branches: Vec::new() };
         if let Some(root) = order.last().and_then(|&root| arms.places.get_mut(root as usize)) {
             *root = 0;
         }
@@ -77,6 +79,8 @@ impl Arms {
                 around.cost += cost;
             }
         }
+        let kept = (0..).zip(&arms.blocks).skip(1).filter(|(_, block)| block.kept);
+        arms.branches = kept.map(|(i, block)| (block.arm, i)).collect();
         for i in 0..arms.places.len() {
             let kept = arms.places.get(i).map_or(0, |&p| arms.kept(p));
             arms.places.get_mut(i).into_iter().for_each(|place| *place = kept);
@@ -91,13 +95,12 @@ impl Arms {
 
     /// The branch in which an argument of a choice is computed, if it has one.
     pub fn branch(&self, choice: ExprId, argument: u8) -> Option<BlockId> {
-        let found = self.blocks.iter().position(|b| b.kept && b.arm == (choice, argument))?;
-        (found > 0).then_some(found as BlockId)
+        self.branches.iter().find(|(arm, _)| *arm == (choice, argument)).map(|(_, block)| *block)
     }
 
     /// Whether there is a branch at all.
     pub fn any(&self) -> bool {
-        self.blocks.iter().skip(1).any(|b| b.kept)
+        !self.branches.is_empty()
     }
 
     fn parent(&self, block: BlockId) -> BlockId {
