@@ -66,6 +66,17 @@ fn no_factor_is_below_a_sample_and_most_are_near_to_it() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// In distance and angle a formula of an angle is searched with few boxes: in x and y a hundred times as many left more.
+#[test]
+fn formulas_of_an_angle_are_tight_within_an_edit() {
+    for name in ["polar_waves", "shell_spiral", "superformula"] {
+        let path = format!("{}/../tests/corpus/formulas/{name}.sdf", env!("CARGO_MANIFEST_DIR"));
+        let scene = compile(&Disk, &path, &Options::default()).compiled.unwrap_or_else(|| panic!("{name}"));
+        let (sampled, found) = (scene.sampled_factor(0, 2048), scene.tighten(0, 16_384));
+        assert!(sampled <= found * (1.0 + 1e-9) && found < 1.05 * sampled, "{name}: sampled {sampled}, found {found}");
+    }
+}
+
 /// Half a period is enough where the other half is the same but for its sign, and only there.
 #[test]
 fn half_a_period_hides_nothing() {

@@ -2,6 +2,7 @@
 
 use super::tape::Tape;
 use super::region::shift_along;
+use super::polar::Polar;
 use super::{Box3, Domain, Facts, branches, dual, leaf_dual, period};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -48,11 +49,22 @@ impl Facts {
             0 | 1 => budget,
             _ => budget.min((self.steps / self.weight(graph, node).max(1)).max(8)),
         };
-        let search = |facts: &mut Self| {
-            facts.supremum(graph, &tape, domain, budget, |facts, d| {
+        let search = |facts: &mut Self| match Polar::of(&tape, domain.point).filter(|_| budget > 1) {
+            Some(polar) => {
+                let whole = facts.dual_of(graph, &tape, domain).0.norm;
+                let found = facts.supremum(graph, &polar.tape, &polar.domain(domain), Some(&polar), budget, |facts, d| {
+                    let pinned = facts.pinned.clone();
+                    let leaf = |leaf| polar.leaf(graph, &pinned, leaf, d);
+                    let (dual, runs) = dual::hull_of_pieces(facts, graph, &polar.tape, &leaf);
+                    facts.boxes += runs as u64;
+                    Norm { norm: dual.norm, jumps: dual.jumps != 0, runs }
+                });
+                Constant { lipschitz: found.lipschitz.min(whole), ..found }
+            }
+            None => facts.supremum(graph, &tape, domain, None, budget, |facts, d| {
                 let (dual, runs) = facts.dual_of(graph, &tape, d);
                 Norm { norm: dual.norm, jumps: dual.jumps != 0, runs }
-            })
+            }),
         };
         if budget > 1 { self.remembered_constant(graph, &[node], domain, budget, search) } else { search(self) }
     }
@@ -118,7 +130,7 @@ impl Facts {
         let rows: Vec<usize> = tape.roots().collect();
         let budget = budget.min((self.steps / tape.steps.len().max(1)).max(8));
         let search = |facts: &mut Self| {
-            facts.supremum(graph, &tape, domain, budget, |facts, d| {
+            facts.supremum(graph, &tape, domain, None, budget, |facts, d| {
                 let mut norm = Norm { norm: 0.0, jumps: false, runs: 0 };
                 let pinned = facts.pinned.clone();
                 let leaf = |leaf| leaf_dual(graph, &pinned, leaf, d);
@@ -166,12 +178,14 @@ impl Facts {
         (a.is_finite() && !change.jumps).then(|| a / 2.0 + (1.0 + a * a / 4.0).sqrt())
     }
 
-    /// The largest of `norm` over a domain, the worst box split again and again.
+    /// The largest of `norm` over a domain, the worst box split again and again. `polar`: where two of the domain's coordinates are
+    /// distance and angle.
     fn supremum(
         &mut self,
         graph: &Graph,
         tape: &Tape,
         domain: &Domain,
+        polar: Option<&Polar>,
         budget: usize,
         norm: impl Fn(&mut Self, &Domain) -> Norm,
     ) -> Constant {
@@ -183,9 +197,10 @@ impl Facts {
         let conditions: Vec<_> = domain.within.iter().map(|(node, level)| (self.tape(graph, *node), *level)).collect();
         let axes: Vec<usize> = (0..3).filter(|&i| tape.reads(i) || conditions.iter().any(|(c, _)| c.reads(i))).collect();
         let beyond = |facts: &mut Self, part: &Box3| {
-            let here = domain.at(*part);
+            let Some(place) = polar.map_or(Some(*part), |polar| polar.place(part)) else { return true };
+            let here = domain.at(place);
             let above = |range: Option<&Interval>, level: f64| range.is_some_and(|r| r.lo > level);
-            domain.leaves_out(part) || conditions.iter().any(|(tape, level)| above(facts.ranges_of(graph, tape, &here).last(), *level))
+            domain.leaves_out(&place) || conditions.iter().any(|(tape, level)| above(facts.ranges_of(graph, tape, &here).last(), *level))
         };
         let mut point = period::one_period(tape, domain.point);
         // What a condition tells of one period it does not tell of the others.
@@ -199,7 +214,7 @@ impl Facts {
             return Constant { lipschitz: first.norm, jumps: first.jumps };
         }
         let mut used = first.runs;
-        // An axis that does not matter for the whole box is split later than the others.
+        // An axis that does not matter for the whole box, or for a condition alone, is split later than the others.
         let mut weights = [1.0; 3];
         for &i in &axes {
             let side = domain.point.axis(i);
@@ -207,9 +222,12 @@ impl Facts {
                 continue;
             }
             let flat = domain.point.with_axis(i, Interval::point(side.lo + 0.4837 * side.width()));
-            let without = norm(self, &domain.at(flat));
-            used += without.runs;
-            if let (Some(weight), true) = (weights.get_mut(i), without.norm >= 0.999 * first.norm) {
+            let idle = !tape.reads(i) || first.norm.is_finite() && {
+                let without = norm(self, &domain.at(flat));
+                used += without.runs;
+                without.norm >= 0.999 * first.norm
+            };
+            if let (Some(weight), true) = (weights.get_mut(i), idle) {
                 *weight = IDLE;
             }
         }
@@ -223,7 +241,8 @@ impl Facts {
                 open.push(worst);
                 break;
             }
-            let width = |i: &usize| breadth(worst.region.axis(*i)) * weights.get(*i).copied().unwrap_or(1.0);
+            let bent = |i: usize| polar.map_or(1.0, |polar| polar.weight(&worst.region, i));
+            let width = |i: &usize| breadth(worst.region.axis(*i)) * bent(*i) * weights.get(*i).copied().unwrap_or(1.0);
             let Some(&widest) = axes.iter().max_by(|a, b| width(a).total_cmp(&width(b))) else { break };
             // Not the middle itself, where what is symmetric has its kinks.
             let inside = Box3(worst.region.0.map(|i| Interval::point(if i.is_finite() { i.lo + 0.4837 * i.width() } else { i.middle() })));

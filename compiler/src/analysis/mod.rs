@@ -11,6 +11,7 @@ pub mod joined;
 mod matrix;
 pub mod memory;
 pub mod period;
+mod polar;
 pub mod region;
 pub mod search;
 pub mod steep;
