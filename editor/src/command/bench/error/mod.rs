@@ -18,7 +18,7 @@ use surefoot_compiler::reference::Reference;
 use surefoot_compiler::{Export, Options};
 use surefoot_runtime::Gpu;
 use surefoot_runtime::passes::rays::{Follower, Rays};
-use truth::{Answer, BOXES, Errors, View};
+use truth::{Answer, BOXES, Errors, Unknown, View};
 
 /// How scenes are measured.
 #[derive(Debug, clap::Args)]
@@ -86,6 +86,8 @@ pub struct Scene {
     pub factor: f64,
     /// Methods in their order.
     pub rows: Vec<Row>,
+    /// Pixels of which it is not certain what they show.
+    pub unknown: Vec<Unknown>,
     /// Methods that the scene does not allow, and why.
     pub left_out: Vec<(String, String)>,
 }
@@ -133,7 +135,8 @@ const EXPORTS: [Export; 5] = [Export::Field, Export::Bound, Export::Distance, Ex
 
 fn measure(gpu: &Gpu, path: &str, scene: &Compiled, args: &Args, show: &(dyn Fn(f64) + Sync)) -> Result<Scene, String> {
     let live = scene.live();
-    let cameras = truth::cameras(&scene.frame(&live), args.views);
+    let reference = Reference::new(scene, &live).map_err(|e| e.to_string())?;
+    let cameras = truth::cameras(&scene.frame(&live), reference.field(), args.views);
     let (done, all) = (AtomicUsize::new(0), cameras.len() * args.size.0 as usize * args.size.1 as usize);
     let progress = || {
         let done = done.fetch_add(1, Ordering::Relaxed);
@@ -156,7 +159,7 @@ fn measure(gpu: &Gpu, path: &str, scene: &Compiled, args: &Args, show: &(dyn Fn(
     if args.sweep {
         methods.extend(methods::sweep(scene));
     }
-    let reference = Reference::new(scene, &live).map_err(|e| e.to_string())?;
+    let unknown = views.iter().enumerate().flat_map(|(i, view)| view.unknown(i)).collect();
     let weights = [reference.field(), reference.bound(), reference.distance()].map(|tape| tape.operations() as f64);
     let mut rows = Vec::new();
     let mut timed: Vec<Vec<Rays>> = Vec::new();
@@ -196,7 +199,7 @@ fn measure(gpu: &Gpu, path: &str, scene: &Compiled, args: &Args, show: &(dyn Fn(
         row.time = Duration::from_secs_f64(Errors::percentile(&seconds, 50.0));
     }
     let factor = scene.graph.factors.iter().map(|f| f.lipschitz).fold(1.0, f64::max);
-    Ok(Scene { path: path.to_owned(), factor, rows, left_out })
+    Ok(Scene { path: path.to_owned(), factor, rows, unknown, left_out })
 }
 
 fn followed<'g>(

@@ -1,7 +1,7 @@
 //! The numbers as a table for people and as JSON for programs.
 
 use super::methods::METHODS;
-use super::truth::Errors;
+use super::truth::{Errors, Unknown};
 use super::{Args, Row, Scene};
 use crate::command::{Failure, page, print};
 use serde_json::{Value, json};
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub fn table(scene: &Scene) -> String {
     let pixels = scene.rows.first().map_or(String::new(), |row| {
         let e = &row.errors;
-        format!("{} pixels judged, {} silhouettes, {} unknown", e.judged, e.silhouettes, e.unknown)
+        format!("{} pixels judged, {} silhouettes, {} unknown", e.judged, e.silhouettes, scene.unknown.len())
     });
     let mut text = format!("\n{} (factor {:.3}; {pixels})\n", scene.path, scene.factor);
     text += &format!(
@@ -163,8 +163,13 @@ fn scene_json(scene: &Scene) -> Value {
         "scene": scene.path,
         "factor": scene.factor,
         "methods": scene.rows.iter().map(row_json).collect::<Vec<_>>(),
+        "unknown": scene.unknown.iter().map(unknown_json).collect::<Vec<_>>(),
         "left_out": scene.left_out.iter().map(|(method, why)| json!({ "method": method, "why": why })).collect::<Vec<_>>(),
     })
+}
+
+fn unknown_json(pixel: &Unknown) -> Value {
+    json!({ "view": pixel.view, "x": pixel.at.0, "y": pixel.at.1, "t": pixel.doubt.t, "why": pixel.doubt.why })
 }
 
 fn row_json(row: &Row) -> Value {

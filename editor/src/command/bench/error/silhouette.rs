@@ -36,7 +36,7 @@ pub fn touching(reference: &Reference, rays: &[Ray], pixels: &[Pixel], footprint
     let ends = rays.par_iter().zip(pixels).map(|(ray, pixel)| match pixel {
         Pixel::Hit { t, .. } => touches(ray, *t),
         Pixel::Miss => touches(ray, ray.t_max),
-        Pixel::Unknown => false,
+        Pixel::Unknown(_) => false,
     });
     ends.collect()
 }

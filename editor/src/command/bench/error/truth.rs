@@ -4,16 +4,19 @@ use super::silhouette;
 use rayon::prelude::*;
 use surefoot_compiler::certify::{Hit, Truth};
 use surefoot_compiler::compiled::{Camera, Compiled, Frame, Live, UniformSource};
+use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::reference::{self, Reference};
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
-use surefoot_compiler::reference::vector::{Vec3, add, dot, length, sub};
+use surefoot_compiler::reference::vector::{Vec3, add, along, dot, length, sub};
 use surefoot_runtime::passes::rays::{GpuRay, RayPicture, Traced};
 
 /// Boxes that one ray may cost.
 pub const BOXES: usize = 20_000;
 /// Normals are those of so far before the surface, times the way: on it a formula may have a kink, a box's for one, and no slope.
 const OUTSIDE: f64 = 1e-9;
+/// Places between a camera and its target where it may stand.
+const NEARER: u32 = 32;
 /// Operations of the field at most.
 const LIMIT: usize = 2_000_000;
 
@@ -31,8 +34,28 @@ pub enum Pixel {
     },
     /// It meets nothing.
     Miss,
-    /// Nobody knows: too near to touching, or too costly.
-    Unknown,
+    /// Nobody knows.
+    Unknown(Doubt),
+}
+
+/// What is not known of a pixel: nothing is met before, and here it is not certain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Doubt {
+    /// How far along the ray.
+    pub t: f64,
+    /// Why.
+    pub why: &'static str,
+}
+
+/// A pixel of which the truth is not known.
+#[derive(Clone, Copy, Debug)]
+pub struct Unknown {
+    /// Number of the view, from 0.
+    pub view: usize,
+    /// Column and row, from 0, at the upper left.
+    pub at: (u32, u32),
+    /// What is not known.
+    pub doubt: Doubt,
 }
 
 /// What a tracer answers.
@@ -102,15 +125,23 @@ pub struct Errors {
     pub rays: usize,
 }
 
-/// Cameras around what the scene's own camera looks at: the first is that camera.
-pub fn cameras(frame: &Frame, count: u32) -> Vec<Camera> {
+/// Cameras around what the scene's own camera looks at: the first is that camera. One that would stand in a solid, behind a wall perhaps,
+/// comes so much nearer that it does not; where it would have to come all the way there is no such view.
+pub fn cameras(frame: &Frame, field: &Tape, count: u32) -> Vec<Camera> {
     let Some((_, own)) = frame.cameras.first() else { return Vec::new() };
     (0..count)
-        .map(|i| {
+        .filter_map(|i| {
             let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(count)).sin_cos();
             let from: Vec3 = std::array::from_fn(|a| own.eye[a] - own.target[a]);
             let turned = [cos * from[0] + sin * from[2], from[1], cos * from[2] - sin * from[0]];
-            Camera { eye: std::array::from_fn(|a| own.target[a] + turned[a]), ..*own }
+            let places: Vec<Vec3> = (0..NEARER).map(|n| along(own.target, turned, 1.0 - f64::from(n) / f64::from(NEARER))).collect();
+            let mut outside = None;
+            field.evaluator().at(&places, &[], |n, values| {
+                if values[0] > 0.0 && outside.is_none_or(|found| n < found) {
+                    outside = Some(n);
+                }
+            });
+            Some(Camera { eye: places[outside?], ..*own })
         })
         .collect()
 }
@@ -193,12 +224,22 @@ impl View {
             .map(|((hit, ray), normal)| match *hit {
                 Hit::Hit(t) => Pixel::Hit { t, facing: dot(ray.direction, normal).abs(), normal },
                 Hit::Miss => Pixel::Miss,
-                Hit::Ambiguous(_) | Hit::Exhausted(_) => Pixel::Unknown,
+                Hit::Ambiguous(t) => Pixel::Unknown(Doubt { t, why: "ambiguous" }),
+                Hit::Exhausted(t) => Pixel::Unknown(Doubt { t, why: "too costly" }),
             })
             .collect();
         let silhouette = vec![false; pixels.len()];
         let picture = RayPicture { size, rays: gpu, origin, footprint: footprint as f32 };
         Ok(Self { picture, rays, pixels, silhouette })
+    }
+
+    /// The pixels of which the truth is not known, row by row. `view`: the number of this view.
+    pub fn unknown(&self, view: usize) -> impl Iterator<Item = Unknown> {
+        let width = self.picture.size.0.max(1);
+        self.pixels.iter().zip(0..).filter_map(move |(pixel, i): (_, u32)| match *pixel {
+            Pixel::Unknown(doubt) => Some(Unknown { view, at: (i % width, i / width), doubt }),
+            _ => None,
+        })
     }
 
     /// Judges what a tracer answered.
@@ -218,7 +259,7 @@ impl View {
             }
             let hit = answer.hit;
             match self.pixels[i] {
-                Pixel::Unknown => errors.unknown += 1,
+                Pixel::Unknown(_) => errors.unknown += 1,
                 pixel if self.silhouette[i] => {
                     errors.silhouettes += 1;
                     errors.silhouettes_apart += usize::from(hit != matches!(pixel, Pixel::Hit { .. }));
