@@ -389,6 +389,8 @@ fn bench_finds_what_steps_too_far_and_nothing_in_ours() {
     };
     assert!(of("ours", "judged") > 1000.0);
     assert_eq!((of("ours", "missed"), of("ours", "inside")), (0.0, 0.0));
+    // One more look where the line says is worth a turned normal.
+    assert!(of("ours", "normal_degrees") < 0.02 && of("no-leap", "normal_degrees") > 0.1);
     // The last half pixel costs little, and is worth it.
     assert!(of("ours", "depth_pixels") < 0.5 * of("half-pixel", "depth_pixels"));
     assert!(of("ours", "operations_per_ray") < 1.3 * of("half-pixel", "operations_per_ray"));
@@ -402,4 +404,32 @@ fn bench_finds_what_steps_too_far_and_nothing_in_ours() {
     }
     let (code, _, err) = run(&folder, &["bench", "blade.sdf", "--methods", "best"]);
     assert!(code == 2 && err.contains("ours, whole-steps"), "{err}");
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn bench_lists_what_nobody_knows_and_stands_in_no_wall() {
+    let folder = folder("bench-unknown");
+    // The second camera would stand behind the wall; nothing is certain of the skin that `a - a` leaves.
+    let scene = "camera { eye: (0.4, 1.2, 4), target: (0, 0, 0) }\nscene = (box(1) - box(1)) | sphere(0.4).translate(1, 0, 0) | plane(z, -2.5)\n";
+    std::fs::write(folder.join("skin.sdf"), scene).unwrap();
+    let args = ["bench", "skin.sdf", "--size", "32x32", "--views", "2", "--methods", "ours,no-leap", "--rounds", "1", "--json", "out.json"];
+    let (code, out, err) = run(&folder, &args);
+    if code == 3 {
+        return;
+    }
+    assert_eq!(code, 0, "{out}{err}");
+    let report: Value = serde_json::from_slice(&std::fs::read(folder.join("out.json")).unwrap()).unwrap();
+    let scene = &report["scenes"][0];
+    let unknown = scene["unknown"].as_array().unwrap();
+    let ours = &scene["methods"][0];
+    assert_eq!(unknown.len() as u64, ours["unknown"].as_u64().unwrap());
+    assert!(out.contains(&format!("{} unknown", unknown.len())), "{out}");
+    for view in [0, 1] {
+        let own = unknown.iter().filter(|u| u["view"] == view && u["why"] == "ambiguous");
+        assert!(own.clone().count() > 20, "view {view}: {unknown:?}");
+        assert!(own.into_iter().all(|u| u["x"].as_u64().unwrap() < 32 && u["t"].as_f64().unwrap() > 0.1));
+    }
+    assert_eq!((ours["missed"].as_u64(), ours["false"].as_u64()), (Some(0), Some(0)), "{out}");
+    assert!(ours["depth_pixels"]["max"].as_f64().unwrap() < 0.5, "{out}");
 }

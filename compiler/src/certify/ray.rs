@@ -23,6 +23,8 @@ pub enum Hit {
 
 /// Pieces that are looked at where a segment holds jumps.
 const PIECES: usize = 64;
+/// A segment that is shorter than this, times the largest coordinate, is short: a kink in it is worth the work.
+const SHORT_WAY: f64 = 1e-3;
 
 impl Prover<'_> {
     /// The first place with `near < t < far` where the field along `origin + t direction` changes its sign: for a ray that begins outside
@@ -58,9 +60,13 @@ impl Prover<'_> {
             if whole.jump && self.kept(&code, range, &mut { PIECES }) != 0 {
                 continue;
             }
-            let narrow = hi - lo <= 1e-10 * size(origin, direction, lo).max(1.0);
-            if narrow || self.monotone(&code, range) {
-                match (self.sign(&code, [lo]), self.sign(&code, [hi])) {
+            let scale = size(origin, direction, lo).max(1.0);
+            let narrow = hi - lo <= 1e-10 * scale;
+            let ends = (self.sign(&code, [lo]), self.sign(&code, [hi]));
+            // Kinks are taken apart where that may find a hit, or where halving has not helped.
+            let apart = ends.0 != ends.1 || hi - lo <= SHORT_WAY * scale;
+            if narrow || self.monotone(&code, range, apart) {
+                match ends {
                     (0, _) | (_, 0) if narrow => return Hit::Ambiguous(0.5 * (lo + hi)),
                     (0, _) | (_, 0) => {}
                     (before, after) if before != after => return Hit::Hit(self.crossing(&code, lo, hi, before)),
@@ -99,12 +105,15 @@ impl Prover<'_> {
         sign
     }
 
-    /// Whether the field surely rises, or surely falls, all along a segment.
-    fn monotone(&mut self, code: &Code, range: [Interval; 1]) -> bool {
+    /// Whether the field surely rises, or surely falls, all along a segment. `apart`: each side of its kinks is taken by itself.
+    fn monotone(&mut self, code: &Code, range: [Interval; 1], apart: bool) -> bool {
         let whole = forward::full(code, &Domain::new(range, None), &mut self.ray_slots);
         let turns = |[slope]: [Interval; 1]| slope.is_empty() || slope.contains(0.0);
         if whole.jump || !turns(whole.gradient) {
             return !whole.jump;
+        }
+        if !apart {
+            return false;
         }
         let mut pieces = None;
         self.ray_branches.each(code, &self.ray_slots, BRANCHES, |piece| {

@@ -13,8 +13,8 @@ pub struct Tracer {
     /// grows by [`Tracer::TIRED`], so that a ray that hardly gets on ends at the surface and not in a hole.
     pub tolerance: f64,
     /// Near a surface a ray goes straight to where the line through its last two looks is zero (but for what rounding may be), if that is at
-    /// most so many widths of a pixel ahead. There must be the surface, else it goes back; and the hit is where the line is zero then. 0
-    /// leaves both away: the hit is where the ray stopped.
+    /// most so many widths of a pixel ahead. There must be the surface, else it goes back; and the hit is where the line is zero then, looked
+    /// at once more where that is not [`Tracer::FINE`]. 0 leaves all this away: the hit is where the ray stopped.
     pub leap: f64,
     /// Looks at most.
     pub budget: u32,
@@ -29,7 +29,8 @@ impl Default for Tracer {
 impl Tracer {
     /// What modules hold.
     pub const DEFAULT: Self = Self { factor: 1.0, relaxation: 0.3, tolerance: 1.0 / 128.0, leap: 2.0, budget: 1024 };
-    /// By how much the tolerance has grown when the budget is spent, in widths of a pixel.
+    /// By how much the tolerance has grown when the budget is spent, in widths of a pixel. It grows by the square of the looks: those that
+    /// most rays take leave it as it is.
     pub const TIRED: f64 = 0.5;
     /// The slope at which a step is longest.
     pub const STEEPEST: f64 = 0.75;
@@ -43,57 +44,65 @@ impl Tracer {
     pub const FASTER: f64 = 4.0;
     /// No hit is further from where the ray stopped, in widths of a pixel.
     pub const ASIDE: f64 = 0.4;
+    /// Where the line's zero is further than this from where the ray stopped, in widths of a pixel, the ray looks there, and the hit is where
+    /// the line through that look is zero: the first line may come from a look far away, and a normal turns fast on what is small.
+    pub const FINE: f64 = 1.0 / 64.0;
     /// The bound counts as falling at least so fast along a ray, so that what is ahead is finite.
     pub const FLATTEST: f64 = 1e-4;
 
     /// The function `sf_trace`, which calls `sf_clip`, `sf_bound` and, unless that is the bound itself (`one`), `sf_distance`. The distance
-    /// is asked for outside of the loop over bounds: a machine that leads several rays in step computes what stands inside for all of them. For
-    /// the same reason little goes from one turn of the loop to the next, and nothing is computed under a condition.
+    /// is asked for outside of the loop over bounds, and hits are found there: a machine that leads several rays in step computes what stands
+    /// inside for all of them. For the same reason little goes from one turn of the loop to the next, and nothing is computed under a condition.
     pub fn wgsl(&self, one: bool) -> String {
         let Self { leap, budget, .. } = *self;
-        let aside = Self::ASIDE;
+        let (aside, fine) = (Self::ASIDE, Self::FINE);
         let indented = |lines: &[String], by: &str| -> String { lines.iter().map(|l| format!("{by}{l}\n")).collect() };
         let (look, go_on) = (self.look(one), self.go_on());
-        let (mut state, mut hit) = ("", Vec::new());
+        let (mut state, mut near, mut hit) = ("", "sf_distance(origin + direction * t) <= tolerance", vec!["break;".to_owned()]);
         if leap > 0.0 {
-            state = "  // How the bound changed over the step before, how far the surface seems to be, and whether the last step was a leap to it.
+            state = "  // How the bound changed over the step before, how far the surface seems to be, whether the last step was a leap to it, and whether
+  // it was the last of all.
   var before = -1.0;
   var ahead = 0.0;
-  var leapt = false;\n";
+  var leapt = false;
+  var last = false;\n";
+            near = "(last || sf_distance(origin + direction * t) <= tolerance)";
             hit = vec![
-                format!("let aside = {aside:?} * footprint * t;"),
-                "t = clamp(t + clamp(ahead, -aside, aside), span.x, span.y);".to_owned(),
+                format!("let most = select({aside:?} * pixel, abs(stride), last);"),
+                "let on = clamp(t + clamp(ahead, -min(most, abs(stride)), most), span.x, span.y) - t;".to_owned(),
+                "t += on;".to_owned(),
+                format!("if last || step >= {budget}u || abs(on) <= {fine:?} * pixel {{"),
+                "  break;".to_owned(),
+                "}".to_owned(),
+                "// The line may come from a look far away: one more, where it says.".to_owned(),
+                "last = true;".to_owned(),
+                "stride = on;".to_owned(),
+                "seen = free;".to_owned(),
             ];
         }
-        let search = if one {
-            let hit = if hit.is_empty() { hit } else { [vec!["if arrived {".to_owned()], inner(hit), vec!["}".to_owned()]].concat() };
-            format!("  loop {{\n{}{}  }}\n{}", indented(&look, "    "), indented(&go_on, "    "), indented(&hit, "  "))
+        let (more, arrival) = if one {
+            ("", "    if !arrived {\n      break;\n    }\n".to_owned() + &indented(&hit, "    "))
         } else {
-            format!(
-                "  // What the last look found.
-  var free = 0.0;
-  var change = -1.0;
-  var fall = 1.0;
-  var gap = false;
-  var pixel = 0.0;
-  var tolerance = 0.0;
-  loop {{
-    loop {{
-{}{}    }}
-    if arrived && sf_distance(origin + direction * t) <= tolerance {{
-{}      break;
-    }}
-    arrived = false;
-    if step >= {budget}u || (!gap && t >= span.y) {{
-      break;
-    }}
-{}  }}\n",
-                indented(&look, "      "),
-                indented(&go_on, "      "),
-                indented(&hit, "      "),
-                indented(&go_on, "    "),
-            )
+            let (hit, again) = (indented(&hit, "      "), if leap > 0.0 { "      continue;\n" } else { "" });
+            let end = format!("    arrived = false;\n    if step >= {budget}u || (!gap && t >= span.y) {{\n      break;\n    }}\n");
+            let more = "  var change = -1.0;\n  var fall = 1.0;\n  var gap = false;\n  var tolerance = 0.0;\n";
+            (more, format!("    if arrived && {near} {{\n{hit}{again}    }}\n{end}{}", indented(&go_on, "    ")))
         };
+        let search = format!(
+            "  // What the last look found.
+  var free = 0.0;
+  var pixel = 0.0;
+{more}  loop {{
+    loop {{
+{}      // The end itself is looked at before it counts as a miss.
+      if step >= {budget}u || arrived || (!gap && t >= span.y) {{
+        break;
+      }}
+{}    }}
+{arrival}  }}\n",
+            indented(&look, "      "),
+            indented(&go_on, "      "),
+        );
         format!(
             "\
 fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: f32) -> sf_Hit {{
@@ -106,8 +115,10 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
   var t = span.x;
   var step = 0u;
   var arrived = false;
-  // The last sphere known to be empty, the step from its centre, and how the bound changes along the ray as far as that is learnt.
+  // The last sphere known to be empty, the bound at its centre, the step from there, and how the bound changes along the ray as far as that
+  // is learnt.
   var radius = 0.0;
+  var seen = 0.0;
   var stride = 0.0;
   var slope = -1.0;
 {state}{search}  return sf_Hit(t, arrived, step);
@@ -116,23 +127,23 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
         )
     }
 
-    /// The lines of a look at `t`, which leave the loop where the ray may have arrived or ends. `one`: they name what they find; else that has
-    /// its names already.
+    /// The lines of a look at `t`, which say whether the ray may have arrived. `one`: they name what is asked of it
+    /// within the loop alone; else all that they find has its names already.
     fn look(&self, one: bool) -> Vec<String> {
         let Self { factor, tolerance, leap, budget, .. } = *self;
         let flattest = Self::FLATTEST;
         let (once, first) = if one { ("let ", "var ") } else { ("", "") };
         let times = if factor == 1.0 { String::new() } else { format!("{factor:?} * ") };
-        let tired = Self::TIRED / f64::from(budget);
+        let tired = Self::TIRED / f64::from(budget).powi(2);
         let mut lines = vec![
             "step += 1u;".to_owned(),
             "let rounding = 4e-7 * (size + t);".to_owned(),
-            format!("{once}pixel = footprint * t;"),
-            format!("{once}tolerance = max(({tolerance:?} + {tired:?} * f32(step)) * pixel, rounding);"),
-            format!("{once}free = {times}sf_bound(origin + direction * t);"),
+            "pixel = footprint * t;".to_owned(),
+            format!("{once}tolerance = max(({tolerance:?} + {tired:?} * f32(step) * f32(step)) * pixel, rounding);"),
+            format!("free = {times}sf_bound(origin + direction * t);"),
             format!("{first}change = -1.0;"),
-            "if stride > 0.0 {".to_owned(),
-            "  change = (free - radius) / stride;".to_owned(),
+            "if stride != 0.0 {".to_owned(),
+            "  change = (free - seen) / stride;".to_owned(),
             "}".to_owned(),
             "// A gap between two spheres may hold a surface.".to_owned(),
             format!("{once}gap = stride > max(radius, radius + free);"),
@@ -142,17 +153,11 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
                 "// How far it is to where the bound is all but zero, if it goes on as it did: on the surface itself a gradient may vanish.".to_owned(),
                 format!("{once}fall = 1.0 / max(-change, {flattest:?});"),
                 "ahead = (free - rounding) * fall;".to_owned(),
-                "arrived = free <= tolerance && (!gap || (leapt && free >= 0.0));".to_owned(),
+                "arrived = last || (free <= tolerance && (!gap || (leapt && free >= 0.0)));".to_owned(),
             ]);
         } else {
             lines.push("arrived = free <= tolerance && !gap;".to_owned());
         }
-        lines.extend([
-            "// The end itself is looked at before it counts as a miss.".to_owned(),
-            format!("if step >= {budget}u || arrived || (!gap && t >= span.y) {{"),
-            "  break;".to_owned(),
-            "}".to_owned(),
-        ]);
         lines
     }
 
@@ -183,15 +188,11 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
                 "t += select(on, radius - stride, gap);",
                 "stride = select(on, radius, gap);",
                 "radius = select(reach, radius, gap);",
+                "seen = select(free, seen, gap);",
                 "slope = select(learnt, -1.0, gap);",
             ]
             .map(str::to_owned),
         );
         lines
     }
-}
-
-/// Lines one step further in.
-fn inner(lines: Vec<String>) -> Vec<String> {
-    lines.into_iter().map(|l| format!("  {l}")).collect()
 }

@@ -31,7 +31,9 @@ pub struct Small {
 pub struct Follow {
     /// Of the last sphere that is known to be empty.
     radius: f64,
-    /// From its centre to here.
+    /// The bound at its centre.
+    seen: f64,
+    /// From there to here.
     stride: f64,
     /// How the bound changes along the ray, as far as that is learnt.
     slope: f64,
@@ -39,18 +41,20 @@ pub struct Follow {
     before: f64,
     /// Whether the last step was a leap.
     leapt: bool,
+    /// Whether the ray has arrived, and looks once more.
+    last: bool,
     /// How often it has looked.
     pub steps: u32,
 }
 
 impl Follow {
     /// At the ray's beginning, before the first look.
-    pub const START: Self = Self { radius: 0.0, stride: 0.0, slope: -1.0, before: -1.0, leapt: false, steps: 0 };
+    pub const START: Self = Self { radius: 0.0, seen: 0.0, stride: 0.0, slope: -1.0, before: -1.0, leapt: false, last: false, steps: 0 };
 
     /// How near is near enough at the next look.
     pub fn tolerance(&self, small: &Small) -> f64 {
-        let pixels = TRACER.tolerance + Tracer::TIRED * f64::from(self.steps + 1) / f64::from(TRACER.budget);
-        (pixels * small.pixel).max(small.rounding)
+        let spent = f64::from(self.steps + 1) / f64::from(TRACER.budget);
+        ((TRACER.tolerance + Tracer::TIRED * spent * spent) * small.pixel).max(small.rounding)
     }
 
     /// One look along `ray`, with the `distance` to the surface where the bound is within the tolerance.
@@ -59,13 +63,21 @@ impl Follow {
         let pixel = small.pixel;
         self.steps += 1;
         let free = look.free;
-        let change = if self.stride > 0.0 { (free - self.radius) / self.stride } else { -1.0 };
+        let change = if self.stride != 0.0 { (free - self.seen) / self.stride } else { -1.0 };
         let fall = (-change).max(Tracer::FLATTEST);
         let ahead = (free - small.rounding) / fall;
         let gap = self.stride > self.radius.max(self.radius + free);
-        if free <= tolerance && (!gap || self.leapt && free >= 0.0) && distance.is_some_and(|d| d <= tolerance) {
-            let aside = Tracer::ASIDE * pixel;
-            return Turn::Hit((look.t + ahead.clamp(-aside, aside)).clamp(ray.t_min, ray.t_max));
+        let near = free <= tolerance && (!gap || self.leapt && free >= 0.0) && distance.is_some_and(|d| d <= tolerance);
+        if self.last || near {
+            let stride = self.stride.abs();
+            let most = if self.last { stride } else { Tracer::ASIDE * pixel };
+            let t = (look.t + ahead.clamp(-most.min(stride), most)).clamp(ray.t_min, ray.t_max);
+            let on = t - look.t;
+            if self.last || self.steps >= TRACER.budget || on.abs() <= Tracer::FINE * pixel {
+                return Turn::Hit(t);
+            }
+            *self = Self { last: true, stride: on, seen: free, ..*self };
+            return Turn::Go(t);
         }
         if gap {
             let t = look.t + self.radius - self.stride;
@@ -77,6 +89,7 @@ impl Follow {
         }
         self.slope = (self.slope + TRACER.relaxation * (change - self.slope)).clamp(-1.0, Tracer::STEEPEST);
         self.radius = free.max(0.5 * tolerance);
+        self.seen = free;
         let stride = self.radius * 2.0 / (1.0 - self.slope);
         let close = ahead <= TRACER.leap * pixel && free <= Tracer::NEAR * pixel;
         let leap = ahead * (1.0 - Tracer::FASTER * (self.before - change).max(0.0) / fall);
