@@ -37,9 +37,6 @@ fn is_choice(body: &Body, id: ExprId) -> bool {
 impl Arms {
     /// Of the expressions in `order`, arguments first. `cost`: operations of an expression, without its arguments.
     pub fn find(body: &Body, order: &[ExprId], cost: impl Fn(ExprId) -> usize) -> Self {
-        if !order.iter().any(|&id| is_choice(body, id)) {
-            return Self::default();
-        }
         const NEW: BlockId = BlockId::MAX;
         let function = Block { parent: 0, arm: (0, 0), cost: 0, kept: true };
         let mut arms = Self { blocks: vec![function], places: vec![NEW; body.len()], branches: Vec::new() };

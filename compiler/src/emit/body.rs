@@ -1,5 +1,7 @@
 //! A function of the module while it is made: expressions over its arguments, each once, calls opened where that was decided.
 
+mod share;
+
 use super::EmitError;
 use super::formulas::Formulas;
 use super::plan::{Action, Plan, Plans, TargetId};
@@ -9,6 +11,7 @@ use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Kind, Op, Terms};
 use crate::graph::{Graph, Leaf, NodeId};
 use rustc_hash::FxHasher;
+use share::Sharing;
 use std::hash::Hasher;
 use std::ops::Range;
 
@@ -120,8 +123,12 @@ pub struct Body {
     field_arguments: Vec<ExprId>,
     /// Vectors that were made of numbers.
     pub(super) joined: JoinedVectors,
-    /// Whether a number is a component of a vector that was made of it.
-    has_parts: bool,
+    /// Numbers that are components of a vector that was made of them.
+    parts: Vec<ExprId>,
+    /// Whether something is divided by what is no constant.
+    divides: bool,
+    /// Room for [`Body::share`].
+    sharing: Sharing,
     /// What the host computes, of all functions of the module; none where the shader does it.
     pub(super) formulas: Option<Formulas>,
 }
@@ -180,7 +187,8 @@ impl Body {
         self.fields.clear();
         self.field_arguments.clear();
         self.joined.clear();
-        self.has_parts = false;
+        self.parts.clear();
+        self.divides = false;
     }
 
     /// What an expression is.
@@ -226,7 +234,9 @@ impl Body {
         });
         found.unwrap_or_else(|| {
             let start = self.pool.len() as u32;
-            self.pool.extend_from_slice(args);
+            // One by one: the lists are short.
+            args.iter().for_each(|&arg| self.pool.push(arg));
+            self.divides |= code == Code::Op(Op::Div) && args.get(1).is_some_and(|&below| self.as_constant(below).is_none());
             self.exprs.push(Expr { code, start, count: args.len() as u32, named: None, part: None });
             new
         })
@@ -456,10 +466,15 @@ impl Body {
 
     /// Notes that a number is a component of a vector. The first vector stays.
     pub fn set_part(&mut self, id: ExprId, part: Part) {
-        self.has_parts = true;
-        if let Some(expr) = self.exprs.get_mut(id as usize) {
-            expr.part.get_or_insert(part);
+        if let Some(expr) = self.exprs.get_mut(id as usize).filter(|e| e.part.is_none()) {
+            expr.part = Some(part);
+            self.parts.push(id);
         }
+    }
+
+    /// Whether something is divided by what is no constant.
+    pub fn divides(&self) -> bool {
+        self.divides
     }
 
     /// Notes that a vector is worth having for two of its components.
@@ -470,79 +485,6 @@ impl Body {
             part.plain = true;
         }
     }
-
-    /// Lets what is computed anyway stand for what it holds, wherever that is an argument. Nothing may be added after it. The
-    /// answer: what stands for the root.
-    pub fn share(&mut self, graph: &Graph, plans: &Plans, root: ExprId) -> ExprId {
-        if self.fields.is_empty() && !self.has_parts {
-            return root;
-        }
-        let count = self.exprs.len();
-        let mut shared: Vec<ExprId> = (0..count as ExprId).collect();
-        let mut live = vec![false; count];
-        let mut stack = Vec::new();
-        self.mark(root, &mut live, &mut stack);
-        // A field is the fourth component of a gradient's call at the same place.
-        let arguments = std::mem::take(&mut self.field_arguments);
-        for (field, gradient, range) in std::mem::take(&mut self.fields) {
-            let args = arguments.get(range).unwrap_or(&[]);
-            // Only what was computed from the arguments may be read from their call: else it would wait for itself.
-            if args.iter().any(|&a| a >= field) || !is_live(&live, field) {
-                continue;
-            }
-            let call = self.call(graph, plans, gradient, args);
-            if is_live(&live, call) {
-                let component = self.component(call, 3);
-                if let Some(slot) = shared.get_mut(field as usize) {
-                    *slot = component;
-                }
-            }
-        }
-        // A number is a component of the vector that was made of it: where that is there anyway, or serves for two numbers.
-        // A vector's parts are newer than those of the vectors inside it.
-        let mut wanted = vec![0u8; count];
-        let own = |shared: &[ExprId], id: ExprId| shared.get(id as usize) == Some(&id);
-        for id in 0..count as ExprId {
-            if let Some(part) = self.part(id).filter(|p| p.plain)
-                && is_live(&live, id)
-                && own(&shared, id)
-                && let Some(n) = wanted.get_mut(part.vector as usize)
-            {
-                *n += 1;
-            }
-        }
-        for id in (0..count as ExprId).rev() {
-            let Some(part) = self.part(id) else { continue };
-            if !is_live(&live, id) || !own(&shared, id) {
-                continue;
-            }
-            if is_live(&live, part.vector) || wanted.get(part.vector as usize).is_some_and(|n| *n > 1) {
-                self.mark(part.vector, &mut live, &mut stack);
-                let component = self.component(part.vector, part.index);
-                if let Some(slot) = shared.get_mut(id as usize) {
-                    *slot = component;
-                }
-            }
-        }
-        // Components that were made here stand for themselves.
-        let of = |id: ExprId| shared.get(id as usize).copied().unwrap_or(id);
-        self.pool.iter_mut().for_each(|arg| *arg = of(*arg));
-        of(root)
-    }
-
-    fn mark(&self, root: ExprId, live: &mut [bool], stack: &mut Vec<ExprId>) {
-        stack.push(root);
-        while let Some(id) = stack.pop() {
-            if let Some(live) = live.get_mut(id as usize).filter(|l| !**l) {
-                *live = true;
-                stack.extend_from_slice(self.arguments(id));
-            }
-        }
-    }
-}
-
-fn is_live(live: &[bool], id: ExprId) -> bool {
-    live.get(id as usize) == Some(&true)
 }
 
 impl Terms for Body {

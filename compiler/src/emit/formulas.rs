@@ -274,6 +274,10 @@ impl Body {
     /// The field of the uniform block that an operation is, where its arguments depend on parameters and time alone. A sign costs a
     /// shader nothing, and a comparison of two numbers no more than reading what came of it.
     pub(super) fn computed(&mut self, op: Op, args: &[ExprId]) -> Option<ExprId> {
+        // Where nothing was read that is live, nothing can be computed from it.
+        if self.formulas.as_ref().is_none_or(|f| f.leaves.is_empty()) {
+            return None;
+        }
         if matches!(op, Op::Neg | Op::Lt | Op::Le | Op::Eq) || !args.iter().all(|&a| self.is_live(a)) {
             return None;
         }

@@ -60,7 +60,7 @@ pub struct Room {
     states: Vec<State>,
     ranges: Vec<Interval>,
     order: Vec<ExprId>,
-    stack: Vec<(ExprId, usize)>,
+    stack: Vec<(ExprId, u32)>,
     locals: Scope,
 }
 
@@ -109,6 +109,17 @@ const LONGEST: u32 = 78;
 /// What is no longer than this is not split from what it stands in.
 const SHORTEST: u32 = 12;
 
+/// What a function holds at all.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    /// The point of the scene.
+    scene: bool,
+    /// A choice of one of two values.
+    choice: bool,
+    /// A least or a largest value.
+    extremum: bool,
+}
+
 struct Writer<'c, 'a> {
     context: &'c mut Context<'a>,
     body: &'c Body,
@@ -140,46 +151,27 @@ pub fn write(
         locals.reserve(name);
     }
     let count = body.len();
-    let divides = (0..count as u32).any(|e| {
-        body.code(e) == Code::Op(Op::Div)
-            && body.arguments(e).get(1).is_some_and(|&b| body.as_constant(b).is_none())
-    });
+    let divides = body.divides();
     states.resize(count, State::default());
     ranges.resize(if divides { count } else { 0 }, Interval::ALL);
     let mut writer = Writer { context, body, out, scratch, states, ranges, locals, operations: 0, arms: Arms::default(), block: 0, depth: 1 };
-    writer.order(root, &mut order, &mut stack);
+    let Seen { scene, choice, extremum } = writer.order(root, &mut order, &mut stack);
     if divides {
         writer.want_ranges(&order);
     }
-    let arms = Arms::find(writer.body, &order, |id| match writer.body.code(id) {
-        Code::Call(target) => writer.context.operations.get(&target).copied().unwrap_or(0),
-        Code::VectorOp(_, count) => usize::from(count),
-        Code::Op(_) => 1,
-        _ => 0,
-    });
+    let arms = if choice { Arms::find(writer.body, &order, |id| writer.cost(id)) } else { Arms::default() };
     // Branch by branch; in each, arguments first as before.
     if arms.any() {
         order.sort_by_key(|&id| arms.place(id));
     }
     writer.arms = arms;
-    let mut has_scene = false;
-    for &id in &order {
-        match writer.body.code(id) {
-            Code::Component(_) | Code::Swizzle(..) => {
-                let vector = writer.argument(id, 0);
-                if let Some(state) = writer.states.get_mut(vector as usize) {
-                    state.taken_apart = true;
-                }
-            }
-            Code::Scene => has_scene = true,
-            _ => {}
-        }
+    if extremum {
+        writer.mark_squares(&order);
     }
-    writer.mark_squares(&order);
-    for &id in order.iter().filter(|_| has_scene) {
-        let code = writer.body.code(id);
-        let reads = writer.body.arguments(id).iter().any(|&a| writer.of_scene(a).is_some());
-        if reads && !matches!(code, Code::Component(_) | Code::Swizzle(..)) && !writer.is_far_out(code, writer.body.arguments(id)) {
+    for &id in order.iter().filter(|_| scene) {
+        let (code, args) = (writer.body.code(id), writer.body.arguments(id));
+        let reads = args.iter().any(|&a| writer.of_scene(a).is_some());
+        if reads && !matches!(code, Code::Component(_) | Code::Swizzle(..)) && !writer.is_far_out(code, args) {
             writer.context.reads_scene = true;
         }
     }
@@ -199,51 +191,78 @@ pub fn write(
 }
 
 impl Writer<'_, '_> {
-    /// What the root needs, arguments first, into `order`; and how often each is used.
-    fn order(&mut self, root: ExprId, order: &mut Vec<ExprId>, stack: &mut Vec<(ExprId, usize)>) {
+    /// What the root needs, arguments first, into `order`; and how often each is used, and what is there at all.
+    fn order(&mut self, root: ExprId, order: &mut Vec<ExprId>, stack: &mut Vec<(ExprId, u32)>) -> Seen {
+        let mut seen = Seen::default();
         stack.push((root, 0));
         if let Some(state) = self.states.get_mut(root as usize) {
             state.uses = 1;
         }
         while let Some((id, at)) = stack.last_mut() {
-            match self.body.arguments(*id).get(*at) {
+            let (id, args) = (*id, self.body.arguments(*id));
+            // The next argument that is met for the first time.
+            let next = loop {
+                let Some(&next) = args.get(*at as usize) else { break None };
+                *at += 1;
+                let Some(state) = self.states.get_mut(next as usize) else { continue };
+                state.uses += 1;
+                if state.uses == 1 {
+                    break Some(next);
+                }
+            };
+            match next {
+                Some(next) => stack.push((next, 0)),
                 None => {
-                    order.push(*id);
+                    self.note(id, args, &mut seen);
+                    order.push(id);
                     stack.pop();
                 }
-                Some(&next) => {
-                    *at += 1;
-                    if let Some(state) = self.states.get_mut(next as usize) {
-                        state.uses += 1;
-                        if state.uses == 1 {
-                            stack.push((next, 0));
-                        }
-                    }
-                }
             }
+        }
+        seen
+    }
+
+    /// Notes what an expression is.
+    fn note(&mut self, id: ExprId, args: &[ExprId], seen: &mut Seen) {
+        match self.body.code(id) {
+            Code::Component(_) | Code::Swizzle(..) => {
+                let vector = args.first().and_then(|&a| self.states.get_mut(a as usize));
+                vector.into_iter().for_each(|state| state.taken_apart = true);
+            }
+            Code::Scene => seen.scene = true,
+            Code::Op(Op::Select) | Code::VectorOp(Op::Select, _) => seen.choice = true,
+            Code::Op(Op::Min | Op::Max) => seen.extremum = true,
+            Code::Op(Op::Sqrt | Op::Length2 | Op::Length3 | Op::Length4) => {
+                self.states.get_mut(id as usize).into_iter().for_each(|state| state.rooted = true);
+            }
+            _ => {}
+        }
+    }
+
+    /// Operations of an expression, without its arguments.
+    fn cost(&self, id: ExprId) -> usize {
+        match self.body.code(id) {
+            Code::Call(target) => self.context.operations.get(&target).copied().unwrap_or(0),
+            Code::VectorOp(_, count) => usize::from(count),
+            Code::Op(_) => 1,
+            _ => 0,
         }
     }
 
     /// Finds where the least or the largest of roots is the root of the least or largest square: one root is computed for all of them.
     fn mark_squares(&mut self, order: &[ExprId]) {
-        let is_extremum = |code| matches!(code, Code::Op(Op::Min | Op::Max));
         for &id in order {
-            let code = self.body.code(id);
-            let alone = |a: ExprId| self.state(a).rooted && self.state(a).uses == 1 && self.body.named(a).is_none();
-            let rooted = match code {
-                Code::Op(Op::Sqrt | Op::Length2 | Op::Length3 | Op::Length4) => true,
-                _ => is_extremum(code) && self.body.arguments(id).iter().all(|a| alone(*a)),
-            };
-            if let Some(state) = self.states.get_mut(id as usize) {
-                state.rooted = rooted;
+            if !matches!(self.body.code(id), Code::Op(Op::Min | Op::Max)) {
+                continue;
             }
-        }
-        for &id in order.iter().filter(|id| is_extremum(self.body.code(**id))) {
-            let rooted = self.state(id).rooted;
-            for &arg in self.body.arguments(id).iter().filter(|_| rooted) {
-                if let Some(state) = self.states.get_mut(arg as usize) {
-                    state.squared = true;
-                }
+            let args = self.body.arguments(id);
+            let alone = |a: &ExprId| self.states.get(*a as usize).is_some_and(|s| s.rooted && s.uses == 1) && self.body.named(*a).is_none();
+            if !args.iter().all(alone) {
+                continue;
+            }
+            self.states.get_mut(id as usize).into_iter().for_each(|state| state.rooted = true);
+            for &arg in args {
+                self.states.get_mut(arg as usize).into_iter().for_each(|state| state.squared = true);
             }
         }
     }
@@ -271,6 +290,9 @@ impl Writer<'_, '_> {
 
     /// Writes the expressions of a block.
     fn block(&mut self, block: BlockId, order: &[ExprId], root: Option<ExprId>) {
+        if !self.arms.any() {
+            return order.iter().for_each(|&id| self.expression(id, root == Some(id)));
+        }
         let place = |id: &ExprId| self.arms.place(*id);
         let (start, end) = (order.partition_point(|id| place(id) < block), order.partition_point(|id| place(id) <= block));
         let around = std::mem::replace(&mut self.block, block);
