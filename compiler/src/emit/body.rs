@@ -12,6 +12,7 @@ use crate::graph::kernel::{self, Kind, Op, Terms};
 use crate::graph::{Graph, Leaf, NodeId};
 use rustc_hash::FxHasher;
 use share::Sharing;
+use smallvec::{SmallVec, smallvec};
 use std::hash::Hasher;
 use std::ops::Range;
 
@@ -127,11 +128,23 @@ pub struct Body {
     parts: Vec<ExprId>,
     /// Whether something is divided by what is no constant.
     divides: bool,
+    /// Room for [`Body::open`].
+    opening: Opening,
     /// Room for [`Body::share`].
     sharing: Sharing,
     /// What the host computes, of all functions of the module; none where the shader does it.
     pub(super) formulas: Option<Formulas>,
 }
+
+/// What formulas are made of that are being opened: arguments and values.
+#[derive(Debug, Default)]
+struct Opening {
+    arguments: Vec<ExprId>,
+    values: Vec<ExprId>,
+}
+
+/// Some expressions, mostly few.
+pub type Few = SmallVec<[ExprId; 12]>;
 
 /// What is bound while a formula is opened.
 pub struct Space {
@@ -309,17 +322,19 @@ impl Body {
         plan: &Plan,
         space: &Space,
         outside: &dyn Outside,
-    ) -> Result<Vec<ExprId>, EmitError> {
-        let mut arguments: Vec<ExprId> = space.point.to_vec();
+    ) -> Result<Few, EmitError> {
+        // Arguments and values of all open formulas, one after the other.
+        let Opening { mut arguments, mut values } = std::mem::take(&mut self.opening);
+        arguments.clear();
+        values.clear();
+        arguments.extend_from_slice(&space.point);
         arguments.extend_from_slice(&space.variables);
         let count = arguments.len();
-        // Values of all open formulas, one after the other.
-        let mut values: Vec<ExprId> = Vec::with_capacity(2 * plan.steps.len());
-        let mut frames = vec![Frame { plan, at: 0, values: 0, arguments: (0, count), target: None }];
-        let mut buffer: Vec<ExprId> = Vec::with_capacity(8);
+        let mut frames: SmallVec<[Frame; 8]> = smallvec![Frame { plan, at: 0, values: 0, arguments: (0, count), target: None }];
+        let mut buffer = Few::new();
         loop {
             let depth = frames.len();
-            let Some(frame) = frames.last_mut() else { return Ok(Vec::new()) };
+            let Some(frame) = frames.last_mut() else { return Ok(buffer) };
             let (plan, first) = (frame.plan, frame.values);
             let value = |values: &[ExprId], local: u32| {
                 values.get(first + local as usize).copied().unwrap_or(0)
@@ -333,6 +348,7 @@ impl Body {
                 buffer.clear();
                 buffer.extend(plan.results.iter().map(|&r| value(&values, r)));
                 if depth == 1 {
+                    self.opening = Opening { arguments, values };
                     return Ok(buffer);
                 }
                 let result = match *buffer {
@@ -433,8 +449,7 @@ impl Body {
         let shape = plans.get(id).and_then(|t| graph.shape(t.shape));
         let dimensions = shape.map_or(3, |s| usize::from(s.dimensions));
         let point = self.vector(args.get(..dimensions).unwrap_or(args));
-        let mut list = Vec::with_capacity(args.len());
-        list.push(point);
+        let mut list: Few = smallvec![point];
         let variables = args.get(3..).unwrap_or(&[]);
         let world = world_count(shape.map_or(&[], |s| &s.variables[..]));
         match variables.split_at_checked(world) {

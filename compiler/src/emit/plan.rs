@@ -198,6 +198,8 @@ pub struct Plans<'a> {
     index: Vec<[Option<TargetId>; 4]>,
     /// For each node of the plan that is being made, the step that computes it; room that is kept.
     places: Vec<u32>,
+    /// The nodes of that plan; room too.
+    nodes: Vec<NodeId>,
     /// Pairs of formulas that were compared, and whether they compute the same.
     compared: FxHashMap<(NodeId, NodeId), bool>,
 }
@@ -211,7 +213,7 @@ impl<'a> Plans<'a> {
         let places = vec![0; graph.len()];
         let shapes = graph.shapes().len();
         let (targets, index) = (Vec::with_capacity(shapes), vec![[None; 4]; shapes]);
-        Self { graph, functions, tables, targets, index, places, compared: FxHashMap::default() }
+        Self { graph, functions, tables, targets, index, places, nodes: Vec::new(), compared: FxHashMap::default() }
     }
 
     /// Whether a shape has the formulas of a group.
@@ -491,7 +493,8 @@ impl<'a> Plans<'a> {
     /// The steps of some formulas over a space with these variables. A call's target is found, its plan made later.
     pub fn plan(&mut self, roots: &[NodeId], variables: Arc<[u32]>) -> Plan {
         let graph = self.graph;
-        let nodes = graph.computed(roots);
+        let mut nodes = std::mem::take(&mut self.nodes);
+        graph.computed(roots, &mut nodes);
         let mut places = std::mem::take(&mut self.places);
         let mut plan = Plan { variables, ..Plan::default() };
         // Three components of a gradient take four steps.
@@ -544,6 +547,7 @@ impl<'a> Plans<'a> {
             .map(|r| places.get(r.0 as usize).copied().unwrap_or(0))
             .collect();
         self.places = places;
+        self.nodes = nodes;
         plan
     }
 }

@@ -58,8 +58,9 @@ impl Builder<'_> {
         // A shape's users have larger indices, so what it calls is counted before it.
         let mut parts: FxHashMap<ShapeId, usize> = FxHashMap::default();
         let shapes: Vec<(ShapeId, NodeId)> = self.graph.shapes().map(|(id, s)| (id, s.value)).collect();
+        let mut nodes = Vec::new();
         for (shape, value) in shapes {
-            let inner = self.calls(&[value]).map(|(inner, _)| parts.get(&inner).copied().unwrap_or(1));
+            let inner = self.calls(&[value], &mut nodes).map(|(inner, _)| parts.get(&inner).copied().unwrap_or(1));
             let sum = inner.fold(0usize, usize::saturating_add);
             parts.insert(shape, sum.max(1));
         }

@@ -4,7 +4,7 @@ use super::{BUDGET, Builder, Cut, GENTLE, LONG, Narrowed, STEEPEST, UNIT, whole_
 use crate::analysis::{Box3, Constant, Domain};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, NodeList, ShapeId};
+use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId};
 use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 
@@ -23,12 +23,12 @@ impl Builder<'_> {
         self.domains.insert(self.root, whole_scene(self.extent));
         let mut order: Vec<ShapeId> = vec![self.root];
         let mut seen: FxHashSet<ShapeId> = order.iter().copied().collect();
-        let mut at = 0;
+        let (mut at, mut nodes) = (0, Vec::new());
         while let Some(&shape) = order.get(at) {
             at += 1;
             let Some(s) = self.graph.shape(shape) else { continue };
             let masks = s.paints.iter().map(|(m, _)| *m);
-            let inner = self.calls(&[s.value]).map(|(s, _)| s).chain(masks);
+            let inner = self.calls(&[s.value], &mut nodes).map(|(s, _)| s).chain(masks);
             for shape in inner.collect::<Vec<_>>() {
                 if seen.insert(shape) {
                     order.push(shape);
@@ -86,17 +86,12 @@ impl Builder<'_> {
     }
 
     pub(super) fn visit_all(&mut self, node: NodeId, domain: &Domain) {
-        let calls: Vec<(ShapeId, NodeList)> = self
-            .graph
-            .calling(&[node])
-            .into_iter()
-            .filter_map(|id| match self.graph.node(id) {
-                Node::Call(inner, _, args) => Some((*inner, args.clone())),
-                _ => None,
-            })
-            .collect();
+        let mut nodes = Vec::new();
+        self.graph.calling(&[node], &mut nodes);
         // What is made of the calls does not matter, where they ask does.
-        for (inner, args) in calls {
+        for id in nodes {
+            let Node::Call(inner, _, args) = self.graph.node(id) else { continue };
+            let (inner, args) = (*inner, args.clone());
             let ranges: SmallVec<[Interval; 4]> = args.iter().map(|&a| self.facts.near_range(self.graph, a, domain, NEAR)).collect();
             let variables = self.graph.shape(inner).map(|s| s.variables.clone()).unwrap_or_default();
             let mut own = crate::analysis::call_domain(&variables, &ranges);

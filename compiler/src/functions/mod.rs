@@ -298,7 +298,8 @@ pub fn build(
     builder.build_meshes(&blocks.meshes);
     let surfaces = builder.built.meshes.iter().chain([&builder.built.surface]);
     let surface_nodes: Vec<NodeId> = surfaces.flat_map(|s| s.look().into_iter().chain(s.layer_nodes())).collect();
-    let asked: Vec<_> = builder.calls(&surface_nodes).collect();
+    let mut nodes = Vec::new();
+    let asked: Vec<_> = builder.calls(&surface_nodes, &mut nodes).collect();
     functions.extend(&asked);
     while let Some((shape, function)) = functions.pop() {
         if builder.built.formulas.contains_key(&(shape, function)) {
@@ -306,7 +307,7 @@ pub fn build(
         }
         for (function, formula) in builder.formulas_of(shape, function) {
             builder.built.formulas.insert((shape, function), formula);
-            functions.extend(builder.calls(&[formula]));
+            functions.extend(builder.calls(&[formula], &mut nodes));
         }
     }
     builder.built.unions = unions::find(builder.graph, builder.facts, &builder.built, &asked);
@@ -346,8 +347,10 @@ impl Kind {
 }
 
 impl Builder<'_> {
-    fn calls(&self, roots: &[NodeId]) -> impl Iterator<Item = (ShapeId, Function)> + use<'_> {
-        self.graph.calling(roots).into_iter().filter_map(|id| match self.graph.node(id) {
+    /// The calls that the roots need. `nodes` is room for what they are found among.
+    fn calls<'n>(&'n self, roots: &[NodeId], nodes: &'n mut Vec<NodeId>) -> impl Iterator<Item = (ShapeId, Function)> + use<'n> {
+        self.graph.calling(roots, nodes);
+        nodes.iter().filter_map(|id| match self.graph.node(*id) {
             Node::Call(shape, function, _) => Some((*shape, *function)),
             _ => None,
         })
@@ -358,6 +361,7 @@ impl Builder<'_> {
         let mut seen: FxHashSet<ShapeId> = FxHashSet::default();
         let mut values = Vec::new();
         let mut primitives = 0;
+        let mut nodes = Vec::new();
         while let Some(shape) = shapes.pop() {
             let Some(s) = self.graph.shape(shape) else { continue };
             if !seen.insert(shape) {
@@ -365,7 +369,7 @@ impl Builder<'_> {
             }
             values.push(s.value);
             primitives += usize::from(!self.graph.reads(s.value).shapes && self.graph.as_constant(s.value).is_none());
-            shapes.extend(self.calls(&[s.value]).map(|(s, _)| s));
+            shapes.extend(self.calls(&[s.value], &mut nodes).map(|(s, _)| s));
         }
         let factor = self.graph.factors.iter().map(|f| f.lipschitz).fold(1.0, f64::max);
         // Who writes `nothing` means it: there may be meshes.

@@ -19,12 +19,14 @@ impl Graph {
 
     /// The same without the arguments that are not `wanted`, and what only they need.
     pub fn reachable_among(&self, roots: &[NodeId], wanted: impl Fn(NodeId) -> bool) -> Vec<NodeId> {
-        self.needed(roots, |id| self.arguments(id), wanted)
+        let mut order = Vec::with_capacity(16);
+        self.needed(roots, |id| self.arguments(id), wanted, &mut order);
+        order
     }
 
-    /// Every node that the values of the roots are computed from, in the same order: without what claims speak of.
-    pub fn computed(&self, roots: &[NodeId]) -> Vec<NodeId> {
-        self.needed(roots, |id| self.operands(id), |_| true)
+    /// Every node that the values of the roots are computed from, in the same order: without what claims speak of. Into `order`.
+    pub fn computed(&self, roots: &[NodeId], order: &mut Vec<NodeId>) {
+        self.needed(roots, |id| self.operands(id), |_| true, order);
     }
 
     /// The nodes that the value of a node is computed from. Of a claim that is what it is about.
@@ -35,29 +37,32 @@ impl Graph {
         }
     }
 
-    /// The same without what calls no shape.
-    pub fn calling(&self, roots: &[NodeId]) -> Vec<NodeId> {
-        let roots: SmallVec<[NodeId; 4]> = roots.iter().copied().filter(|r| self.reads(*r).shapes).collect();
-        self.reachable_among(&roots, |id| self.reads(id).shapes)
+    /// The nodes that are reachable without what calls no shape, into `order`.
+    pub fn calling(&self, roots: &[NodeId], order: &mut Vec<NodeId>) {
+        let roots: SmallVec<[NodeId; 16]> = roots.iter().copied().filter(|r| self.reads(*r).shapes).collect();
+        self.needed(&roots, |id| self.arguments(id), |id| self.reads(id).shapes, order);
     }
 
-    /// The roots and what is inside of them, without what is not `wanted`.
+    /// The roots and what is inside of them, without what is not `wanted`, into `order`.
     fn needed<'g>(
         &'g self,
         roots: &[NodeId],
         inside: impl Fn(NodeId) -> &'g [NodeId],
         wanted: impl Fn(NodeId) -> bool,
-    ) -> Vec<NodeId> {
-        let Some(last) = roots.iter().map(|r| r.0 as usize).max() else { return Vec::new() };
+        order: &mut Vec<NodeId>,
+    ) {
+        order.clear();
+        let Some(last) = roots.iter().map(|r| r.0 as usize).max() else { return };
         // Arguments have smaller indices, so one pass from the last root down finds all, in order.
         let mut short = [0u64; SHORT];
         let mut long = Vec::new();
         let marked: &mut [u64] = match short.get_mut(..=last / 64) {
             Some(short) => short,
             None => {
-                if let Some(few) = self.few(roots, &inside, &wanted) {
-                    return few;
+                if self.few(roots, &inside, &wanted, order) {
+                    return;
                 }
+                order.clear();
                 long.resize(last / 64 + 1, 0);
                 &mut long
             }
@@ -74,7 +79,6 @@ impl Graph {
         for &root in roots {
             mark(marked, &mut open, root);
         }
-        let mut order = Vec::with_capacity(16);
         for index in (0..marked.len()).rev() {
             // Marking can add lower bits to the word at hand.
             let mut below = u64::MAX;
@@ -93,31 +97,30 @@ impl Graph {
             }
         }
         order.reverse();
-        order
     }
 
-    /// The same where it is a few nodes, in time that does not depend on how large the graph is.
+    /// The same where it is a few nodes, in time that does not depend on how large the graph is. The answer: whether it is.
     fn few<'g>(
         &'g self,
         roots: &[NodeId],
         inside: impl Fn(NodeId) -> &'g [NodeId],
         wanted: impl Fn(NodeId) -> bool,
-    ) -> Option<Vec<NodeId>> {
-        let mut found: Vec<NodeId> = Vec::with_capacity(FEW);
-        let mut stack = roots.to_vec();
+        found: &mut Vec<NodeId>,
+    ) -> bool {
+        let mut stack: SmallVec<[NodeId; 32]> = SmallVec::from_slice(roots);
         while let Some(id) = stack.pop() {
             if found.contains(&id) {
                 continue;
             }
             if found.len() == FEW {
-                return None;
+                return false;
             }
             found.push(id);
-            stack.extend(inside(id).iter().filter(|a| wanted(**a)));
+            stack.extend(inside(id).iter().copied().filter(|a| wanted(*a)));
         }
         // Arguments have smaller indices.
         found.sort_unstable();
-        Some(found)
+        true
     }
 
     /// The roots again, with leaves replaced: a leaf that `replace` answers for becomes that node.

@@ -8,6 +8,7 @@ use crate::diagnostic::Code;
 use crate::graph::{Claim, ClaimGroup, Function, Leaf, Node, NodeId, NodeList, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast::{self, ClaimKind, FunctionKind, ItemKind, Parameter, Type};
+use smallvec::{SmallVec, smallvec};
 
 impl Elaborator<'_> {
     /// Applies a declared function to values. `caller` is where the call stands, if it stands anywhere.
@@ -258,47 +259,35 @@ impl Elaborator<'_> {
         if self.graph.as_constant(node).is_some() {
             return node;
         }
-        let mut nodes = vec![node];
-        let mut groups = Vec::new();
+        // The shape itself says that it is exact.
+        let ClaimKind::Lipschitz(formula) = &claim.kind else { return node };
+        let mut nodes: SmallVec<[NodeId; 8]> = smallvec![node];
+        let mut groups: SmallVec<[ClaimGroup; 8]> = SmallVec::new();
         let mut claim_env = Env::top(env.module);
-        let one = self.graph.constant(1.0);
-        let formula = match &claim.kind {
-            ClaimKind::Exact => one,
-            ClaimKind::Lipschitz(formula) => {
-                for (i, (parameter, value)) in function.parameters.iter().zip(args).enumerate() {
-                    let before = nodes.len();
-                    groups.push(match value {
-                        Value::Number(n, _) => {
-                            nodes.push(*n);
-                            ClaimGroup::Vector(1)
-                        }
-                        Value::Vector(v) => {
-                            nodes.extend(v.iter().copied());
-                            ClaimGroup::Vector(v.len() as u8)
-                        }
-                        Value::Shape(id) => {
-                            let calls = self.calls_of(node, *id);
-                            nodes.extend(calls);
-                            ClaimGroup::Values((nodes.len() - before) as u32)
-                        }
-                        _ => ClaimGroup::Values(0),
-                    });
-                    let constant = self.graph.leaf(Leaf::Variable(i as u32));
-                    claim_env = claim_env.and(&parameter.name.text, Value::number(constant));
-                    let name = format!("value:{}", parameter.name.text).into();
-                    claim_env = claim_env.and(&name, value.clone());
+        for (i, (parameter, value)) in function.parameters.iter().zip(args).enumerate() {
+            let before = nodes.len();
+            groups.push(match value {
+                Value::Number(n, _) => {
+                    nodes.push(*n);
+                    ClaimGroup::Vector(1)
                 }
-                match self.expression(formula, &claim_env) {
-                    Ok(Value::Number(formula, _)) => formula,
-                    _ => return node,
+                Value::Vector(v) => {
+                    nodes.extend(v.iter().copied());
+                    ClaimGroup::Vector(v.len() as u8)
                 }
-            }
-        };
-        if matches!(claim.kind, ClaimKind::Exact) {
-            // The shape itself says that it is exact.
-            return node;
+                Value::Shape(id) => {
+                    let calls = self.calls_of(node, *id);
+                    nodes.extend(calls);
+                    ClaimGroup::Values((nodes.len() - before) as u32)
+                }
+                _ => ClaimGroup::Values(0),
+            });
+            let constant = self.graph.leaf(Leaf::Variable(i as u32));
+            claim_env = claim_env.and_argument(&parameter.name.text, Value::number(constant), value.clone());
         }
-        self.graph.intern(Node::Claim(nodes.into(), Claim::Lipschitz(formula, groups.into())))
+        let Ok(Value::Number(formula, _)) = self.expression(formula, &claim_env) else { return node };
+        let of = NodeList::from(&nodes[..]);
+        self.graph.intern(Node::Claim(of, Claim::Lipschitz(formula, groups[..].into())))
     }
 
     fn calls_of(&self, node: NodeId, shape: ShapeId) -> Vec<NodeId> {

@@ -10,6 +10,7 @@ use crate::graph::NodeId;
 use crate::source::Span;
 use crate::syntax::ast::{self, Argument, Expr, ExprKind, Parameter, Type, UnaryOp};
 use crate::syntax::words::nearest;
+use smallvec::{SmallVec, smallvec};
 use std::sync::LazyLock;
 
 /// A condition on an argument, from a `Requires:` line of its documentation.
@@ -62,7 +63,7 @@ impl Elaborator<'_> {
         formula_env: &Env,
         name: &str,
     ) -> Elaborated<Vec<Option<Bound>>> {
-        let mut positional: Vec<Given> = known.into_iter().map(|(v, s)| Given::Known(v, s)).collect();
+        let mut positional: SmallVec<[Given; 4]> = known.into_iter().map(|(v, s)| Given::Known(v, s)).collect();
         positional.extend(args.iter().filter(|a| a.name.is_none()).map(|a| Given::Written(&a.value)));
         let given = positional.len();
         if given > parameters.len()
@@ -94,7 +95,7 @@ impl Elaborator<'_> {
             };
             positional.insert(at, joined);
         }
-        let mut slots: Vec<Option<Given>> = parameters.iter().map(|_| None).collect();
+        let mut slots: SmallVec<[Option<Given>; 4]> = parameters.iter().map(|_| None).collect();
         let mut failed = false;
         for (i, value) in positional.into_iter().enumerate() {
             match slots.get_mut(i) {
@@ -152,7 +153,7 @@ impl Elaborator<'_> {
                 }
             }
         }
-        let mut bound = Vec::new();
+        let mut bound = Vec::with_capacity(parameters.len());
         for (slot, parameter) in slots.into_iter().zip(parameters) {
             let is_field = matches!(parameter.ty, Some((Type::Field, _)));
             let place = if is_field { formula_env } else { env };
@@ -292,16 +293,16 @@ impl Elaborator<'_> {
                 continue;
             };
             let Some((span, parts)) = places.get(at) else { continue };
-            let nodes: Vec<NodeId> = match values.get(at) {
-                Some(Value::Number(n, _)) => vec![*n],
-                Some(Value::Vector(v)) => v.to_vec(),
+            let nodes: SmallVec<[NodeId; 4]> = match values.get(at) {
+                Some(Value::Number(n, _)) => smallvec![*n],
+                Some(Value::Vector(v)) => v.iter().copied().collect(),
                 Some(Value::List(items)) if of_count => {
-                    vec![self.graph.constant(items.len() as f64)]
+                    smallvec![self.graph.constant(items.len() as f64)]
                 }
                 _ => continue,
             };
             // A vector that may not be zero may have components that are.
-            let constants: Vec<f64> =
+            let constants: SmallVec<[f64; 4]> =
                 nodes.iter().filter_map(|n| self.graph.as_constant(*n)).collect();
             let holds = |c: f64| match requirement.relation.as_str() {
                 ">=" => c >= requirement.bound,
@@ -350,11 +351,11 @@ impl Elaborator<'_> {
                 "<" => (Op::Min, requirement.bound - LEAST),
                 _ => continue,
             };
-            let within: Vec<NodeId> = nodes.iter().map(|n| self.keep_within(*n, limit)).collect();
+            let within: SmallVec<[NodeId; 4]> = nodes.iter().map(|n| self.keep_within(*n, limit)).collect();
             if within != nodes {
                 kept.extend(match (values.get(at), within.first()) {
                     (Some(Value::Number(_, kind)), Some(n)) => Some((at, Value::Number(*n, *kind))),
-                    (Some(Value::Vector(_)), _) => Some((at, Value::Vector(within.into()))),
+                    (Some(Value::Vector(_)), _) => Some((at, Value::Vector(within.iter().copied().collect()))),
                     _ => None,
                 });
             }
@@ -364,9 +365,12 @@ impl Elaborator<'_> {
 
     /// A number that is not constant, kept on one side of a limit: `Max` keeps it at or above.
     fn keep_within(&mut self, node: NodeId, (op, limit): (Op, f64)) -> NodeId {
+        if self.graph.as_constant(node).is_some() {
+            return node;
+        }
         let range = self.facts.live_range(&self.graph, node);
         let inside = if op == Op::Max { range.lo >= limit } else { range.hi <= limit };
-        if inside || self.graph.as_constant(node).is_some() {
+        if inside {
             return node;
         }
         let limit = self.graph.constant(limit);

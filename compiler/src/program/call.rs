@@ -214,7 +214,7 @@ impl Elaborator<'_> {
         // In a claim: the value of an argument, where its name alone is its constant.
         if name == "value"
             && let [Argument { value: Expr { kind: ExprKind::Name(of), .. }, .. }] = args
-            && let Some(value) = env.local(&format!("value:{of}"))
+            && let Some(value) = env.argument(of)
         {
             return Ok(value.clone());
         }

@@ -46,6 +46,8 @@ pub type Elaborated<T> = Result<T, Stop>;
 pub struct Scope {
     name: Arc<str>,
     value: Value,
+    /// In a claim the name of an argument is its constant, and this is the argument.
+    argument: Option<Value>,
     outer: Option<Rc<Scope>>,
 }
 
@@ -76,7 +78,14 @@ impl Env {
     /// This with one more local name.
     pub fn and(mut self, name: &Arc<str>, value: Value) -> Self {
         let outer = self.scope.take();
-        self.scope = Some(Rc::new(Scope { name: name.clone(), value, outer }));
+        self.scope = Some(Rc::new(Scope { name: name.clone(), value, argument: None, outer }));
+        self
+    }
+
+    /// This with the constant of one more argument in a claim, and the argument itself.
+    pub fn and_argument(mut self, name: &Arc<str>, constant: Value, argument: Value) -> Self {
+        let outer = self.scope.take();
+        self.scope = Some(Rc::new(Scope { name: name.clone(), value: constant, argument: Some(argument), outer }));
         self
     }
 
@@ -85,15 +94,17 @@ impl Env {
         Self { point, ..self.clone() }
     }
 
+    fn scopes(&self) -> impl Iterator<Item = &Scope> {
+        std::iter::successors(self.scope.as_deref(), |s| s.outer.as_deref())
+    }
+
     fn local(&self, name: &str) -> Option<&Value> {
-        let mut scope = self.scope.as_ref();
-        while let Some(s) = scope {
-            if &*s.name == name {
-                return Some(&s.value);
-            }
-            scope = s.outer.as_ref();
-        }
-        None
+        self.scopes().find(|s| &*s.name == name).map(|s| &s.value)
+    }
+
+    /// The value of an argument in a claim.
+    fn argument(&self, name: &str) -> Option<&Value> {
+        self.scopes().filter(|s| &*s.name == name).find_map(|s| s.argument.as_ref())
     }
 }
 

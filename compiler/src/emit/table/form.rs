@@ -157,7 +157,9 @@ impl<'a> Former<'a> {
                 FxHashMap::default()
             }
         };
-        for id in self.graph.computed(&[root]) {
+        let mut nodes = Vec::new();
+        self.graph.computed(&[root], &mut nodes);
+        for id in nodes {
             if frame.contains_key(&id) {
                 continue;
             }
