@@ -7,13 +7,16 @@ use crate::graph::kernel::Op;
 pub type BlockId = u32;
 
 /// An arm that costs less than this is computed whether it is taken or not: a branch is not free either.
-const LEAST: usize = 32;
+pub const LEAST: usize = 32;
+
+/// An arm of a choice: which of its arguments.
+pub type Arm = (ExprId, u8);
 
 #[derive(Clone, Copy, Debug)]
 struct Block {
     parent: BlockId,
-    /// The choice and which of its arguments is the arm; of the function itself nothing.
-    arm: (ExprId, u8),
+    /// The arm; of the function itself nothing.
+    arm: Arm,
     cost: usize,
     kept: bool,
 }
@@ -25,18 +28,22 @@ pub struct Arms {
     /// By expression.
     places: Vec<BlockId>,
     /// The arms that are kept: few, while every expression is asked for its own.
-    branches: Vec<((ExprId, u8), BlockId)>,
+    branches: Vec<(Arm, BlockId)>,
 }
 
 /// Whether an expression takes one of two values by a condition that is one for all components.
-fn is_choice(body: &Body, id: ExprId) -> bool {
+pub fn is_choice(body: &Body, id: ExprId) -> bool {
     matches!(body.code(id), Code::Op(Op::Select) | Code::VectorOp(Op::Select, _))
         && body.arguments(id).first().is_some_and(|&c| body.components(c) == 1)
 }
 
 impl Arms {
-    /// Of the expressions in `order`, arguments first. `cost`: operations of an expression, without its arguments.
-    pub fn find(body: &Body, order: &[ExprId], cost: impl Fn(ExprId) -> usize) -> Self {
+    /// Of the expressions in `order`, arguments first. `dear`: the arms that may be worth a branch, sorted. `cost`: operations of an expression,
+    /// without its arguments.
+    pub fn find(body: &Body, order: &[ExprId], dear: &[Arm], cost: impl Fn(ExprId) -> usize) -> Self {
+        if dear.is_empty() {
+            return Self::default();
+        }
         const NEW: BlockId = BlockId::MAX;
         let function = Block { parent: 0, arm: (0, 0), cost: 0, kept: true };
         let mut arms = Self { blocks: vec![function], places: vec![NEW; body.len()], branches: Vec::new() };
@@ -51,8 +58,9 @@ impl Arms {
             }
             let choice = is_choice(body, id);
             for (i, &argument) in body.arguments(id).iter().enumerate() {
-                let used = if choice && i > 0 {
-                    arms.blocks.push(Block { parent: own, arm: (id, i as u8), cost: 0, kept: false });
+                let arm = (id, i as u8);
+                let used = if choice && dear.binary_search(&arm).is_ok() {
+                    arms.blocks.push(Block { parent: own, arm, cost: 0, kept: false });
                     arms.blocks.len() as BlockId - 1
                 } else {
                     own

@@ -3,7 +3,7 @@
 mod compose;
 mod ranges;
 
-use super::arms::{Arms, BlockId};
+use super::arms::{self, Arm, Arms, BlockId};
 use super::body::{Body, Code, ExprId};
 use super::library::Helpers;
 use super::names::{Scope, identifier};
@@ -60,7 +60,7 @@ pub struct Room {
     states: Vec<State>,
     ranges: Vec<Interval>,
     order: Vec<ExprId>,
-    stack: Vec<(ExprId, u32)>,
+    stack: Vec<(ExprId, u32, usize)>,
     locals: Scope,
 }
 
@@ -110,14 +110,14 @@ const LONGEST: u32 = 78;
 const SHORTEST: u32 = 12;
 
 /// What a function holds at all.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Debug, Default)]
 struct Seen {
     /// The point of the scene.
     scene: bool,
-    /// A choice of one of two values.
-    choice: bool,
     /// A least or a largest value.
     extremum: bool,
+    /// The arms of choices that may be worth a branch.
+    dear: Vec<Arm>,
 }
 
 struct Writer<'c, 'a> {
@@ -155,11 +155,12 @@ pub fn write(
     states.resize(count, State::default());
     ranges.resize(if divides { count } else { 0 }, Interval::ALL);
     let mut writer = Writer { context, body, out, scratch, states, ranges, locals, operations: 0, arms: Arms::default(), block: 0, depth: 1 };
-    let Seen { scene, choice, extremum } = writer.order(root, &mut order, &mut stack);
+    let Seen { scene, extremum, mut dear } = writer.order(root, &mut order, &mut stack);
     if divides {
         writer.want_ranges(&order);
     }
-    let arms = if choice { Arms::find(writer.body, &order, |id| writer.cost(id)) } else { Arms::default() };
+    dear.sort_unstable();
+    let arms = Arms::find(writer.body, &order, &dear, |id| writer.cost(id));
     // Branch by branch; in each, arguments first as before.
     if arms.any() {
         order.sort_by_key(|&id| arms.place(id));
@@ -192,14 +193,16 @@ pub fn write(
 
 impl Writer<'_, '_> {
     /// What the root needs, arguments first, into `order`; and how often each is used, and what is there at all.
-    fn order(&mut self, root: ExprId, order: &mut Vec<ExprId>, stack: &mut Vec<(ExprId, u32)>) -> Seen {
+    fn order(&mut self, root: ExprId, order: &mut Vec<ExprId>, stack: &mut Vec<(ExprId, u32, usize)>) -> Seen {
         let mut seen = Seen::default();
-        stack.push((root, 0));
+        // Operations of all that is in order.
+        let mut total = 0;
+        stack.push((root, 0, 0));
         if let Some(state) = self.states.get_mut(root as usize) {
             state.uses = 1;
         }
-        while let Some((id, at)) = stack.last_mut() {
-            let (id, args) = (*id, self.body.arguments(*id));
+        while let Some((id, at, before)) = stack.last_mut() {
+            let (id, before, args) = (*id, *before, self.body.arguments(*id));
             // The next argument that is met for the first time.
             let next = loop {
                 let Some(&next) = args.get(*at as usize) else { break None };
@@ -211,11 +214,20 @@ impl Writer<'_, '_> {
                 }
             };
             match next {
-                Some(next) => stack.push((next, 0)),
+                Some(next) => stack.push((next, 0, total)),
                 None => {
                     self.note(id, args, &mut seen);
                     order.push(id);
                     stack.pop();
+                    total += self.cost(id);
+                    // What only an arm needs was met on the way to it, if on no way before.
+                    if total - before >= arms::LEAST
+                        && let Some((user, at, _)) = stack.last()
+                        && *at > 1
+                        && arms::is_choice(self.body, *user)
+                    {
+                        seen.dear.push((*user, *at as u8 - 1));
+                    }
                 }
             }
         }
@@ -230,7 +242,6 @@ impl Writer<'_, '_> {
                 vector.into_iter().for_each(|state| state.taken_apart = true);
             }
             Code::Scene => seen.scene = true,
-            Code::Op(Op::Select) | Code::VectorOp(Op::Select, _) => seen.choice = true,
             Code::Op(Op::Min | Op::Max) => seen.extremum = true,
             Code::Op(Op::Sqrt | Op::Length2 | Op::Length3 | Op::Length4) => {
                 self.states.get_mut(id as usize).into_iter().for_each(|state| state.rooted = true);
@@ -297,7 +308,8 @@ impl Writer<'_, '_> {
         let (start, end) = (order.partition_point(|id| place(id) < block), order.partition_point(|id| place(id) <= block));
         let around = std::mem::replace(&mut self.block, block);
         for &id in order.get(start..end).unwrap_or(&[]) {
-            match [1, 2].map(|arm| self.arms.branch(id, arm)) {
+            let branches = if arms::is_choice(self.body, id) { [1, 2].map(|arm| self.arms.branch(id, arm)) } else { [None, None] };
+            match branches {
                 [None, None] => self.expression(id, root == Some(id)),
                 branches => self.choice(id, branches, order),
             }

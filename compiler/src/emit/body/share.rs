@@ -29,9 +29,17 @@ impl Body {
         shared.extend(0..count as ExprId);
         live.clear();
         live.resize(count, false);
+        live.get_mut(root as usize).into_iter().for_each(|slot| *slot = true);
+        // Arguments have smaller indices.
+        for id in (0..=root).rev() {
+            if is_live(&live, id) {
+                for &arg in self.arguments(id) {
+                    live.get_mut(arg as usize).into_iter().for_each(|slot| *slot = true);
+                }
+            }
+        }
         wanted.clear();
         wanted.resize(count, 0);
-        self.mark(root, &mut live, &mut stack);
         // A field is the fourth component of a gradient's call at the same place.
         let (fields, arguments) = (std::mem::take(&mut self.fields), std::mem::take(&mut self.field_arguments));
         for (field, gradient, range) in &fields {
