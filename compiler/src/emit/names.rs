@@ -2,6 +2,7 @@
 
 use naga::keywords::wgsl::{BUILTIN_IDENTIFIER_SET, RESERVED_SET};
 use rustc_hash::{FxHashMap, FxHasher};
+use std::collections::hash_map::Entry;
 use std::hash::Hasher;
 
 /// A name of the source as a WGSL identifier: letters of ASCII, digits and underscores, none of WGSL's own words.
@@ -82,9 +83,12 @@ impl Scope {
         let start = to.len();
         to.push_str(name);
         let of_name = hash(name);
-        let Some(mut number) = self.given.get(&of_name).copied() else {
-            self.given.insert(of_name, 1);
-            return;
+        let mut number = match self.given.entry(of_name) {
+            Entry::Occupied(last) => *last.get(),
+            Entry::Vacant(free) => {
+                free.insert(1);
+                return;
+            }
         };
         // A digit at the end would run into the number.
         if name.ends_with(|c: char| c.is_ascii_digit()) {
@@ -96,10 +100,11 @@ impl Scope {
             to.truncate(end);
             write_number(number, to);
             let candidate = to.get(start..).unwrap_or_default();
-            let of_candidate = hash(candidate);
-            if !self.given.contains_key(&of_candidate) && !hidden(candidate) {
+            if let Entry::Vacant(free) = self.given.entry(hash(candidate))
+                && !hidden(candidate)
+            {
+                free.insert(1);
                 self.given.insert(of_name, number);
-                self.given.insert(of_candidate, 1);
                 return;
             }
         }

@@ -299,15 +299,27 @@ pub fn build(
     let surfaces = builder.built.meshes.iter().chain([&builder.built.surface]);
     let surface_nodes: Vec<NodeId> = surfaces.flat_map(|s| s.look().into_iter().chain(s.layer_nodes())).collect();
     let mut nodes = Vec::new();
+    let mut seen = Vec::new();
     let asked: Vec<_> = builder.calls(&surface_nodes, &mut nodes).collect();
     functions.extend(&asked);
     while let Some((shape, function)) = functions.pop() {
         if builder.built.formulas.contains_key(&(shape, function)) {
             continue;
         }
-        for (function, formula) in builder.formulas_of(shape, function) {
-            builder.built.formulas.insert((shape, function), formula);
-            functions.extend(builder.calls(&[formula], &mut nodes));
+        let formulas = builder.formulas_of(shape, function);
+        for (function, formula) in &formulas {
+            builder.built.formulas.insert((shape, *function), *formula);
+        }
+        // The list is taken from its end: what a later component of a gradient calls need not be listed for an earlier one too.
+        seen.clear();
+        seen.resize(builder.graph.len() / 64 + 1, 0);
+        let start = functions.len();
+        for (_, formula) in formulas.iter().rev() {
+            builder.graph.calling_more(*formula, &mut seen, &mut nodes);
+            functions.extend(builder.called(&nodes).rev());
+        }
+        if let Some(new) = functions.get_mut(start..) {
+            new.reverse();
         }
     }
     builder.built.unions = unions::find(builder.graph, builder.facts, &builder.built, &asked);
@@ -350,6 +362,10 @@ impl Builder<'_> {
     /// The calls that the roots need. `nodes` is room for what they are found among.
     fn calls<'n>(&'n self, roots: &[NodeId], nodes: &'n mut Vec<NodeId>) -> impl Iterator<Item = (ShapeId, Function)> + use<'n> {
         self.graph.calling(roots, nodes);
+        self.called(nodes)
+    }
+
+    fn called<'n>(&'n self, nodes: &'n [NodeId]) -> impl DoubleEndedIterator<Item = (ShapeId, Function)> + use<'n> {
         nodes.iter().filter_map(|id| match self.graph.node(*id) {
             Node::Call(shape, function, _) => Some((*shape, *function)),
             _ => None,

@@ -43,6 +43,16 @@ impl Graph {
         self.needed(&roots, |id| self.arguments(id), |id| self.reads(id).shapes, order);
     }
 
+    /// The same of one root, without what was `seen` by such a walk before: a bit for each node of the graph.
+    pub fn calling_more(&self, root: NodeId, seen: &mut [u64], order: &mut Vec<NodeId>) {
+        let is_new = |id: NodeId| self.reads(id).shapes && seen.get(id.0 as usize / 64).is_some_and(|word| word >> (id.0 % 64) & 1 == 0);
+        let root = is_new(root).then_some(root);
+        self.needed(root.as_slice(), |id| self.arguments(id), is_new, order);
+        for id in order {
+            seen.get_mut(id.0 as usize / 64).into_iter().for_each(|word| *word |= 1 << (id.0 % 64));
+        }
+    }
+
     /// The roots and what is inside of them, without what is not `wanted`, into `order`.
     fn needed<'g>(
         &'g self,
