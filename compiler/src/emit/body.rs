@@ -144,7 +144,7 @@ struct Opening {
 }
 
 /// Some expressions, mostly few.
-pub type Few = SmallVec<[ExprId; 12]>;
+pub type Exprs = SmallVec<[ExprId; 12]>;
 
 /// What is bound while a formula is opened.
 pub struct Space {
@@ -322,7 +322,7 @@ impl Body {
         plan: &Plan,
         space: &Space,
         outside: &dyn Outside,
-    ) -> Result<Few, EmitError> {
+    ) -> Result<Exprs, EmitError> {
         // Arguments and values of all open formulas, one after the other.
         let Opening { mut arguments, mut values } = std::mem::take(&mut self.opening);
         arguments.clear();
@@ -331,7 +331,7 @@ impl Body {
         arguments.extend_from_slice(&space.variables);
         let count = arguments.len();
         let mut frames: SmallVec<[Frame; 8]> = smallvec![Frame { plan, at: 0, values: 0, arguments: (0, count), target: None }];
-        let mut buffer = Few::new();
+        let mut buffer = Exprs::new();
         loop {
             let depth = frames.len();
             let Some(frame) = frames.last_mut() else { return Ok(buffer) };
@@ -449,7 +449,7 @@ impl Body {
         let shape = plans.get(id).and_then(|t| graph.shape(t.shape));
         let dimensions = shape.map_or(3, |s| usize::from(s.dimensions));
         let point = self.vector(args.get(..dimensions).unwrap_or(args));
-        let mut list: Few = smallvec![point];
+        let mut list: Exprs = smallvec![point];
         let variables = args.get(3..).unwrap_or(&[]);
         let world = world_count(shape.map_or(&[], |s| &s.variables[..]));
         match variables.split_at_checked(world) {
