@@ -14,7 +14,7 @@ const PARTS: usize = 16;
 const FLAT: f64 = 0.99;
 
 /// Up to this part of the scene's extent the estimate looks twice; a wider extent than this holds what stands around a scene.
-const CLOSE: f64 = 0.003;
+const CLOSE: f64 = 0.01;
 const WIDE: f64 = 20.0;
 
 /// How much of its first way the second look goes, and by how much it may shorten it.
@@ -321,6 +321,16 @@ impl Builder<'_> {
         let other = self.graph.op(Op::Sub, &[plane, chord]);
         let other = self.graph.op(Op::Mul, &[smooth, other]);
         let share = self.graph.op(Op::Add, &[chord, other]);
+        // A third step lands on a surface: that is as far from here as both ways together, in whichever direction.
+        let turn = self.graph.op(Op::Max, &[cosine, zero]);
+        let turn = self.graph.op(Op::Mul, &[turn, beyond]);
+        let across = self.graph.op(Op::Mul, &[most, turn]);
+        let double = self.graph.op(Op::Add, &[across, across]);
+        let squares = [most, beyond].map(|way| self.graph.op(Op::Square, &[way]));
+        let squares = self.graph.op(Op::Add, &squares);
+        let square = self.graph.op(Op::Add, &[squares, double]);
+        let landing = self.graph.op(Op::Sqrt, &[square]);
+        let share = self.graph.op(Op::Min, &[share, landing]);
         let less = self.graph.op(Op::Sub, &[one, share]);
         let less = self.graph.op(Op::Min, &[less, most]);
         self.graph.op(Op::Max, &[less, zero])
@@ -381,7 +391,13 @@ impl Builder<'_> {
                 self.pick(c, of(self, a), of(self, b))
             }
             Node::Op(op, args) => {
-                let inner: SmallVec<[[NodeId; 3]; 4]> = args.iter().map(|a| of(self, a)).collect();
+                // A length does not change with what is kept at zero, so it is as steep by the number itself.
+                let length = matches!(op, Op::Length2 | Op::Length3 | Op::Length4);
+                let within = |a: NodeId| match self.graph.node(a) {
+                    Node::Op(Op::Max, sides) if length && sides.get(1) == Some(&zero) => sides.first().copied().unwrap_or(a),
+                    _ => a,
+                };
+                let inner: SmallVec<[[NodeId; 3]; 4]> = args.iter().map(|&a| of(self, &within(a))).collect();
                 if inner.iter().all(|g| *g == flat) {
                     return flat;
                 }
