@@ -1,12 +1,17 @@
 //! What of a scene is not computed and not drawn, and why.
 
+mod absorbed;
+
 use crate::compiled::{Compiled, Shadow};
 use crate::graph::{Function, Leaf, Node, Shape};
 use crate::source::{Sources, Span};
 use std::collections::BTreeMap;
 
-/// What was left out, each in one line: functions and parameters of the module, declarations without a use, calls that change nothing, and
-/// parts of a frame, as the scene stands at the defaults.
+/// Of a longer text the beginning is shown.
+const LONGEST: usize = 60;
+
+/// What was left out, each in one line: functions and parameters of the module, declarations without a use, calls that change nothing,
+/// operands of which nothing is to be seen, and parts of a frame, as the scene stands at the defaults.
 pub fn skipped(scene: &Compiled, sources: &Sources) -> Vec<String> {
     let mut lines = scene.module.skipped.clone();
     for (name, span) in &scene.unused {
@@ -22,13 +27,25 @@ pub fn skipped(scene: &Compiled, sources: &Sources) -> Vec<String> {
     }
     for ((file, start, end), _) in places.into_iter().filter(|p| p.1) {
         let span = Span { file: crate::source::FileId(file), start, end };
-        let text = sources.text(span).split_whitespace().collect::<Vec<_>>().join(" ");
+        let text = words(sources, span);
         if !text.is_empty() {
             lines.push(format!("{text} at {}: it changes nothing", place(sources, span)));
         }
     }
+    for (span, why) in absorbed::absorbed(scene, sources) {
+        lines.push(format!("{} at {}: {}", words(sources, span), place(sources, span), why.words()));
+    }
     lines.extend(parts(scene).map(|(part, why)| format!("{part}: {why}")));
     lines
+}
+
+/// The text of a place, on one line.
+fn words(sources: &Sources, span: Span) -> String {
+    let text = sources.text(span).split_whitespace().collect::<Vec<_>>().join(" ");
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", text.get(..end).unwrap_or_default()),
+        None => text,
+    }
 }
 
 fn place(sources: &Sources, span: Span) -> String {
@@ -110,8 +127,30 @@ mod tests {
     }
 
     #[test]
+    fn operands_of_which_nothing_is_seen_are_named() {
+        let said = lines(
+            "param r = 0.2 in 0.1..3\n\
+             let wall = box((6, 2, 0.2)) - sphere(0.4).translate(5, 0, 0)\n\
+             scene = (wall & sphere(9)) | sphere(r).translate(1, 0, 0.05) | sphere(0.08).rotate(x, 1)\n\
+                   | for i in 0..2 { sphere(0.05).translate(i, 0, 0) }\n\
+                   | for i in 0..2 { sphere(0.04).translate(0, 2 * i, 0) } - box(1).translate(0, 4, 0)",
+        );
+        let places: Vec<&String> = said.iter().filter(|l| l.contains(" at a.sdf:")).collect();
+        assert_eq!(
+            places,
+            [
+                "sphere(0.4).translate(5, 0, 0) at a.sdf:2:31: the hole does not reach the solid",
+                "sphere(9) at a.sdf:3:17: it cuts nothing off",
+                "sphere(0.08).rotate(x, 1) at a.sdf:3:64: nothing of it is seen, as it lies inside of the rest",
+                "sphere(0.05).translate(i, 0, 0) at a.sdf:4:19: nothing of it is seen, as it lies inside of the rest",
+                "box(1).translate(0, 4, 0) at a.sdf:5:59: the hole does not reach the solid",
+            ]
+        );
+    }
+
+    #[test]
     fn what_is_there_is_not_said_to_be_left_out() {
-        let said = lines("scene = box(1).rotate(y, 0.3) | sphere(1)\nrender { reflections: 1, ambient_occlusion: (0, 1) }");
+        let said = lines("scene = box(1).rotate(y, 0.3) | sphere(1).translate(0.5, 0, 0)\nrender { reflections: 1, ambient_occlusion: (0, 1) }");
         assert!(!said.iter().any(|l| l.contains(" at a.sdf:") || l.starts_with("reflections")), "{said:?}");
         assert!(said.contains(&"balls: the scene has none".to_owned()), "{said:?}");
         assert!(said.contains(&"occlusion: its reach or its strength is 0".to_owned()), "{said:?}");

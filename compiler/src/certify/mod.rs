@@ -6,7 +6,7 @@
 //!
 //! [`Truth`] is the field of a scene at fixed live values. A [`Prover`] (one for each thread) answers questions of it:
 //!
-//! - [`Prover::over`]: all values and gradients over a box;
+//! - [`Prover::over`]: all values and gradients over a box; [`Prover::range`]: the values alone;
 //! - [`Prover::empty_ball`]: whether a ball holds no surface; [`Prover::distance`]: how far the surface is;
 //! - [`Prover::first_hit`]: where a ray meets the surface first;
 //! - [`Prover::steepest`]: how steep the field is at most in a box.
@@ -126,6 +126,13 @@ impl Prover<'_> {
     /// Boxes looked at since this prover was made.
     pub fn boxes(&self) -> u64 {
         self.boxes
+    }
+
+    /// An interval that holds all values of the field over a box.
+    pub fn range(&mut self, range: Box3) -> Interval {
+        self.boxes += 1;
+        let code = self.narrowed(self.truth.point.clone(), &range).1;
+        forward::full(&code, &Domain::new(range, None), &mut self.slots).range
     }
 
     /// The field at a point in 64 bits, not rounded outward.
