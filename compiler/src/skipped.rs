@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 /// Of a longer text the beginning is shown.
 const LONGEST: usize = 60;
 
-/// What was left out, each in one line: functions and parameters of the module, declarations without a use, calls that change nothing,
-/// operands of which nothing is to be seen, and parts of a frame, as the scene stands at the defaults.
+/// What was left out, each in one line: functions and parameters of the module, declarations without a use, calls that change nothing, and
+/// parts of a frame, as the scene stands at the defaults.
 pub fn skipped(scene: &Compiled, sources: &Sources) -> Vec<String> {
     let mut lines = scene.module.skipped.clone();
     for (name, span) in &scene.unused {
@@ -32,11 +32,16 @@ pub fn skipped(scene: &Compiled, sources: &Sources) -> Vec<String> {
             lines.push(format!("{text} at {}: it changes nothing", place(sources, span)));
         }
     }
-    for (span, why) in absorbed::absorbed(scene, sources) {
-        lines.push(format!("{} at {}: {}", words(sources, span), place(sources, span), why.words()));
-    }
     lines.extend(parts(scene).map(|(part, why)| format!("{part}: {why}")));
     lines
+}
+
+/// What is computed though nothing of it is to be seen, each in one line: holes beside the solid, parts inside others, cuts that cut nothing
+/// off, as the scene stands at the defaults. Without them the picture is the same and costs less; the field is another away from the surface, so
+/// it is the person's choice.
+pub fn unseen(scene: &Compiled, sources: &Sources) -> Vec<String> {
+    let line = |(span, why): (Span, absorbed::Why)| format!("{} at {}: {}", words(sources, span), place(sources, span), why.words());
+    absorbed::absorbed(scene, sources).into_iter().map(line).collect()
 }
 
 /// The text of a place, on one line.
@@ -99,9 +104,13 @@ mod tests {
     use super::*;
     use crate::{MemoryLoader, Options, compile};
 
-    fn lines(text: &str) -> Vec<String> {
+    fn of(what: fn(&Compiled, &Sources) -> Vec<String>, text: &str) -> Vec<String> {
         let outcome = compile(&MemoryLoader::new().with("scenes/a.sdf", text), "scenes/a.sdf", &Options::default());
-        skipped(outcome.compiled.as_ref().unwrap(), &outcome.sources)
+        what(outcome.compiled.as_ref().unwrap(), &outcome.sources)
+    }
+
+    fn lines(text: &str) -> Vec<String> {
+        of(skipped, text)
     }
 
     #[test]
@@ -128,16 +137,16 @@ mod tests {
 
     #[test]
     fn operands_of_which_nothing_is_seen_are_named() {
-        let said = lines(
+        let said = of(
+            unseen,
             "param r = 0.2 in 0.1..3\n\
              let wall = box((6, 2, 0.2)) - sphere(0.4).translate(5, 0, 0)\n\
              scene = (wall & sphere(9)) | sphere(r).translate(1, 0, 0.05) | sphere(0.08).rotate(x, 1)\n\
                    | for i in 0..2 { sphere(0.05).translate(i, 0, 0) }\n\
                    | for i in 0..2 { sphere(0.04).translate(0, 2 * i, 0) } - box(1).translate(0, 4, 0)",
         );
-        let places: Vec<&String> = said.iter().filter(|l| l.contains(" at a.sdf:")).collect();
         assert_eq!(
-            places,
+            said,
             [
                 "sphere(0.4).translate(5, 0, 0) at a.sdf:2:31: the hole does not reach the solid",
                 "sphere(9) at a.sdf:3:17: it cuts nothing off",
@@ -152,6 +161,7 @@ mod tests {
     fn what_is_there_is_not_said_to_be_left_out() {
         let said = lines("scene = box(1).rotate(y, 0.3) | sphere(1).translate(0.5, 0, 0)\nrender { reflections: 1, ambient_occlusion: (0, 1) }");
         assert!(!said.iter().any(|l| l.contains(" at a.sdf:") || l.starts_with("reflections")), "{said:?}");
+        assert!(of(unseen, "scene = box(1).rotate(y, 0.3) | sphere(1).translate(0.5, 0, 0)").is_empty());
         assert!(said.contains(&"balls: the scene has none".to_owned()), "{said:?}");
         assert!(said.contains(&"occlusion: its reach or its strength is 0".to_owned()), "{said:?}");
     }

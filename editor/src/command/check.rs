@@ -8,7 +8,7 @@ use surefoot_compiler::compiled::{Compiled, Parameter};
 use surefoot_compiler::diagnostic::{self, Diagnostic, Severity};
 use surefoot_compiler::factors::{self, Explained};
 use surefoot_compiler::graph::Proof;
-use surefoot_compiler::skipped::skipped;
+use surefoot_compiler::skipped::{skipped, unseen};
 use surefoot_compiler::source::Sources;
 use surefoot_compiler::syntax::ast::Type;
 use surefoot_compiler::{Options, Outcome};
@@ -48,9 +48,10 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
                 print(factors_text(&explained, colored(&std::io::stdout())).as_bytes())?;
             }
             if let Some(compiled) = &outcome.compiled {
-                let lines = skipped(compiled, &outcome.sources);
-                if !lines.is_empty() {
-                    print(format!("  left out:\n    {}\n", lines.join("\n    ")).as_bytes())?;
+                for (title, lines) in [("left out", skipped(compiled, &outcome.sources)), ("never seen", unseen(compiled, &outcome.sources))] {
+                    if !lines.is_empty() {
+                        print(format!("  {title}:\n    {}\n", lines.join("\n    ")).as_bytes())?;
+                    }
                 }
             }
         }
@@ -85,6 +86,7 @@ fn report(scene: &str, outcome: &Outcome) -> Value {
         "parameters": compiled.map_or_else(Vec::new, |c| c.parameters.iter().map(parameter_json).collect()),
         "functions": compiled.map_or_else(Vec::new, |c| c.module.exports.iter().map(|e| e.name()).collect()),
         "skipped": compiled.map_or_else(Vec::new, |c| skipped(c, sources)),
+        "unseen": compiled.map_or_else(Vec::new, |c| unseen(c, sources)),
         "files": outcome.files,
     })
 }
