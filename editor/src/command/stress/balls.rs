@@ -69,7 +69,7 @@ render {{ extent: 200 }}
             rests: true,
             wall: f64::INFINITY,
             floor: -0.6,
-            known: Some("a few balls that are jammed between others keep trembling where they stand, and do not fall asleep"),
+            known: Some("a ball or a few in a corner, which others overlap, are pushed up again and again and do not fall asleep"),
         },
     ]
 }
