@@ -318,8 +318,8 @@ impl Elaborator<'_> {
         let values = self.expression(list, env);
         let at = self.expression(index, env);
         let (values, at) = (values?, at?);
-        let items: Vec<Value> = match &values {
-            Value::List(items) => items.to_vec(),
+        let items: Rc<[Value]> = match &values {
+            Value::List(items) => items.clone(),
             Value::Vector(v) => v.iter().map(|n| Value::number(*n)).collect(),
             Value::Matrix(n, cells) => {
                 cells.chunks(usize::from(*n)).map(|c| Value::Vector(c.into())).collect()
