@@ -37,7 +37,7 @@ pub fn skipped(scene: &Compiled, sources: &Sources) -> Vec<String> {
 }
 
 /// What is computed though nothing of it is to be seen, each in one line: holes beside the solid, parts inside others, cuts that cut nothing
-/// off, as the scene stands at the defaults. Without them the picture is the same and costs less; the field is another away from the surface, so
+/// off, wherever sliders stand and at any time. Without them the picture is the same and costs less; the field is another away from the surface, so
 /// it is the person's choice.
 pub fn unseen(scene: &Compiled, sources: &Sources) -> Vec<String> {
     let line = |(span, why): (Span, absorbed::Why)| format!("{} at {}: {}", words(sources, span), place(sources, span), why.words());
@@ -161,7 +161,15 @@ mod tests {
     fn what_is_there_is_not_said_to_be_left_out() {
         let said = lines("scene = box(1).rotate(y, 0.3) | sphere(1).translate(0.5, 0, 0)\nrender { reflections: 1, ambient_occlusion: (0, 1) }");
         assert!(!said.iter().any(|l| l.contains(" at a.sdf:") || l.starts_with("reflections")), "{said:?}");
-        assert!(of(unseen, "scene = box(1).rotate(y, 0.3) | sphere(1).translate(0.5, 0, 0)").is_empty());
+        for text in [
+            "scene = box(1).rotate(y, 0.3) | sphere(1).translate(0.5, 0, 0)",
+            "scene = box(1) - sphere(0.4).translate(5 * cos(time), 0, 0)",
+            "scene = for i in 0..3 { sphere(0.1).translate(i * time, 0, 0) } | box(1)",
+            "param r = 0.2 in 0.1..3\nscene = box(1) | sphere(r)",
+            "param r = 0.2 in 0.1..3\nscene = box(1).translate(r, 0, 0) | sphere(0.2)",
+        ] {
+            assert!(of(unseen, text).is_empty(), "{text}");
+        }
         assert!(said.contains(&"balls: the scene has none".to_owned()), "{said:?}");
         assert!(said.contains(&"occlusion: its reach or its strength is 0".to_owned()), "{said:?}");
     }

@@ -44,8 +44,8 @@ impl Why {
     }
 }
 
-/// The operands of the scene's own unions, intersections and differences of which nothing is to be seen within its extent, as its parameters
-/// stand by default: the place of each in the text, in its order. One that a `for` repeats counts where it is so of all copies.
+/// The operands of the scene's own unions, intersections and differences of which nothing is ever to be seen within its extent, wherever its
+/// sliders stand and at any time: the place of each in the text, in its order. One that a `for` repeats counts where it is so of all copies.
 pub fn absorbed(scene: &Compiled, sources: &Sources) -> Vec<(Span, Why)> {
     let mut search = Search { scene, sources, graph: scene.graph.clone(), left: WORK.1, found: BTreeMap::new() };
     if let Some(shape) = scene.graph.shape(scene.root) {
@@ -138,6 +138,11 @@ impl Search<'_> {
         Some(own)
     }
 
+    /// Whether a node reads no parameter and no time.
+    fn is_still(&self, node: NodeId) -> bool {
+        !self.graph.leaves_under(&[node]).iter().any(|leaf| matches!(leaf, Leaf::Parameter(_) | Leaf::Time))
+    }
+
     fn judge(&mut self, op: Op, operand: NodeId, rest: &[NodeId]) {
         let (inner, turned) = self.turned(operand);
         let &Node::Call(id, Function::Field, _) = self.graph.node(inner) else { return };
@@ -146,7 +151,13 @@ impl Search<'_> {
         if matches!(self.found.get(&key), Some((_, None))) {
             return;
         }
-        let Some(rest) = rest.iter().copied().reduce(|a, b| self.graph.op(op, &[a, b])) else { return };
+        // What is live may come or go: it is no reason, and nothing is said of it.
+        let still = rest.iter().copied().filter(|&r| self.is_still(r)).collect::<Vec<_>>();
+        let rest = still.into_iter().reduce(|a, b| self.graph.op(op, &[a, b]));
+        let Some(rest) = rest.filter(|_| self.is_still(inner)) else {
+            self.found.insert(key, (span, None));
+            return;
+        };
         let (within, without) = if op == Op::Min { (operand, rest) } else { (rest, operand) };
         let without = self.graph.op(Op::Neg, &[without]);
         let root = self.graph.op(Op::Max, &[within, without]);
