@@ -5,6 +5,7 @@ pub use crate::emit::table::{ModuleTables, Tables};
 pub use crate::frame::{CAPTURE_SIZES, Camera, CaptureNodes, Frame, Light, LightKind, LightNodes, MAX_BOUNCES, SceneBlocks, Shadow, Sky};
 
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::emit::tracer::Ways;
 use crate::functions::{self, Functions, Summary};
 use crate::graph::algebra::Reals;
 use crate::graph::{multiple_of, Graph, Leaf, NodeId, Proof, ShapeId};
@@ -250,6 +251,8 @@ pub struct Module {
     pub meshes: String,
     /// Whether the bound is the estimate of the distance itself.
     pub one: bool,
+    /// What its tracer is told.
+    pub ways: Ways,
     /// The unions of many operands, which are tables; none in most modules.
     pub tables: Option<Arc<ModuleTables>>,
 }

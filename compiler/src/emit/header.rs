@@ -4,6 +4,7 @@ use super::formulas::{Formulas, call_name};
 use super::library;
 use super::uniforms::Candidates;
 use super::write::vector_type;
+use crate::analysis::Box3;
 use crate::compiled::{Export, Options, Parameter, Uniform, UniformSource};
 use crate::factors;
 use crate::graph::kernel::Op;
@@ -35,6 +36,8 @@ pub struct Facts<'a> {
     pub occlusion: (f64, f64),
     /// Radius of the scene.
     pub extent: f64,
+    /// A box that holds what is solid, but planes.
+    pub region: Option<Box3>,
 }
 
 /// The comment.

@@ -3,11 +3,11 @@
 //! `sf_` stands for the prefix of the module. A helper is emitted where something calls it. The tracing functions stand in
 //! `compiler/src/reference` once more, in 64 bits; the two are kept step for step alike.
 
-use super::tracer::Tracer;
+use super::tracer::{Tracer, Ways};
 use crate::compiled::Export;
 use crate::graph::kernel::Op;
 use std::borrow::Cow;
-use std::sync::LazyLock;
+use std::sync::OnceLock;
 
 /// Text that a module may hold.
 pub struct Piece {
@@ -18,7 +18,7 @@ pub struct Piece {
 }
 
 /// Helpers, in the order in which they are emitted. The place is the helper's bit in [`Helpers`].
-pub const HELPERS: [Piece; 9] = [
+pub const HELPERS: [Piece; 10] = [
     Piece { name: "square", text: "\
 fn sf_square(a: f32) -> f32 {
   return a * a;
@@ -93,6 +93,20 @@ fn sf_clip(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> vec2f {
   }
   let reach = sqrt(rest);
   return vec2f(max(t_min, middle - reach), min(t_max, middle + reach));
+}
+" },
+    // An axis along which a ray hardly moves cuts nothing off between its two sides, and all beyond them.
+    Piece { name: "within", text: "\
+// The part of a span of a ray that lies within the box about all that is solid, but for planes; empty where x > y.
+fn sf_within(origin: vec3f, direction: vec3f, span: vec2f) -> vec2f {
+  let start = origin + sf_uniforms.origin;
+  let rounding = vec3f(1e-6 * (length(start) + 1.0));
+  let moved = select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
+  let one = (sf_region[0] - rounding - start) / moved;
+  let other = (sf_region[1] + rounding - start) / moved;
+  let enter = min(one, other);
+  let leave = max(one, other);
+  return vec2f(max(span.x, max(max(enter.x, enter.y), enter.z)), min(span.y, min(min(leave.x, leave.y), leave.z)));
 }
 " },
     Piece { name: "away", text: "\
@@ -234,18 +248,20 @@ struct sf_Surface {
 /// Names of structs, which nothing else may take.
 pub const STRUCTURES: [&str; 3] = ["Hit", "Contact", "Surface"];
 
-/// The tracer's text, put together once: where the bound is not the distance, and where it is.
-static TRACE: LazyLock<[String; 2]> = LazyLock::new(|| [false, true].map(|one| Tracer::DEFAULT.wgsl(one)));
+/// The texts of `sf_trace` and `sf_shadow` by [`Ways`], each made when it is first asked for.
+static FOLLOW: [OnceLock<[String; 2]>; 8] = [const { OnceLock::new() }; 8];
 
-/// The text of an exported function that is the same for every scene. `one`: whether the bound is the distance.
-pub fn function(export: Export, one: bool) -> Option<Cow<'static, str>> {
+/// The text of an exported function that is the same for every scene with the same ways.
+pub fn function(export: Export, ways: Ways) -> Option<Cow<'static, str>> {
+    let place = usize::from(ways.one) + 2 * usize::from(ways.planes) + 4 * usize::from(ways.region);
     match export {
-        Export::Trace => {
-            let [two, of_one] = &*TRACE;
-            Some(if one { of_one } else { two }.as_str().into())
+        Export::Trace | Export::Shadow => {
+            let [trace, shadow] = FOLLOW.get(place)?.get_or_init(|| {
+                let shadow = if ways.one { SHADOW_OF_ONE } else { SHADOW };
+                [Tracer::DEFAULT.wgsl(ways), if ways.planes { shadow_past_planes(shadow) } else { shadow.to_owned() }]
+            });
+            Some(if export == Export::Trace { trace } else { shadow }.as_str().into())
         }
-        Export::Shadow if one => Some(SHADOW_OF_ONE.into()),
-        Export::Shadow => Some(SHADOW.into()),
         Export::Collision => Some(COLLISION.into()),
         Export::Occlusion => Some(OCCLUSION.into()),
         _ => None,
@@ -328,6 +344,17 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
   return lit * lit * (3.0 - 2.0 * lit);
 }
 ";
+
+/// A shadow's text where planes are met apart: a ray that meets one is dark, and their share of a penumbra is least at the ray's end, as their height
+/// over the way falls all along it.
+fn shadow_past_planes(shadow: &str) -> String {
+    let span = "  let span = sf_clip(origin, direction, t_min, t_max);\n";
+    let start = "  if span.x > span.y {\n    return 1.0;\n  }\n  if sf_ahead(origin + direction * span.x, direction) <= span.y - span.x {\n    return 0.0;\n  }\n";
+    let end = "  lit = select(lit, 0.0, lit < 0.002);\n";
+    let share = "  lit = min(lit, sharpness * sf_planes(origin + direction * span.y) / max(span.y, 1e-6));\n";
+    let of_rest = shadow.replace("sf_bound(", "sf_rest_bound(").replace("sf_distance(", "sf_rest_distance(");
+    of_rest.replace(span, &format!("{span}{start}")).replace(end, &format!("{share}{end}"))
+}
 
 const COLLISION: &str = "\
 fn sf_collision(center: vec3f, radius: f32) -> sf_Contact {

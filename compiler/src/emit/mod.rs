@@ -4,6 +4,7 @@
 //! called; [`write`] turns expressions into text; [`library`] holds the WGSL that is the same for every scene. Nothing that
 //! nobody reads is emitted, and the same source gives the same bytes. The graph is only read.
 
+mod ahead;
 mod arms;
 mod body;
 mod formulas;
@@ -27,6 +28,7 @@ pub use translate::{Target, translate, validate};
 
 use crate::compiled::{Export, Live, Module, ModuleTables, Options, Parameter, SceneBlocks, UniformSource};
 use crate::functions::Functions;
+use crate::graph::interval::Interval;
 use crate::graph::kernel::Terms;
 use crate::graph::{Function, Graph, NodeId, ShapeId, WORLD};
 use crate::source::Sources;
@@ -41,6 +43,7 @@ use std::fmt;
 use std::fmt::Write;
 use std::sync::Arc;
 use table::Tables;
+use tracer::Ways;
 use uniforms::Candidates;
 use write::{Context, Room};
 
@@ -98,7 +101,7 @@ pub fn emit(
     let tables = Tables::new(graph, functions);
     let mut plans = Plans::new(graph, functions, &tables);
     let mut skipped = Vec::new();
-    let exports = exports(options, &plans, root, &mut skipped);
+    let exports = exports(options, &plans, root, functions.ahead.planes.is_some(), &mut skipped);
 
     // What the exports of this scene compute.
     let mut roots: Vec<(Export, TargetId)> = Vec::new();
@@ -125,8 +128,11 @@ pub fn emit(
         let layers = surface.is_layered().then(|| plans.plan(&surface.layer_nodes(), [].into()));
         meshes.push((surface, plans.plan(&surface.look(), [].into()), layers));
     }
+    let follows = exports.iter().any(|e| matches!(e, Export::Trace | Export::Shadow));
+    let one = plans.is_one(root);
+    let planes = functions.ahead.planes.filter(|_| follows).map(|planes| ahead::Plans::new(graph, root, &planes, one, &mut plans));
     let of_meshes = meshes.iter().flat_map(|(_, plan, layers)| std::iter::once(plan).chain(layers));
-    let standing = plans.complete(&counted, surface.iter().chain(&layers).chain(&carry).chain(of_meshes))?;
+    let standing = plans.complete(&counted, surface.iter().chain(&layers).chain(&carry).chain(planes.iter().flat_map(ahead::Plans::all)).chain(of_meshes))?;
 
     let mut module = reserved_names(prefix);
     let mut context = Context {
@@ -143,13 +149,21 @@ pub fn emit(
         room: Room::default(),
         reads_scene: false,
         tables: &tables,
+        facing: "normal",
     };
     let mut texts = String::with_capacity(24 * graph.len().min(100_000));
     let mut body = Body::new(graph.len(), (!options.live_in_shader).then(Formulas::default));
     for &id in &standing {
         shape_function(&mut context, id, &mut body, &mut texts)?;
     }
-    let operations = export_functions(&mut context, root, &exports, &roots, surface.as_ref(), &mut body, &mut texts)?;
+    let rest = planes.as_ref().map(|planes| ahead::functions(&mut context, root, planes, &mut body, &mut texts)).transpose()?;
+    let ways = Ways {
+        one: rest.as_ref().map_or(one, |rest| rest.one),
+        planes: rest.is_some(),
+        region: functions.ahead.region.is_some() && rest.is_some() == functions.ahead.planes.is_some(),
+    };
+    let roots = Roots { root, targets: &roots, surface: surface.as_ref(), rest, ways };
+    let operations = export_functions(&mut context, &exports, &roots, &mut body, &mut texts)?;
     if let Some(plan) = &layers {
         layers_function(&mut context, root, &functions.surface, plan, &mut body, &mut texts)?;
     }
@@ -162,8 +176,11 @@ pub fn emit(
     }
 
     // What the library reads.
-    if exports.iter().any(|e| matches!(e, Export::Trace | Export::Shadow)) {
+    if follows {
         context.helpers.need("clip");
+    }
+    if exports.contains(&Export::Trace) && ways.region {
+        context.helpers.need("within");
     }
     if exports.contains(&Export::Occlusion) {
         context.uniforms.read(UniformSource::OcclusionReach);
@@ -184,6 +201,7 @@ pub fn emit(
         parameters,
         occlusion: blocks.occlusion(graph, &Live::start(graph)),
         extent: blocks.extent,
+        region: functions.ahead.region,
     };
     let mut wgsl = header::write(&facts);
     let declared = |buffers: bool, text: &mut String| {
@@ -216,7 +234,8 @@ pub fn emit(
         skipped,
         near,
         meshes: meshes_text,
-        one: one_target(&roots),
+        one,
+        ways,
         tables: buffered.map(|code| Arc::new(ModuleTables::new(tables, code))),
     })
 }
@@ -226,7 +245,7 @@ fn reserved_names(prefix: &str) -> Scope {
     let mut names = Scope::default();
     let exports = Export::ALL.iter().map(|e| e.name());
     let helpers = library::HELPERS.iter().map(|h| h.name);
-    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists"];
+    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists", "planes", "ahead", "rest_bound", "rest_distance", "region"];
     for text in exports.chain(helpers).chain(library::STRUCTURES).chain(others) {
         names.reserve(&format!("{prefix}{text}"));
     }
@@ -295,29 +314,31 @@ fn shape_function(
     Ok(())
 }
 
-/// Whether the bound is the estimate of the distance.
-fn one_target(roots: &[(Export, TargetId)]) -> bool {
-    let of = |export| roots.iter().find(|r| r.0 == export).map(|r| r.1);
-    of(Export::Bound) == of(Export::Distance)
+/// What the exports compute.
+struct Roots<'a> {
+    root: ShapeId,
+    targets: &'a [(Export, TargetId)],
+    surface: Option<&'a Plan>,
+    /// What is written of planes and the rest, where rays meet planes apart.
+    rest: Option<ahead::Written>,
+    ways: Ways,
 }
 
 /// Writes the exports. The answer: operations of the field and of the bound.
 fn export_functions(
     context: &mut Context,
-    root: ShapeId,
     exports: &[Export],
-    roots: &[(Export, TargetId)],
-    surface: Option<&Plan>,
+    roots: &Roots,
     body: &mut Body,
     text: &mut String,
 ) -> Result<(usize, usize), EmitError> {
     let (graph, plans, prefix) = (context.graph, context.plans, context.prefix);
     let mut written: Vec<(TargetId, Export, usize)> = Vec::new();
-    let target_of = |export| roots.iter().find(|r| r.0 == export).map(|r| r.1);
-    let one = one_target(roots);
+    let target_of = |export| roots.targets.iter().find(|r| r.0 == export).map(|r| r.1);
+    let alike = |target: Option<TargetId>| [Export::Bound, Export::Distance].into_iter().find(|e| target.is_some() && target_of(*e) == target);
     for &export in exports {
         let _ = writeln!(text, "\n// {}", library::purpose(export));
-        if let Some(function) = library::function(export, one) {
+        if let Some(function) = library::function(export, roots.ways) {
             // Where only ways from places far out are read, rounding grows with the distance from the eye and not from the scene's middle.
             let (far, near) = ("length(origin + sf_uniforms.origin)", "length(origin)");
             let function = if context.reads_scene { function } else { function.replace(far, near).into() };
@@ -330,12 +351,15 @@ fn export_functions(
         let count = if let Some((_, other, count)) = same {
             let _ = writeln!(text, "  return {prefix}{}(p);", other.name());
             count
+        } else if let Some((rest, count)) = roots.rest.as_ref().zip(alike(target)).and_then(|(written, of)| written.rest(of)) {
+            let _ = writeln!(text, "  return min({prefix}{rest}(p), {prefix}planes(p));");
+            count
         } else {
             let _ = writeln!(text, "  let q = p + {}.origin;", context.uniform_name);
             context.uniforms.read(UniformSource::Origin);
             body.clear();
-            let space = scene_space(graph, root, body, target.is_none());
-            let result = match (target, surface) {
+            let space = scene_space(graph, roots.root, body, target.is_none());
+            let result = match (target, roots.surface) {
                 (Some(target), _) => body.whole(plans, graph, target, &space, &context.uniforms)?,
                 (None, Some(plan)) => {
                     let results = body.open(plans, graph, plan, &space, &context.uniforms)?;
@@ -383,6 +407,10 @@ fn declarations(context: &Context, facts: &header::Facts, buffers: bool, wgsl: &
         let extent = (facts.extent as f32).clamp(f32::MIN_POSITIVE, 1e18);
         let _ = write!(wgsl, "\nconst {prefix}extent: f32 = {extent:?};\n");
     }
+    if let Some(region) = facts.region.filter(|_| context.helpers.pieces().any(|p| p.name == "within")) {
+        let corner = |of: fn(Interval) -> f64| region.0.map(|side| format!("{:?}", of(side) as f32)).join(", ");
+        let _ = write!(wgsl, "\nconst {prefix}region = array(vec3f({}), vec3f({}));\n", corner(|i| i.lo), corner(|i| i.hi));
+    }
     for piece in context.helpers.pieces().filter(|p| buffers || p.name != "span") {
         let _ = write!(wgsl, "\n{}", prefixed(piece.text, prefix));
     }
@@ -415,7 +443,8 @@ fn group_of(export: Export) -> Option<Group> {
 }
 
 /// What was asked for and can be had, with what it needs, in the order of [`Export`].
-fn exports(options: &Options, plans: &Plans, root: ShapeId, skipped: &mut Vec<String>) -> Vec<Export> {
+/// `planes`: whether rays meet planes apart, and follow functions of their own.
+fn exports(options: &Options, plans: &Plans, root: ShapeId, planes: bool, skipped: &mut Vec<String>) -> Vec<Export> {
     let mut exports = Vec::new();
     for export in Export::ALL {
         if !options.exports.contains(&export) {
@@ -424,6 +453,7 @@ fn exports(options: &Options, plans: &Plans, root: ShapeId, skipped: &mut Vec<St
         let all = || library::needs(export).iter().copied().chain([export]);
         let missing = all().find(|e| group_of(*e).is_some_and(|g| !plans.has(root, g)));
         match missing {
+            None if planes && matches!(export, Export::Trace | Export::Shadow) => exports.push(export),
             None => exports.extend(all()),
             Some(missing) => skipped.push(format!(
                 "{}{}: the scene has no {}",

@@ -424,6 +424,11 @@ impl<'a> Plans<'a> {
         }
     }
 
+    /// Whether a shape's bound is its estimate of the distance.
+    pub fn is_one(&mut self, shape: ShapeId) -> bool {
+        self.same(shape, Group::Bound, 0) == self.same(shape, Group::Distance, 0)
+    }
+
     /// The first group of a shape whose formula computes the same: the same node, a call that passes everything on, or see [`Plans::computes`].
     fn same(&mut self, shape: ShapeId, group: Group, depth: u32) -> Group {
         let functions = self.functions;

@@ -20,6 +20,17 @@ pub struct Tracer {
     pub budget: u32,
 }
 
+/// What a ray is told of a scene beside its bound.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Ways {
+    /// Whether the bound is the estimate of the distance: of the whole scene, or where planes are met apart of everything else.
+    pub one: bool,
+    /// Whether planes are met apart: `sf_ahead` says where, and `sf_rest_bound` is followed.
+    pub planes: bool,
+    /// Whether `sf_within` knows a box about all that is solid, but planes that are met apart.
+    pub region: bool,
+}
+
 impl Default for Tracer {
     fn default() -> Self {
         Self::DEFAULT
@@ -50,11 +61,12 @@ impl Tracer {
     /// The bound counts as falling at least so fast along a ray, so that what is ahead is finite.
     pub const FLATTEST: f64 = 1e-4;
 
-    /// The function `sf_trace`, which calls `sf_clip`, `sf_bound` and, unless that is the bound itself (`one`), `sf_distance`. The distance
+    /// The function `sf_trace`, which calls `sf_clip`, `sf_bound` and, unless that is the bound itself, `sf_distance`. The distance
     /// is asked for outside of the loop over bounds, and hits are found there: a machine that leads several rays in step computes what stands
     /// inside for all of them. For the same reason little goes from one turn of the loop to the next, and nothing is computed under a condition.
-    pub fn wgsl(&self, one: bool) -> String {
+    pub fn wgsl(&self, ways: Ways) -> String {
         let Self { leap, budget, .. } = *self;
+        let Ways { one, planes, region } = ways;
         let (aside, fine) = (Self::ASIDE, Self::FINE);
         let indented = |lines: &[String], by: &str| -> String { lines.iter().map(|l| format!("{by}{l}\n")).collect() };
         let (look, go_on) = (self.look(one), self.go_on());
@@ -103,14 +115,29 @@ impl Tracer {
             indented(&look, "      "),
             indented(&go_on, "      "),
         );
-        format!(
+        let miss = |of: &str| format!("  if {of}.x > {of}.y {{\n    return sf_Hit(t_max, false, 0u);\n  }}\n");
+        let clip = "sf_clip(origin, direction, t_min, t_max)";
+        let (head, end) = match (planes, region) {
+            (false, false) => (format!("  let span = {clip};\n{}", miss("span")), String::new()),
+            (false, true) => (format!("  let span = sf_within(origin, direction, {clip});\n{}", miss("span")), String::new()),
+            (true, _) => {
+                let span = "vec2f(whole.x, min(whole.y, plane))";
+                let span = if region { format!("sf_within(origin, direction, {span})") } else { span.to_owned() };
+                let head = format!(
+                    "  let whole = {clip};\n{}  // The first plane ends the search for everything else.
+  let plane = whole.x + sf_ahead(origin + direction * whole.x, direction);
+  let flat = plane <= whole.y;
+  let span = {span};
+  if span.x > span.y {{\n    return sf_Hit(select(t_max, plane, flat), flat, 0u);\n  }}\n",
+                    miss("whole")
+                );
+                (head, "  if flat && !arrived && t >= span.y {\n    return sf_Hit(plane, true, step);\n  }\n".to_owned())
+            }
+        };
+        let text = format!(
             "\
 fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: f32) -> sf_Hit {{
-  let span = sf_clip(origin, direction, t_min, t_max);
-  if span.x > span.y {{
-    return sf_Hit(t_max, false, 0u);
-  }}
-  // Rounding grows with coordinates, and they are no larger than this and the way.
+{head}  // Rounding grows with coordinates, and they are no larger than this and the way.
   let size = length(origin + sf_uniforms.origin) + 1.0;
   var t = span.x;
   var step = 0u;
@@ -121,10 +148,14 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
   var seen = 0.0;
   var stride = 0.0;
   var slope = -1.0;
-{state}{search}  return sf_Hit(t, arrived, step);
+{state}{search}{end}  return sf_Hit(t, arrived, step);
 }}
 "
-        )
+        );
+        match planes {
+            true => text.replace("sf_bound(", "sf_rest_bound(").replace("sf_distance(", "sf_rest_distance("),
+            false => text,
+        }
     }
 
     /// The lines of a look at `t`, which say whether the ray may have arrived. `one`: they name what is asked of it

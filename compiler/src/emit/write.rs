@@ -44,6 +44,8 @@ pub struct Context<'a> {
     pub reads_scene: bool,
     /// The unions that are tables.
     pub tables: &'a Tables,
+    /// What the function that is written calls [`crate::graph::Leaf::Normal`].
+    pub facing: &'static str,
 }
 
 impl Context<'_> {

@@ -81,14 +81,24 @@ impl Builder<'_> {
         Search { target, domain, parameters }.quantile(self.graph, PLACES, SHARE) < FLAT
     }
 
+    /// Whether a formula grows evenly along every straight line, as that of a plane does.
+    pub(super) fn is_straight(&mut self, node: NodeId) -> bool {
+        let short = !self.graph.reads(node).shapes && self.facts.weight(self.graph, node) <= LONGEST;
+        short && self.bend_of(node, &Domain::of(Box3::ALL)) == Bend::Straight
+    }
+
     fn is_convex(&mut self, node: NodeId, domain: &Domain) -> bool {
+        self.bend_of(node, domain) == Bend::Convex
+    }
+
+    fn bend_of(&mut self, node: NodeId, domain: &Domain) -> Bend {
         let order = self.graph.reachable(&[node]);
         let mut bends: FxHashMap<NodeId, Bend> = FxHashMap::default();
         for &id in &order {
             let bend = self.bend(id, &bends, domain);
             bends.insert(id, bend);
         }
-        bends.get(&node) == Some(&Bend::Convex)
+        bends.get(&node).copied().unwrap_or(Bend::Unknown)
     }
 
     fn bend(&mut self, node: NodeId, bends: &FxHashMap<NodeId, Bend>, domain: &Domain) -> Bend {
@@ -120,6 +130,8 @@ impl Builder<'_> {
             },
             (Op::Sub, Some(b)) if of(&b) <= Bend::Straight => of(&a).max(of(&b)),
             (Op::Neg, _) if all_straight => worst,
+            // Coordinates that are turned by an angle.
+            (Op::TurnU | Op::TurnV, Some(b)) if args.get(2).is_some_and(|t| of(t) == Bend::Still) && of(&a).max(of(&b)) == Bend::Straight => Bend::Straight,
             (Op::Abs | Op::Square | Op::Length2 | Op::Length3 | Op::Length4, _) if all_straight => Bend::Convex,
             (Op::Mul, Some(b)) if of(&b) == Bend::Still => multiple(b, of(&a)),
             (Op::Mul, Some(b)) if of(&a) == Bend::Still => multiple(a, of(&b)),

@@ -4,6 +4,7 @@
 //! by one, smooth groups as a whole, and a formula without a constant over all space behind its region. The *distance* is the
 //! estimate that light and contact use: it is composed in the same way and never holds a factor.
 
+mod ahead;
 mod bound;
 mod convex;
 mod distance;
@@ -13,6 +14,7 @@ mod jumps;
 mod surface;
 pub mod unions;
 
+pub use ahead::{Ahead, Planes};
 pub use ground::{Carry, carry, firm};
 
 use crate::analysis::search::{Search, Target};
@@ -44,6 +46,8 @@ pub struct Functions {
     pub searches: Vec<Option<Search>>,
     /// Unions of many operands, by the function that each one is.
     pub unions: FxHashMap<unions::Of, unions::Union>,
+    /// What rays find without a search.
+    pub ahead: Ahead,
     /// How what is solid moves, where balls ask for it and it does.
     pub carry: Option<Carry>,
     /// Boxes that hold all points at which nodes are at most zero, of nodes of which more is known than their formulas show.
@@ -323,6 +327,7 @@ pub fn build(
         }
     }
     builder.built.unions = unions::find(builder.graph, builder.facts, &builder.built, &asked);
+    builder.built.ahead = builder.ahead();
     builder.built.solids = builder.facts.known_solids().clone();
     let summary = builder.summary();
     (builder.built, summary, builder.diagnostics)

@@ -52,7 +52,7 @@ pub const ANY_TIME: Interval = Interval { lo: -1e7, hi: 1e7 };
 pub enum Leaf {
     /// Component of the point in the own space of the shape: 0, 1, 2.
     P(u8),
-    /// Component of the surface's normal in the scene's space; in materials only.
+    /// Component of the surface's normal in the scene's space, in materials; of a ray's direction in what is asked along a ray.
     Normal(u8),
     /// Seconds.
     Time,

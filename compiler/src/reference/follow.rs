@@ -107,7 +107,7 @@ const SHORTEST_REST: f64 = 0.25;
 /// It goes back where the bound is less than this share of the step.
 const CLOSE: f64 = 0.75;
 /// Less light counts as none.
-const DARK: f64 = 0.002;
+pub const DARK: f64 = 0.002;
 
 /// The variables of `sf_shadow`.
 #[derive(Clone, Copy, Debug)]

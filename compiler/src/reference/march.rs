@@ -4,6 +4,7 @@
 //! What a ray meets does not depend on the others: slabs say only when its turn comes and which tape serves it.
 
 use super::vector::{Vec3, along, dot, length};
+use crate::analysis::Box3;
 use crate::evaluate::{LANES, Tape, lanes};
 use crate::graph::interval::Interval;
 
@@ -36,6 +37,19 @@ impl Ray {
         }
         let reach = rest.sqrt();
         let (t_min, t_max) = (self.t_min.max(middle - reach), self.t_max.min(middle + reach));
+        (t_min <= t_max).then_some(Ray { t_min, t_max, ..*self })
+    }
+
+    /// The part of it that lies within a box, if any does, as `sf_within` finds it.
+    pub fn within(&self, region: &Box3) -> Option<Ray> {
+        let rounding = 1e-6 * (length(self.origin) + 1.0);
+        let (mut t_min, mut t_max) = (self.t_min, self.t_max);
+        for ((side, start), direction) in region.0.iter().zip(self.origin).zip(self.direction) {
+            let moved = if direction.abs() < 1e-12 { 1e-12 } else { direction };
+            let (one, other) = ((side.lo - rounding - start) / moved, (side.hi + rounding - start) / moved);
+            t_min = t_min.max(one.min(other));
+            t_max = t_max.min(one.max(other));
+        }
         (t_min <= t_max).then_some(Ray { t_min, t_max, ..*self })
     }
 }

@@ -9,13 +9,14 @@ pub mod march;
 pub mod shade;
 pub mod vector;
 
+use crate::analysis::Box3;
 use crate::compiled::{Camera, Compiled, Frame, Live};
 use crate::evaluate::{Tape, TooLarge};
 use crate::graph::{Function, NodeId, Slot};
-use crate::functions::Surface;
+use crate::functions::{Planes, Surface};
 use crate::images::{Images, Texture, TextureKind, sides};
 use camera::Basis;
-use follow::{Follow, Shadow, Small, TRACER, Turn};
+use follow::{DARK, Follow, Shadow, Small, TRACER, Turn};
 use march::{Look, Ray, Scene, at_points, march, sizes};
 use shade::{Leaving, Seen, Shading, SurfaceValues};
 use std::cell::Cell;
@@ -73,14 +74,33 @@ const LIMIT: usize = 2_000_000;
 /// Rays are led together in squares of so many pixels a side.
 const BLOCK: u32 = 32;
 
+/// Bound and distance of what rays follow: of all, or where planes are met apart of everything else.
+#[derive(Clone, Debug)]
+struct Rest {
+    bound: Tape,
+    distance: Tape,
+    /// Both.
+    both: Tape,
+}
+
+/// The distance to the planes that are met apart, and the way to them.
+#[derive(Clone, Debug)]
+struct PlanesTapes {
+    distance: Tape,
+    way: Tape,
+}
+
 /// A scene's functions at one moment, ready for any number of points.
 #[derive(Clone, Debug)]
 pub struct Reference {
     field: Tape,
     bound: Tape,
     distance: Tape,
-    /// Bound and distance.
-    both: Tape,
+    /// What rays follow.
+    rest: Rest,
+    planes: Option<PlanesTapes>,
+    /// A box about all that is solid, but planes.
+    region: Option<Box3>,
     gradient: Option<Tape>,
     surface: Tape,
     /// What lies on the surface, where anything does: [`Surface::layer_nodes`].
@@ -102,11 +122,16 @@ impl Reference {
         let tape = |roots: &[NodeId]| Tape::new(&compiled.graph, functions, roots, live, LIMIT);
         let slopes: Option<Vec<NodeId>> = (0..3).map(|i| own(Function::Gradient(i))).collect();
         let s = &functions.surface;
+        let ahead = &functions.ahead;
+        let (rest_bound, rest_distance) = ahead.planes.map_or((bound, distance), |p| (p.rest_bound, p.rest_distance));
+        let planes = |p: Planes| Ok(PlanesTapes { distance: tape(&[p.distance])?, way: tape(&[p.way])? });
         Ok(Self {
             field: tape(&[field])?,
             bound: tape(&[bound])?,
             distance: tape(&[distance])?,
-            both: tape(&[bound, distance])?,
+            rest: Rest { bound: tape(&[rest_bound])?, distance: tape(&[rest_distance])?, both: tape(&[rest_bound, rest_distance])? },
+            planes: ahead.planes.map(planes).transpose()?,
+            region: ahead.region,
             gradient: slopes.map(|slopes| tape(&slopes)).transpose()?,
             surface: tape(&s.look())?,
             layers: s.is_layered().then(|| tape(&s.layer_nodes()).map(|tape| (s.clone(), tape))).transpose()?,
@@ -142,6 +167,20 @@ impl Reference {
     /// The estimate of the distance that light and contact use.
     pub fn distance(&self) -> &Tape {
         &self.distance
+    }
+
+    /// Operations of a function of the module that its tracer calls, by its name without the prefix; 0 where the scene has none of that name.
+    pub fn operations(&self, name: &str) -> usize {
+        let tape = match name {
+            "field" => &self.field,
+            "bound" => &self.bound,
+            "distance" => &self.distance,
+            "rest_bound" => &self.rest.bound,
+            "rest_distance" => &self.rest.distance,
+            "ahead" => return self.planes.as_ref().map_or(0, |planes| planes.way.operations()),
+            _ => return 0,
+        };
+        tape.operations()
     }
 
     /// What rounding in 32 bits grows with, at a point so far along a ray.
@@ -187,17 +226,34 @@ impl Reference {
     /// First hits along rays. `footprint` is the width of a pixel at distance one; beyond `extent` from the scene's origin there is
     /// nothing.
     pub fn trace(&self, rays: &[Ray], footprint: f64, extent: f64) -> Vec<Hit> {
-        let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
-        let mut hits: Vec<Hit> =
-            rays.iter().map(|r| Hit { t: r.t_max, ..Hit::default() }).collect();
+        let whole: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
+        // The first plane ends the search for everything else.
+        let planes = self.planes_ahead(&whole);
+        let clipped: Vec<Option<Ray>> = whole
+            .iter()
+            .zip(&planes)
+            .map(|(ray, &plane)| {
+                let ray = Ray { t_max: ray.as_ref()?.t_max.min(plane), ..(*ray)? };
+                self.region.as_ref().map_or(Some(ray), |region| ray.within(region))
+            })
+            .collect();
+        let at_plane = |ray: usize| planes.get(ray).copied().filter(|t| whole.get(ray).copied().flatten().is_some_and(|r| *t <= r.t_max));
+        let mut hits: Vec<Hit> = (0..)
+            .zip(rays)
+            .map(|(i, r)| match at_plane(i) {
+                Some(t) => Hit { t, hit: true, steps: 0 },
+                None => Hit { t: r.t_max, ..Hit::default() },
+            })
+            .collect();
         let states = vec![Cell::new(Follow::START); rays.len()];
         let state = |look: &Look| states.get(look.ray).map_or(Follow::START, Cell::get);
         let size = sizes(rays, self.near);
         let small = |look: &Look| Small { pixel: footprint * look.t, rounding: 4e-7 * (size(look) + look.t) };
         // Only a hit asks for the distance; where it costs next to nothing it comes along.
-        let scene = match self.both.operations() * 5 <= self.bound.operations() * 6 {
-            true => Scene::Both(&self.both),
-            false => Scene::Apart(&self.bound, &self.distance),
+        let Rest { bound, distance, both } = &self.rest;
+        let scene = match both.operations() * 5 <= bound.operations() * 6 {
+            true => Scene::Both(both),
+            false => Scene::Apart(bound, distance),
         };
         march(
             scene,
@@ -213,12 +269,32 @@ impl Reference {
                 match turn {
                     Turn::Hit(t) => *hit = Hit { t, hit: true, ..*hit },
                     Turn::Go(t) if follow.steps < TRACER.budget => return Some(t),
-                    Turn::Go(_) | Turn::Missed => {}
+                    Turn::Missed => {
+                        if let Some(t) = at_plane(look.ray) {
+                            *hit = Hit { t, hit: true, ..*hit };
+                        }
+                    }
+                    Turn::Go(_) => {}
                 }
                 None
             },
         );
         hits
+    }
+
+    /// How far along each ray the first of the planes is that are met apart; infinite where none is.
+    fn planes_ahead(&self, rays: &[Option<Ray>]) -> Vec<f64> {
+        let mut ways = vec![f64::INFINITY; rays.len()];
+        let Some(planes) = &self.planes else { return ways };
+        let of = |i: usize| rays.get(i).copied().flatten();
+        let (points, directions): (Vec<Vec3>, Vec<Vec3>) =
+            (0..rays.len()).map(|i| of(i).map_or(([0.0; 3], [0.0; 3]), |ray| (ray.at(ray.t_min), ray.direction))).unzip();
+        at_points(&planes.way, &points, &directions, |i, values| {
+            if let (Some(way), Some(ray), Some(ahead)) = (ways.get_mut(i), of(i), values.first()) {
+                *way = ray.t_min + ahead;
+            }
+        });
+        ways
     }
 
     /// How much light comes along rays: 1 lit, 0 dark. Of `softness` 0 is a sharp edge, more is sharper.
@@ -228,10 +304,24 @@ impl Reference {
         let state = |look: &Look| states.get(look.ray).map_or(Shadow::START, Cell::get);
         let size = sizes(rays, self.near);
         let tolerance = |look: &Look| 2e-6 * (size(look) + look.t);
+        let Rest { bound, distance, both } = &self.rest;
         let scene = match softness > 0.0 {
-            true => Scene::Both(&self.both),
-            false => Scene::Apart(&self.bound, &self.distance),
+            true => Scene::Both(both),
+            false => Scene::Apart(bound, distance),
         };
+        let planes = self.planes_ahead(&clipped);
+        let ends: Vec<Vec3> = clipped.iter().zip(rays).map(|(c, r)| c.as_ref().map_or(r.origin, |c| c.at(c.t_max))).collect();
+        let mut shares = vec![f64::INFINITY; rays.len()];
+        if let Some(tapes) = &self.planes {
+            at_points(&tapes.distance, &ends, &[], |i, values| {
+                let ray = clipped.get(i).copied().flatten();
+                if let (Some(share), Some(ray), Some(height)) = (shares.get_mut(i), ray, values.first()) {
+                    // Their height over the way falls all along a ray.
+                    let dark = planes.get(i).is_some_and(|t| *t <= ray.t_max);
+                    *share = if dark { 0.0 } else if softness > 0.0 { softness * height / ray.t_max.max(1e-6) } else { f64::INFINITY };
+                }
+            });
+        }
         march(
             scene,
             &clipped,
@@ -248,7 +338,8 @@ impl Reference {
                 t
             },
         );
-        states.iter().map(|s| s.get().lit).map(|lit| lit * lit * (3.0 - 2.0 * lit)).collect()
+        let lit = states.iter().zip(shares).map(|(s, share)| s.get().lit.min(share));
+        lit.map(|lit| if lit < DARK { 0.0 } else { lit * lit * (3.0 - 2.0 * lit) }).collect()
     }
 
     /// How open the surroundings of a surface are: 1 open, 0 closed; at strength 1 the edge of a wedge gets the share of the sky that it sees,

@@ -21,6 +21,9 @@ pub struct GpuRay {
     pub t_max: f32,
 }
 
+/// What a tracer may evaluate.
+pub const FUNCTIONS: [&str; 6] = ["field", "bound", "distance", "rest_bound", "rest_distance", "ahead"];
+
 /// What came of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -31,10 +34,8 @@ pub struct Traced {
     pub hit: u32,
     /// Steps, as the tracer counts them.
     pub steps: u32,
-    padding_a: u32,
-    /// How often it evaluated the field, the bound and the distance; zeros where they are not counted.
-    pub looks: [u32; 3],
-    padding_b: u32,
+    /// How often it evaluated each of [`FUNCTIONS`]; zeros where they are not counted.
+    pub looks: [u32; FUNCTIONS.len()],
 }
 
 /// What follows rays.
@@ -74,8 +75,6 @@ pub struct Rays<'g> {
     size: (u32, u32),
 }
 
-/// What a tracer may evaluate.
-const FUNCTIONS: [&str; 3] = ["field", "bound", "distance"];
 
 impl<'g> Rays<'g> {
     /// Rays of a picture, and the tracer that follows them.
@@ -98,10 +97,13 @@ impl<'g> Rays<'g> {
         let stage = wgpu::ShaderStages::COMPUTE;
         let mut own = format!("{text}\n{}", include_str!("rays/main.wgsl").replace("TRACE", name));
         if count {
-            for (function, component) in FUNCTIONS.iter().zip(["x", "y", "z"]) {
+            for (i, function) in FUNCTIONS.iter().enumerate() {
                 let (call, counted) = (format!("sf_{function}("), format!("counted_{function}("));
-                own = own.replace(&call, &counted);
-                own.push_str(&format!("fn {counted}p: vec3f) -> f32 {{ looks.{component} += 1u; return {call}p); }}\n"));
+                if own.contains(&call) {
+                    own = own.replace(&call, &counted);
+                    let (taken, given) = if *function == "ahead" { ("p: vec3f, direction: vec3f", "p, direction") } else { ("p: vec3f", "p") };
+                    own.push_str(&format!("fn {counted}{taken}) -> f32 {{ looks[{i}] += 1u; return {call}{given}); }}\n"));
+                }
             }
         }
         let wgsl = format!("{}\n{own}", compiled.module.code());

@@ -87,7 +87,7 @@ impl Writer<'_, '_> {
                 9
             }
             Code::Normal => {
-                self.put("normal");
+                self.put(self.context.facing);
                 9
             }
             Code::Variable(i) => {

@@ -7,12 +7,12 @@ struct Ray {
     t_max: f32,
 }
 
-// `looks`: how often the field, the bound and the distance were evaluated.
+// `looks`: how often each function was evaluated that a tracer may call.
 struct Traced {
     t: f32,
     hit: u32,
     steps: u32,
-    looks: vec3u,
+    looks: array<u32, 6>,
 }
 
 struct Settings {
@@ -23,7 +23,7 @@ struct Settings {
 @group(1) @binding(1) var<storage, read_write> answers: array<Traced>;
 @group(2) @binding(0) var<uniform> settings: Settings;
 
-var<private> looks: vec3u;
+var<private> looks: array<u32, 6>;
 
 @compute @workgroup_size(8, 8)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {

@@ -2,7 +2,7 @@
 
 use surefoot_compiler::Compiled;
 use surefoot_compiler::analysis::{Box3, Domain, Facts};
-use surefoot_compiler::emit::tracer::Tracer;
+use surefoot_compiler::emit::tracer::{Tracer, Ways};
 
 /// A way to follow a ray.
 #[derive(Clone, Debug)]
@@ -16,10 +16,12 @@ pub struct Method {
 }
 
 /// Names and descriptions, in the order of the tables. All that stop before the surface stop as near to it as ours, unless they say so.
-pub const METHODS: [(&str, &str); 11] = [
+pub const METHODS: [(&str, &str); 13] = [
     ("ours", "what the module holds"),
+    ("no-planes", "ours that meets planes as it meets everything else"),
+    ("no-region", "ours without a box about the scene"),
     ("whole-steps", "ours without relaxation"),
-    ("no-leap", "ours without leaps, and the hit is where the ray stopped: auto-relaxation alone (Bálint and Valasek 2023), with our factors and tolerance"),
+    ("no-leap", "ours without leaps, and the hit is where the ray stopped: auto-relaxation alone (Bálint and Valasek 2023), with our factors and tolerance, over the whole bound"),
     ("half-pixel", "the same that stops half a pixel before the surface, as auto-relaxation is published"),
     ("half-factors", "ours with half of each factor: nothing is proven, and rays pass through what is thin"),
     ("relaxed-1.2", "over-relaxation 1.2, same factors (Keinert 2014)"),
@@ -44,20 +46,31 @@ const FIXED: &str = include_str!("fixed.wgsl");
 
 /// Our tracer with other numbers.
 fn ours(tracer: Tracer, scene: &Compiled) -> String {
-    tracer.wgsl(scene.module.one).replace("fn sf_trace(", "fn traced(")
+    with_ways(tracer, scene.module.ways)
+}
+
+/// The same that is told other things of the scene.
+fn with_ways(tracer: Tracer, ways: Ways) -> String {
+    tracer.wgsl(ways).replace("fn sf_trace(", "fn traced(")
 }
 
 /// A method by its name; none where there is no such method, and a reason where the scene has none.
 pub fn method(name: &str, scene: &Compiled) -> Option<Result<Method, &'static str>> {
     let (_, about) = METHODS.iter().find(|(known, _)| *known == name)?;
     let whole = Tracer::DEFAULT;
+    // The box is about everything but the planes.
+    let of_planes = scene.module.ways.planes;
+    let alone = Ways { one: scene.module.one, ..Ways::default() };
+    let no_planes = Ways { region: scene.module.ways.region && !of_planes, ..alone };
     let other = |text: &str| format!("{HEAD}{}", text.replace("TOLERANCE", &format!("{:?}", whole.tolerance)));
     let scaled = |scale: f64| other(&SCALED.replace("SCALE", &format!("{scale:?}")));
     let wgsl = match name {
         "ours" => ours(whole, scene),
         "whole-steps" => ours(Tracer { relaxation: 0.0, ..whole }, scene),
-        "no-leap" => ours(Tracer { leap: 0.0, ..whole }, scene),
-        "half-pixel" => ours(Tracer { tolerance: 0.5, leap: 0.0, ..whole }, scene),
+        "no-planes" => with_ways(whole, no_planes),
+        "no-region" => with_ways(whole, Ways { region: false, ..scene.module.ways }),
+        "no-leap" => with_ways(Tracer { leap: 0.0, ..whole }, alone),
+        "half-pixel" => with_ways(Tracer { tolerance: 0.5, leap: 0.0, ..whole }, alone),
         "half-factors" => ours(Tracer { factor: 2.0, ..whole }, scene),
         "relaxed-1.2" | "relaxed-1.6" => other(&RELAXED.replace("OMEGA", &name[8..])),
         "root" => match root_constant(scene) {

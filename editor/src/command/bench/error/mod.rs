@@ -17,7 +17,7 @@ use surefoot_compiler::compiled::{Compiled, Live};
 use surefoot_compiler::reference::Reference;
 use surefoot_compiler::{Export, Options};
 use surefoot_runtime::Gpu;
-use surefoot_runtime::passes::rays::{Follower, Rays};
+use surefoot_runtime::passes::rays::{FUNCTIONS, Follower, Rays};
 use truth::{Answer, BOXES, Errors, Unknown, View};
 
 /// How scenes are measured.
@@ -160,7 +160,7 @@ fn measure(gpu: &Gpu, path: &str, scene: &Compiled, args: &Args, show: &(dyn Fn(
         methods.extend(methods::sweep(scene));
     }
     let unknown = views.iter().enumerate().flat_map(|(i, view)| view.unknown(i)).collect();
-    let weights = [reference.field(), reference.bound(), reference.distance()].map(|tape| tape.operations() as f64);
+    let weights = FUNCTIONS.map(|name| reference.operations(name) as f64);
     let mut rows = Vec::new();
     let mut timed: Vec<Vec<Rays>> = Vec::new();
     for method in &methods {

@@ -7,6 +7,7 @@ use crate::command::{Failure, page, print};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use surefoot_runtime::passes::rays::FUNCTIONS;
 
 /// A scene's table.
 pub fn table(scene: &Scene) -> String {
@@ -178,6 +179,7 @@ fn row_json(row: &Row) -> Value {
         let at = |percent| Errors::percentile(values, percent);
         json!({ "p50": at(50.0), "p99": at(99.0), "max": at(100.0) })
     };
+    let looks = FUNCTIONS.iter().zip(e.looks).map(|(name, looks)| ((*name).to_owned(), looks.into()));
     json!({
         "method": row.method,
         "about": row.about,
@@ -185,7 +187,7 @@ fn row_json(row: &Row) -> Value {
         "ratio": row.ratio,
         "steps_per_ray": steps(row),
         "operations_per_ray": row.operations,
-        "looks": { "field": e.looks[0], "bound": e.looks[1], "distance": e.looks[2] },
+        "looks": looks.collect::<serde_json::Map<_, _>>(),
         "rays": e.rays,
         "judged": e.judged,
         "silhouettes": e.silhouettes,

@@ -9,7 +9,7 @@ use surefoot_compiler::reference::{self, Reference};
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
 use surefoot_compiler::reference::vector::{Vec3, add, along, dot, length, sub};
-use surefoot_runtime::passes::rays::{GpuRay, RayPicture, Traced};
+use surefoot_runtime::passes::rays::{FUNCTIONS, GpuRay, RayPicture, Traced};
 
 /// Boxes that one ray may cost.
 pub const BOXES: usize = 20_000;
@@ -68,7 +68,7 @@ pub struct Answer {
     /// How often it looked.
     pub steps: u32,
     /// How often it evaluated field, bound and distance, where that was counted.
-    pub looks: [u32; 3],
+    pub looks: [u32; FUNCTIONS.len()],
 }
 
 impl From<&Traced> for Answer {
@@ -79,7 +79,7 @@ impl From<&Traced> for Answer {
 
 impl From<&reference::Hit> for Answer {
     fn from(a: &reference::Hit) -> Self {
-        Self { t: a.t, hit: a.hit, steps: a.steps, looks: [0; 3] }
+        Self { t: a.t, hit: a.hit, steps: a.steps, looks: [0; FUNCTIONS.len()] }
     }
 }
 
@@ -117,10 +117,10 @@ pub struct Errors {
     pub off: Vec<f64>,
     /// Angle between the normals, degrees.
     pub normal: Vec<f64>,
-    /// Steps, and looks at field, bound and distance, of all rays.
+    /// Steps, and looks at each of [`FUNCTIONS`], of all rays.
     pub steps: u64,
     /// How often field, bound and distance were evaluated.
-    pub looks: [u64; 3],
+    pub looks: [u64; FUNCTIONS.len()],
     /// Number of rays.
     pub rays: usize,
 }

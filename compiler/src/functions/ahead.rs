@@ -1,0 +1,147 @@
+//! What a ray finds without a search: planes, which it meets where their formula says, and the box about everything else.
+//!
+//! The bound is the distance in all directions. Of a plane that is far too little for a ray that goes along it, and for one that leaves it:
+//! its way to a plane is the height over the slope along the ray. So planes that are united with the rest of a scene are met apart, and the
+//! ray follows the bound of the rest alone.
+
+use super::{Builder, whole_scene};
+use crate::analysis::Box3;
+use crate::graph::kernel::Op;
+use crate::graph::{FAR, Function, Leaf, Node, NodeId, ShapeId};
+
+/// What is known of the ways ahead of rays, in the scene's space.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ahead {
+    /// The planes of the scene; none where it has none.
+    pub planes: Option<Planes>,
+    /// A box that holds all that is solid but the planes; none where that is not known, or larger than the extent.
+    pub region: Option<Box3>,
+}
+
+/// The planes that a scene is the union of, with what is left without them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planes {
+    /// The distance to the nearest of them.
+    pub distance: NodeId,
+    /// How far ahead of `p` in the direction [`Leaf::Normal`] the first of them is: 0 within one, [`FAR`] where none is ahead.
+    pub way: NodeId,
+    /// The bound of everything else.
+    pub rest_bound: NodeId,
+    /// The estimate of the distance to everything else.
+    pub rest_distance: NodeId,
+}
+
+/// A ray that is more level than this against a plane meets it where one of this slope does.
+const LEVEL: f64 = 1e-9;
+
+/// A box is wider than what is solid by so much of its widest side, so that a ray has looked twice before it is there.
+const ROOM: f64 = 0.01;
+
+impl Builder<'_> {
+    /// What is ahead of rays in the scene. Asked when all formulas and unions are known.
+    pub(super) fn ahead(&mut self) -> Ahead {
+        let root = |function| self.built.formulas.get(&(self.root, function)).copied();
+        let all = [Function::Field, Function::Bound, Function::Distance].map(root);
+        let [Some(field), Some(bound), Some(distance)] = all else { return Ahead::default() };
+        let is_table = [Function::Bound, Function::Distance].iter().any(|f| self.built.unions.contains_key(&(self.root, *f)));
+        let mut planes = if is_table { Vec::new() } else { self.planes_among(bound) };
+        if !planes.is_empty() {
+            let known = self.planes_among(distance);
+            planes.retain(|plane| known.contains(plane));
+        }
+        let solid = self.without(field, &planes);
+        let region = self.region_of_rest(solid);
+        let Some(&first) = planes.first() else { return Ahead { planes: None, region } };
+        let (rest_bound, rest_distance) = (self.without(bound, &planes), self.without(distance, &planes));
+        let mut distance = first;
+        let mut way = self.way_to(first);
+        for &plane in planes.iter().skip(1) {
+            let another = self.way_to(plane);
+            distance = self.graph.op(Op::Min, &[distance, plane]);
+            way = self.graph.op(Op::Min, &[way, another]);
+        }
+        let far = self.graph.constant(FAR);
+        let rest = |node: Option<NodeId>| node.unwrap_or(far);
+        let planes = Planes { distance, way, rest_bound: rest(rest_bound), rest_distance: rest(rest_distance) };
+        Ahead { planes: Some(planes), region }
+    }
+
+    /// The planes that a formula in the scene's space is the least of, each once.
+    fn planes_among(&mut self, node: NodeId) -> Vec<NodeId> {
+        let mut open = vec![node];
+        let mut planes = Vec::new();
+        while let Some(node) = open.pop() {
+            match self.operands(node) {
+                Some(parts) => open.extend(parts),
+                None if !planes.contains(&node) && self.is_straight(node) => planes.push(node),
+                None => {}
+            }
+        }
+        planes
+    }
+
+    /// A formula in the scene's space without planes that it is the least of; none where nothing else is there.
+    fn without(&mut self, node: NodeId, planes: &[NodeId]) -> Option<NodeId> {
+        if planes.contains(&node) {
+            return None;
+        }
+        let Some(parts) = self.operands(node) else { return Some(node) };
+        let rest: Vec<Option<NodeId>> = parts.iter().map(|part| self.without(*part, planes)).collect();
+        if rest.iter().zip(&parts).all(|(rest, part)| *rest == Some(*part)) {
+            return Some(node);
+        }
+        rest.into_iter().flatten().reduce(|a, b| self.graph.op(Op::Min, &[a, b]))
+    }
+
+    /// The operands of which a formula is the least: its own, or those of the function that it calls, opened. None where it is no such formula.
+    fn operands(&mut self, node: NodeId) -> Option<Vec<NodeId>> {
+        match self.graph.node(node).clone() {
+            Node::Op(Op::Min, args) => Some(args.to_vec()),
+            Node::Call(shape, function, args) if !self.built.unions.contains_key(&(shape, function)) => {
+                let formula = self.built.formulas.get(&(shape, function)).copied()?;
+                let is_part = matches!(self.graph.node(formula), Node::Op(Op::Min, _) | Node::Call(..)) || self.is_straight(formula);
+                is_part.then(|| vec![self.opened(shape, formula, &args)])
+            }
+            _ => None,
+        }
+    }
+
+    /// A formula of a shape with the arguments of a call put in.
+    fn opened(&mut self, shape: ShapeId, formula: NodeId, args: &[NodeId]) -> NodeId {
+        let variables = self.graph.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
+        let opened = self.graph.substitute(&[formula], |leaf| match leaf {
+            Leaf::P(i) => args.get(usize::from(i)).copied(),
+            Leaf::Variable(v) => variables.binary_search(&v).ok().and_then(|i| args.get(3 + i)).copied(),
+            _ => None,
+        });
+        opened.first().copied().unwrap_or(formula)
+    }
+
+    /// How far ahead a plane is. Within it there is no way.
+    fn way_to(&mut self, plane: NodeId) -> NodeId {
+        let gradient = self.gradient(plane);
+        let zero = self.graph.constant(0.0);
+        let mut slope = zero;
+        for (axis, along) in (0..3).zip(gradient) {
+            let direction = self.graph.leaf(Leaf::Normal(axis));
+            let part = self.graph.op(Op::Mul, &[along, direction]);
+            slope = self.graph.op(Op::Add, &[slope, part]);
+        }
+        let (level, far) = (self.graph.constant(LEVEL), self.graph.constant(FAR));
+        let fall = self.graph.op(Op::Neg, &[slope]);
+        let fall = self.graph.op(Op::Max, &[fall, level]);
+        let height = self.graph.op(Op::Max, &[plane, zero]);
+        let way = self.graph.op(Op::Div, &[height, fall]);
+        let least = self.graph.op(Op::Min, &[plane, slope]);
+        let is_met = self.graph.op(Op::Lt, &[least, zero]);
+        self.graph.op(Op::Select, &[is_met, way, far])
+    }
+
+    fn region_of_rest(&mut self, solid: Option<NodeId>) -> Option<Box3> {
+        let Some(solid) = solid else { return Some(Box3::cube(ROOM)) };
+        let region = self.facts.region(self.graph, solid, &whole_scene(self.extent), 0.0);
+        let within = !region.is_empty() && region.0.iter().all(|i| i.lo > -self.extent && i.hi < self.extent);
+        let widest = region.0.iter().map(|side| side.width()).fold(0.0, f64::max);
+        within.then_some(region.grow(ROOM * widest))
+    }
+}
