@@ -127,7 +127,8 @@ fn sf_span(head: u32, p: vec3f) -> vec2u {
   let scale = vec3f(bitcast<f32>(sf_lists[head + 7u]), bitcast<f32>(sf_lists[head + 8u]), bitcast<f32>(sf_lists[head + 9u]));
   let at = (p - center) * scale;
   let far = max(max(abs(at.x), abs(at.y)), abs(at.z));
-  let level = u32(max(ceil(log2(clamp(far, 1.0, 1e9))), 0.0));
+  // The binary exponent, rounded up.
+  let level = ((bitcast<u32>(clamp(far, 1.0, 1e9)) + 8388607u) >> 23u) - 127u;
   if level >= sf_lists[head + 2u] {
     return vec2u(sf_lists[head], sf_lists[head + 1u]);
   }
@@ -138,7 +139,7 @@ fn sf_span(head: u32, p: vec3f) -> vec2u {
     first += counts.x * counts.y * counts.z + (level - 1u) * outer * outer * outer;
     counts = vec3u(outer);
   }
-  let place = max((at * exp2(-f32(level)) * 0.5 + 0.5) * vec3f(counts), vec3f(0.0));
+  let place = max((at * bitcast<f32>((127u - level) << 23u) * 0.5 + 0.5) * vec3f(counts), vec3f(0.0));
   let cell = min(vec3u(place), counts - 1u);
   let index = sf_lists[head + 14u] + 2u * (first + (cell.z * counts.y + cell.y) * counts.x + cell.x);
   return vec2u(sf_lists[index], sf_lists[index + 1u]);

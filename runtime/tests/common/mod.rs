@@ -54,6 +54,7 @@ pub fn sphere_in(wgsl: &str, radius: f64, (min, max): (f64, f64)) -> Compiled {
         tables: None,
         near: false,
         one: false,
+        ways: Default::default(),
     };
     compiled
 }

@@ -176,6 +176,20 @@ impl<'a> Former<'a> {
                 Node::Leaf(Leaf::Normal(_) | Leaf::Variable(_)) => return None,
                 Node::Factor(i) => self.push(Action::Factor(*i), &[], name),
                 Node::Claim(args, _) => self.argument(&frame, *args.first()?)?,
+                // What a number alone decides is a number too.
+                Node::Op(op @ (Op::TurnU | Op::TurnV), args) if let Some(angle) = self.graph.as_constant(*args.get(2)?) => {
+                    let [u, v] = [self.argument(&frame, *args.first()?)?, self.argument(&frame, *args.get(1)?)?];
+                    let (of_u, of_v, join) = match op {
+                        Op::TurnU => (angle.cos(), angle.sin(), Op::Sub),
+                        _ => (angle.sin(), angle.cos(), Op::Add),
+                    };
+                    let (u, v) = (self.multiple(u, of_u, None), self.multiple(v, of_v, None));
+                    self.push(Action::Op(join), &[u, v], name)
+                }
+                Node::Op(Op::Div, args) if let Some(by) = self.graph.as_constant(*args.get(1)?).filter(|by| by.abs() > 1e-20) => {
+                    let of = self.argument(&frame, *args.first()?)?;
+                    self.multiple(of, by.recip(), name)
+                }
                 Node::Op(op, args) => {
                     let args = args.iter().map(|a| self.argument(&frame, *a)).collect::<Option<Vec<u32>>>()?;
                     self.push(Action::Op(*op), &args, name)
@@ -200,11 +214,21 @@ impl<'a> Former<'a> {
         result
     }
 
+    /// A step times a number.
+    fn multiple(&mut self, of: u32, by: f64, name: Option<NodeId>) -> u32 {
+        let by = self.number(by, None);
+        self.push(Action::Op(Op::Mul), &[of, by], name)
+    }
+
+    fn number(&mut self, value: f64, name: Option<NodeId>) -> u32 {
+        let index = self.filled.numbers.len() as u32;
+        self.filled.numbers.push(value);
+        self.push(Action::Number(index), &[], name)
+    }
+
     fn argument(&mut self, frame: &FxHashMap<NodeId, u32>, node: NodeId) -> Option<u32> {
         if let Node::Constant(bits) = self.graph.node(node) {
-            let index = self.filled.numbers.len() as u32;
-            self.filled.numbers.push(f64::from_bits(*bits));
-            return Some(self.push(Action::Number(index), &[], self.graph.node_name(node).map(|_| node)));
+            return Some(self.number(f64::from_bits(*bits), self.graph.node_name(node).map(|_| node)));
         }
         frame.get(&node).copied()
     }

@@ -4,6 +4,10 @@ use crate::functions::unions::Operand;
 
 /// Cells for each operand in the innermost box.
 const CELLS: f64 = 16.0;
+/// So many where that makes no more of them than [`FEW_CELLS`]: operands that are few are large, and cells as large as they are hold most of them.
+const FINE_CELLS: f64 = 64.0;
+/// See [`FINE_CELLS`].
+const FEW_CELLS: f64 = 16_384.0;
 /// Cells in the innermost box.
 const MOST_CELLS: f64 = 262_144.0;
 /// Cells along an axis of the innermost box.
@@ -57,7 +61,7 @@ impl Grid {
         }
         let margin = (MARGIN * 2.0 * solid.iter().fold(0.0, |m: f64, s| m.max(*s))).max(1e-6);
         let half = solid.map(|s| s + margin);
-        let cells = (CELLS * count).clamp(64.0, MOST_CELLS);
+        let cells = (CELLS * count).max((FINE_CELLS * count).min(FEW_CELLS)).clamp(64.0, MOST_CELLS);
         let side = (8.0 * half.iter().product::<f64>() / cells).cbrt();
         let counts = half.map(|h| (2.0 * h / side).ceil().clamp(1.0, MOST_ALONG) as usize);
         Some(Self { center, half, counts, solid, bounded })
