@@ -100,6 +100,21 @@ pub fn rub(ball: &mut Ball, law: &Law, normal: Vec3, press: f64, surface: Vec3) 
     }
 }
 
+/// Puts a ball that moved into a surface back by `depth`, and lets it bounce with the speed that it had on the surface: what gravity gave it
+/// below is taken again, else it would rise higher than it fell from.
+fn put_back(ball: &mut Ball, law: &Law, normal: Vec3, depth: f64, surface: Vec3, rest: f64) {
+    ball.position = along(ball.position, normal, depth);
+    let across = dot(sub(ball.velocity, surface), normal);
+    if across >= 0.0 {
+        return;
+    }
+    let hit = (across * across + 2.0 * dot(law.gravity, normal) * depth).max(0.0).sqrt();
+    let bounce = if hit > rest { law.restitution } else { 0.0 };
+    let press = bounce * hit - across;
+    ball.velocity = along(ball.velocity, normal, press);
+    rub(ball, law, normal, press, surface);
+}
+
 /// Looks along the way until the time is up. No piece of it is longer than what the bound allows the centre, so nothing is passed. At
 /// the end the ball is put back out of the surface that it moved into; in a groove it has two to leave.
 fn go(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
@@ -138,25 +153,16 @@ fn go(ball: &mut Ball, law: &Law, ground: &impl Ground, h: f64) {
         let n = touch.normal;
         let surface = surface_velocity(ball, &touch, ground, h);
         let push = dot(surface, n);
-        if gap < 0.0 {
-            ball.position = along(ball.position, n, out(&touch, ball.radius));
-        }
+        let depth = out(&touch, ball.radius);
         let across = dot(ball.velocity, n) - push;
-        if ends {
-            settled += 1;
-            // What is faster bounces in the next part of the step.
-            if across < 0.0 && across > -rest {
-                ball.velocity = along(ball.velocity, n, -across);
-                rub(ball, law, n, -across, surface);
-            }
+        // At the end it bounces too: in a corner the next part may find the other surface first each time, and the speed into this one would
+        // grow while the ball lies still.
+        if ends || across < -rest {
+            settled += u32::from(ends);
+            put_back(ball, law, n, depth, surface, rest);
             continue;
         }
-        if across < -rest {
-            let press = (1.0 + law.restitution) * -across;
-            ball.velocity = along(ball.velocity, n, press);
-            rub(ball, law, n, press, surface);
-            continue;
-        }
+        ball.position = along(ball.position, n, depth);
         let inside = touch.distance <= 0.0;
         let reach = if inside { 0.25 * ball.radius } else { (0.5 * free).max(0.5 * near) };
         let dt = left.min(reach / speed);
@@ -194,14 +200,7 @@ fn walls(ball: &mut Ball, law: &Law, h: f64) {
             continue;
         }
         ball.grounded = true;
-        ball.position = along(ball.position, normal, depth);
-        let across = dot(ball.velocity, normal);
-        if across < 0.0 {
-            let bounce = if across < -law.rest(h) { law.restitution } else { 0.0 };
-            let press = (1.0 + bounce) * -across;
-            ball.velocity = along(ball.velocity, normal, press);
-            rub(ball, law, normal, press, [0.0; 3]);
-        }
+        put_back(ball, law, normal, depth, [0.0; 3], law.rest(h));
     }
 }
 

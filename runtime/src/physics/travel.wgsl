@@ -115,6 +115,22 @@ fn fly(ball: Ball, dt: f32) -> Ball {
     return b;
 }
 
+// Puts a ball that moved into a surface back by `depth`, and lets it bounce with the speed that it had on the surface: what gravity gave it
+// below is taken again, else it would rise higher than it fell from.
+fn put_back(ball: Ball, n: vec3f, depth: f32, surface: vec3f) -> Ball {
+    var b = ball;
+    b.p += n * depth;
+    let across = dot(b.v - surface, n);
+    if across >= 0.0 {
+        return b;
+    }
+    let hit = sqrt(max(across * across + 2.0 * dot(law.gravity, n) * depth, 0.0));
+    let bounce = select(0.0, restitution, hit > law.rest);
+    let press = bounce * hit - across;
+    b.v += n * press;
+    return rub(b, n, press, surface);
+}
+
 // Looks along the way until the time is up. No piece of it is longer than what the bound allows the centre, so nothing is passed. At the
 // end the ball is put back out of the surface that it moved into; in a groove it has two to leave.
 fn go(ball: Ball) -> Ball {
@@ -153,25 +169,16 @@ fn go(ball: Ball) -> Ball {
         let n = found.normal;
         let surface = surface_velocity(b.p - n * found.distance, n, b.r);
         let push = dot(surface, n);
-        if gap < 0.0 {
-            b.p += n * out(found, b.r);
-        }
+        let depth = out(found, b.r);
         let across = dot(b.v, n) - push;
-        if ends {
-            settled += 1u;
-            // What is faster bounces in the next part of the step.
-            if across < 0.0 && across > -law.rest {
-                b.v -= n * across;
-                b = rub(b, n, -across, surface);
-            }
+        // At the end it bounces too: in a corner the next part may find the other surface first each time, and the speed into this one would
+        // grow while the ball lies still.
+        if ends || across < -law.rest {
+            settled += u32(ends);
+            b = put_back(b, n, depth, surface);
             continue;
         }
-        if across < -law.rest {
-            let press = (1.0 + restitution) * -across;
-            b.v += n * press;
-            b = rub(b, n, press, surface);
-            continue;
-        }
+        b.p += n * depth;
         var reach = max(0.5 * free, 0.5 * near);
         if found.distance <= 0.0 {
             reach = 0.25 * b.r;
@@ -202,17 +209,7 @@ fn wall(ball: Ball, n: vec3f, end: vec3f) -> Ball {
         return b;
     }
     b.word |= GROUNDED;
-    b.p += n * depth;
-    let across = dot(b.v, n);
-    if across < 0.0 {
-        var press = -across;
-        if across < -law.rest {
-            press *= 1.0 + restitution;
-        }
-        b.v += n * press;
-        b = rub(b, n, press, vec3f(0.0));
-    }
-    return b;
+    return put_back(b, n, depth, vec3f(0.0));
 }
 
 // Lets a ball that has long kept its place sleep.

@@ -25,7 +25,6 @@ pub struct Heap {
     wall: f64,
     /// No ball may be below this height.
     floor: f64,
-    known: Option<&'static str>,
 }
 
 /// All of them.
@@ -60,7 +59,6 @@ render {{ extent: 200 }}
             rests: false,
             wall: 0.0,
             floor: f64::NEG_INFINITY,
-            known: None,
         },
         Heap {
             name: format!("{} balls at rest for {} seconds (in 64 bits {} for {})", args.balls, args.seconds, few.0, few.1),
@@ -69,7 +67,6 @@ render {{ extent: 200 }}
             rests: true,
             wall: f64::INFINITY,
             floor: -0.6,
-            known: Some("a ball or a few in a corner, which others overlap, are pushed up again and again and do not fall asleep"),
         },
     ]
 }
@@ -83,7 +80,7 @@ pub fn row(gpu: &Gpu, heap: &Heap, show: &dyn Fn(f64)) -> Result<Row, String> {
         said: Vec::new(),
         refused: false,
         limit: 0.05,
-        known: heap.known,
+        known: None,
     };
     for (machine, cells) in row.cells.iter_mut().enumerate() {
         let (compiled, said) = scene(&heap.texts[machine]);
