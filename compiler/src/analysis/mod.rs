@@ -43,6 +43,7 @@ pub struct Facts {
     ranges: FxHashMap<(ShapeId, Key), Interval>,
     live_ranges: FxHashMap<NodeId, Interval>,
     regions: FxHashMap<(NodeId, Key, u64), Box3>,
+    outlines: FxHashMap<NodeId, Box3>,
     constants: FxHashMap<(NodeId, Key, usize), Constant>,
     maps: FxHashMap<(NodeList, Key, usize), Constant>,
     /// Boxes that hold all points at which a node is at most zero, where whoever made the node knows.
@@ -82,6 +83,7 @@ impl Default for Facts {
             ranges: FxHashMap::default(),
             live_ranges: FxHashMap::default(),
             regions: FxHashMap::default(),
+            outlines: FxHashMap::default(),
             constants: FxHashMap::default(),
             maps: FxHashMap::default(),
             solids: FxHashMap::default(),

@@ -27,6 +27,13 @@ const ENTRIES: u32 = 400;
 /// How many steps one contraction may visit, shared steps counted each time.
 const VISITS: usize = 4000;
 
+/// As far as outlines are found.
+pub const WORLD_SIDE: f64 = 1e5;
+/// As far as shapes are looked at, in their own space: what lies within [`WORLD_SIDE`] lies within this after all moves.
+const FARTHEST: f64 = 1e6;
+/// See [`FARTHEST`].
+const MOVES: usize = 70;
+
 impl Facts {
     /// A box within the domain that holds every point at which the node is at most `level`.
     pub fn region(&mut self, graph: &Graph, node: NodeId, domain: &Domain, level: f64) -> Box3 {
@@ -114,6 +121,31 @@ impl Facts {
         let tape = self.tape(graph, node);
         (self.entries, self.sifts, self.unions) = (ENTRIES, 0, 0);
         self.contract(graph, &tape, domain, Interval::new(f64::NEG_INFINITY, 0.0))
+    }
+
+    /// A box that holds every point within [`WORLD_SIDE`] of the origin at which a node is at most zero, found at once: what is put together of shapes is
+    /// looked at shape by shape, each of them once. It reaches to that distance where nothing better is known.
+    pub fn outline(&mut self, graph: &Graph, node: NodeId) -> Box3 {
+        self.outline_within(graph, node, 0)
+    }
+
+    fn outline_within(&mut self, graph: &Graph, node: NodeId, moves: usize) -> Box3 {
+        if let Some(known) = self.known_solid(node).or_else(|| self.outlines.get(&node).copied()) {
+            return known;
+        }
+        let outline = match graph.node(node) {
+            Node::Op(Op::Min, args) => args.iter().fold(Box3::EMPTY, |hull, &a| hull.hull(&self.outline_within(graph, a, moves))),
+            Node::Op(Op::Max, args) => args.iter().fold(Box3::ALL, |common, &a| common.intersect(&self.outline_within(graph, a, moves))),
+            Node::Claim(args, Claim::Continuous) => args.first().map_or(Box3::ALL, |&a| self.outline_within(graph, a, moves)),
+            Node::Call(shape, Function::Field, args) if moves < MOVES && let Some((value, shifts)) = shifted(graph, *shape, args) => {
+                let own = self.outline_within(graph, value, moves + 1);
+                let back = (0..3).zip(shifts).fold(own, |b, (i, shift)| b.with_axis(i, own.axis(i).sub(Interval::point(shift))));
+                if own.is_empty() { own } else { back }
+            }
+            _ => self.rough_region(graph, node, &Domain::of(Box3::cube(FARTHEST))),
+        };
+        self.outlines.insert(node, outline);
+        outline
     }
 
     /// Whether a node is above zero all over a domain, as far as that is seen at once. Of a union one operand that is not is enough.
@@ -300,6 +332,16 @@ impl Facts {
 }
 
 /// By how much a coordinate is moved, where it is only moved.
+/// The value of a shape that reads nothing but its point, and how far a call moves it along each axis, if that is all that it does.
+fn shifted(graph: &Graph, shape: ShapeId, args: &[NodeId]) -> Option<(NodeId, [f64; 3])> {
+    let s = graph.shape(shape).filter(|s| s.variables.is_empty() && s.dimensions == 3)?;
+    let mut shifts = [0.0; 3];
+    for (i, shift) in shifts.iter_mut().enumerate() {
+        *shift = shift_along(graph, *args.get(i)?, i).filter(|shift| shift.abs() < 0.01 * FARTHEST)?;
+    }
+    Some((s.value, shifts))
+}
+
 pub(super) fn shift_along(graph: &Graph, coordinate: NodeId, axis: usize) -> Option<f64> {
     let is_coordinate = |id: NodeId| {
         matches!(graph.node(id), Node::Leaf(Leaf::P(i)) if usize::from(*i) == axis)

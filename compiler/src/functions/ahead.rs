@@ -4,8 +4,9 @@
 //! its way to a plane is the height over the slope along the ray. So planes that are united with the rest of a scene are met apart, and the
 //! ray follows the bound of the rest alone.
 
-use super::{Builder, whole_scene};
+use super::Builder;
 use crate::analysis::Box3;
+use crate::analysis::region::WORLD_SIDE;
 use crate::graph::kernel::Op;
 use crate::graph::{FAR, Function, Leaf, Node, NodeId, ShapeId};
 
@@ -139,7 +140,10 @@ impl Builder<'_> {
 
     fn region_of_rest(&mut self, solid: Option<NodeId>) -> Option<Box3> {
         let Some(solid) = solid else { return Some(Box3::cube(ROOM)) };
-        let region = self.facts.region(self.graph, solid, &whole_scene(self.extent), 0.0);
+        if self.extent > WORLD_SIDE {
+            return None;
+        }
+        let region = self.facts.outline(self.graph, solid);
         let within = !region.is_empty() && region.0.iter().all(|i| i.lo > -self.extent && i.hi < self.extent);
         let widest = region.0.iter().map(|side| side.width()).fold(0.0, f64::max);
         within.then_some(region.grow(ROOM * widest))
