@@ -3,6 +3,7 @@
 mod absorbed;
 
 use crate::compiled::{Compiled, Shadow};
+use crate::graph::interval::Interval;
 use crate::graph::{Function, Leaf, Node, Shape};
 use crate::source::{Sources, Span};
 use std::collections::BTreeMap;
@@ -31,6 +32,15 @@ pub fn skipped(scene: &Compiled, sources: &Sources) -> Vec<String> {
         if !text.is_empty() {
             lines.push(format!("{text} at {}: it changes nothing", place(sources, span)));
         }
+    }
+    let ways = scene.module.ways;
+    if ways.planes {
+        lines.push("looks for planes: rays meet them where their formulas say".to_owned());
+    }
+    if let Some(region) = scene.functions.ahead.region.filter(|_| ways.region) {
+        let corner = |end: fn(&Interval) -> f64| region.0.each_ref().map(|side| format!("{:.4}", end(side)).trim_end_matches('0').trim_end_matches('.').to_owned()).join(", ");
+        let but = if ways.planes { "but planes nothing is" } else { "nothing is" };
+        lines.push(format!("looks beyond the box from ({}) to ({}): {but} solid there", corner(|i| i.lo), corner(|i| i.hi)));
     }
     lines.extend(parts(scene).map(|(part, why)| format!("{part}: {why}")));
     lines

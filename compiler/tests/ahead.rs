@@ -5,6 +5,7 @@
 use surefoot_compiler::functions::Ahead;
 use surefoot_compiler::reference::Reference;
 use surefoot_compiler::reference::march::Ray;
+use surefoot_compiler::skipped::skipped;
 use surefoot_compiler::{Compiled, Export, MemoryLoader, Options, compile};
 
 fn scene(text: &str) -> Compiled {
@@ -114,6 +115,19 @@ fn planes_are_those_that_stand_in_a_union() {
     let region = known("scene = sphere(1).translate(3, 0, 0) | plane(y, -4)\n").region.unwrap();
     assert!(region.0[0].lo > 1.9 && region.0[0].hi < 4.1 && region.0[1].lo > -1.1, "{region:?}");
     assert!(known("scene = sphere(0.3).repeat(2)\n").region.is_none());
+}
+
+#[test]
+fn what_is_not_looked_at_is_said() {
+    let said = |text: &str| {
+        let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
+        skipped(&outcome.compiled.unwrap(), &outcome.sources).join("\n")
+    };
+    let both = said("scene = sphere(1).translate(3, 0, 0) | plane(y, -4)\n");
+    assert!(both.contains("looks for planes") && both.contains("the box from (1.98, -1.02, -1.02) to (4.02, 1.02, 1.02): but planes nothing is solid there"), "{both}");
+    assert!(said("scene = box(1)\n").contains("): nothing is solid there"));
+    let neither = said("scene = sphere(0.3).repeat(2)\n");
+    assert!(!neither.contains("looks"), "{neither}");
 }
 
 #[test]

@@ -35,6 +35,8 @@ pub struct Planes {
 /// A ray that is more level than this against a plane meets it where one of this slope does.
 const LEVEL: f64 = 1e-9;
 
+/// So many operands are looked at for planes.
+const MOST_PARTS: usize = 512;
 /// A box is wider than what is solid by so much of its widest side, so that a ray has looked twice before it is there.
 const ROOM: f64 = 0.01;
 
@@ -46,11 +48,11 @@ impl Builder<'_> {
         let [Some(field), Some(bound), Some(distance)] = all else { return Ahead::default() };
         let is_table = [Function::Bound, Function::Distance].iter().any(|f| self.built.unions.contains_key(&(self.root, *f)));
         let mut planes = if is_table { Vec::new() } else { self.planes_among(bound) };
-        if !planes.is_empty() {
-            let known = self.planes_among(distance);
+        for other in [distance, field] {
+            let known = if planes.is_empty() { Vec::new() } else { self.planes_among(other) };
             planes.retain(|plane| known.contains(plane));
         }
-        let solid = self.without(field, &planes);
+        let solid = if planes.is_empty() { Some(field) } else { self.without(field, &planes) };
         let region = self.region_of_rest(solid);
         let Some(&first) = planes.first() else { return Ahead { planes: None, region } };
         let (rest_bound, rest_distance) = (self.without(bound, &planes), self.without(distance, &planes));
@@ -67,18 +69,35 @@ impl Builder<'_> {
         Ahead { planes: Some(planes), region }
     }
 
-    /// The planes that a formula in the scene's space is the least of, each once.
+    /// The planes that a formula in the scene's space is the least of, each once; none where they are many, or stand among very much.
     fn planes_among(&mut self, node: NodeId) -> Vec<NodeId> {
         let mut open = vec![node];
         let mut planes = Vec::new();
-        while let Some(node) = open.pop() {
+        for _ in 0..MOST_PARTS {
+            let Some(node) = open.pop() else { return planes };
             match self.operands(node) {
                 Some(parts) => open.extend(parts),
                 None if !planes.contains(&node) && self.is_straight(node) => planes.push(node),
                 None => {}
             }
         }
-        planes
+        Vec::new()
+    }
+
+    /// Whether a plane may be among the operands of which a formula is the least, in whatever space.
+    fn may_hold_plane(&mut self, node: NodeId) -> bool {
+        if let Some(known) = self.planes.get(&node) {
+            return *known;
+        }
+        let holds = match self.graph.node(node).clone() {
+            Node::Op(Op::Min, args) => args.iter().any(|&a| self.may_hold_plane(a)),
+            Node::Call(shape, function, _) if !self.built.unions.contains_key(&(shape, function)) => {
+                self.built.formulas.get(&(shape, function)).copied().is_some_and(|formula| self.may_hold_plane(formula))
+            }
+            _ => self.is_straight(node),
+        };
+        self.planes.insert(node, holds);
+        holds
     }
 
     /// A formula in the scene's space without planes that it is the least of; none where nothing else is there.
@@ -94,14 +113,13 @@ impl Builder<'_> {
         rest.into_iter().flatten().reduce(|a, b| self.graph.op(Op::Min, &[a, b]))
     }
 
-    /// The operands of which a formula is the least: its own, or those of the function that it calls, opened. None where it is no such formula.
+    /// The operands of which a formula is the least: its own, or what it calls, opened, if that may hold a plane. None where it is no such formula.
     fn operands(&mut self, node: NodeId) -> Option<Vec<NodeId>> {
         match self.graph.node(node).clone() {
             Node::Op(Op::Min, args) => Some(args.to_vec()),
             Node::Call(shape, function, args) if !self.built.unions.contains_key(&(shape, function)) => {
                 let formula = self.built.formulas.get(&(shape, function)).copied()?;
-                let is_part = matches!(self.graph.node(formula), Node::Op(Op::Min, _) | Node::Call(..)) || self.is_straight(formula);
-                is_part.then(|| vec![self.opened(shape, formula, &args)])
+                self.may_hold_plane(formula).then(|| vec![self.opened(shape, formula, &args)])
             }
             _ => None,
         }

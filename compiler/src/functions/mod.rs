@@ -235,6 +235,8 @@ pub struct Builder<'a> {
     strict: bool,
     /// Gradients of nodes by the point of their space, as far as they were asked for.
     slopes: Vec<Option<[NodeId; 3]>>,
+    /// Whether a plane may be among the operands of a union.
+    planes: FxHashMap<NodeId, bool>,
     surfaces: FxHashMap<NodeId, Option<Look>>,
     looks: FxHashMap<NodeId, surface::Looks>,
 }
@@ -286,6 +288,7 @@ pub fn build(
         kind: Kind::Exact,
         strict,
         slopes: Vec::new(),
+        planes: FxHashMap::default(),
         surfaces: FxHashMap::default(),
         looks: FxHashMap::default(),
     };

@@ -223,6 +223,9 @@ impl Elaborator<'_> {
 
     /// Says that a name is not known, and which one may have been meant.
     pub fn unknown_name(&mut self, name: &str, span: Span, env: &Env) -> Stop {
+        if self.is_known(Code::UnknownName, span) {
+            return Stop;
+        }
         let mut candidates: Vec<&str> = self.modules.visible(env.module);
         candidates.extend(super::builtin::NAMES);
         let mut locals = Vec::new();

@@ -254,15 +254,17 @@ impl Elaborator<'_> {
                 | Code::NoReach
                 | Code::NoBound
         );
-        let known = self
-            .diagnostics
-            .iter()
-            .any(|d| d.code == diagnostic.code && d.span == diagnostic.span);
+        let known = self.is_known(diagnostic.code, diagnostic.span);
         let stands = !self.trial || !caused_by_values;
         if stands && !known {
             self.diagnostics.push(diagnostic);
         }
         Stop
+    }
+
+    /// Whether such a diagnostic was reported at a place already: what is called often is not worth another search for advice.
+    pub fn is_known(&self, code: Code, span: Span) -> bool {
+        self.diagnostics.iter().any(|d| d.code == code && d.span == span)
     }
 
     /// Reports an error with its advice.

@@ -4,6 +4,7 @@ use super::log::Log;
 use serde_json::json;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use surefoot_runtime::Gpu;
 
@@ -46,11 +47,14 @@ pub struct Finished {
     pub swaps: u64,
 }
 
-/// Measures on a thread of its own, which ends with it.
+/// Measures on a thread of its own, which ends with it: a driver that is a program must not be asked while the process ends.
 #[derive(Debug)]
 pub struct Meter {
     timing: Arc<Mutex<Timing>>,
-    pieces: Sender<Piece>,
+    /// None once it ends.
+    pieces: Option<Sender<Piece>>,
+    /// None where there could be no thread: then nothing is measured, and the pictures come all the same.
+    thread: Option<JoinHandle<()>>,
 }
 
 impl Meter {
@@ -60,9 +64,8 @@ impl Meter {
         let (pieces, received) = channel();
         let shared = timing.clone();
         let wait = move || measure(&gpu, &received, &shared, &log, &*wake);
-        // Without the thread nothing is measured; the pictures come all the same.
-        std::thread::Builder::new().name("surefoot meter".to_owned()).spawn(wait).ok();
-        Self { timing, pieces }
+        let thread = std::thread::Builder::new().name("surefoot meter".to_owned()).spawn(wait).ok();
+        Self { timing, pieces: Some(pieces), thread }
     }
 
     /// What is known so far.
@@ -73,9 +76,19 @@ impl Meter {
     /// Hears of a piece that is being drawn.
     pub fn add(&self, piece: Piece) {
         lock(&self.timing).in_flight += 1;
-        if self.pieces.send(piece).is_err() {
+        if self.pieces.as_ref().is_none_or(|pieces| pieces.send(piece).is_err()) {
             // Nobody measures.
             lock(&self.timing).in_flight = 0;
+        }
+    }
+}
+
+impl Drop for Meter {
+    fn drop(&mut self) {
+        self.pieces = None;
+        if let Some(thread) = self.thread.take() {
+            // A thread that panicked has said so already.
+            let _ = thread.join();
         }
     }
 }

@@ -94,20 +94,19 @@ pub fn cases() -> Vec<Case> {
         let text = format!("scene = box(1) | sphere(0.3).translate(0.9, 0.3, 0.9)\n{}", seen(eye, target));
         all.push(Case { name: name.to_owned(), text, rays: Rays::Uncertain(1), known: None });
     }
-    let mut aimed = |name: &str, scene: &str, rays: Vec<(Vec3, Vec3, bool)>, known| {
-        all.push(Case { name: name.to_owned(), text: format!("scene = {scene}\n"), rays: Rays::Aimed(rays), known });
+    let mut aimed = |name: &str, scene: &str, rays: Vec<(Vec3, Vec3, bool)>| {
+        all.push(Case { name: name.to_owned(), text: format!("scene = {scene}\n"), rays: Rays::Aimed(rays), known: None });
     };
     // Exactly along, and beside it to either side, farther than a pixel is wide.
     let clear = |d: f64| d.abs() > 1e-3;
     let beside = || [0.0, 1e-7, -1e-7, 0.02, -0.02].into_iter();
-    aimed("rays along faces", "box(1)", beside().flat_map(|d| [0.0, 0.2].map(|z| ([-3.0, 0.5 + d, z], [1.0, 0.0, 0.0], clear(d)))).collect(), None);
-    aimed("rays along edges", "box(1)", beside().map(|d| ([-3.0, 0.5 + d, 0.5 + d], [1.0, 0.0, 0.0], clear(d))).collect(), None);
-    aimed("rays tangent to a sphere", "sphere(1)", beside().map(|d| ([-3.0, 1.0 + d, 0.0], [1.0, 0.0, 0.0], clear(d))).collect(), None);
-    aimed("rays through corners", "box(1)", beside().map(|d| ([-2.0, 2.0 + d, -2.0], [1.0, -1.0, 1.0], clear(d))).collect(), None);
+    aimed("rays along faces", "box(1)", beside().flat_map(|d| [0.0, 0.2].map(|z| ([-3.0, 0.5 + d, z], [1.0, 0.0, 0.0], clear(d)))).collect());
+    aimed("rays along edges", "box(1)", beside().map(|d| ([-3.0, 0.5 + d, 0.5 + d], [1.0, 0.0, 0.0], clear(d))).collect());
+    aimed("rays tangent to a sphere", "sphere(1)", beside().map(|d| ([-3.0, 1.0 + d, 0.0], [1.0, 0.0, 0.0], clear(d))).collect());
+    aimed("rays through corners", "box(1)", beside().map(|d| ([-2.0, 2.0 + d, -2.0], [1.0, -1.0, 1.0], clear(d))).collect());
     let grazing = |turn: f64| move |h: f64| ([0.0, h, 0.0], [1.0, -turn.to_radians().tan(), 0.1], true);
     let heights = [0.0005, 0.001, 0.005, 0.01];
-    let spent = "rays that leave the plane by a sixth of a pixel's angle stay so near to it that their looks are spent on the way; they end in the sky, as they must";
-    aimed("a plane grazed at 0.01°", "plane(y)", heights.into_iter().flat_map(|h| [grazing(0.01)(h), grazing(-0.01)(h)]).collect(), Some(spent));
+    aimed("a plane grazed at 0.01°", "plane(y)", heights.into_iter().flat_map(|h| [grazing(0.01)(h), grazing(-0.01)(h)]).collect());
     let mut add = |name: &str, scene: &str, smaller: u32| {
         let text = format!("scene = {scene}\n{}", seen(eye, [0.0; 3]));
         all.push(Case { name: name.to_owned(), text, rays: Rays::Camera(smaller), known: None });
