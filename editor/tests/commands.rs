@@ -398,9 +398,10 @@ fn bench_finds_what_steps_too_far_and_nothing_in_ours() {
     assert!(of("ours", "operations_per_ray") < of("whole-steps", "operations_per_ray"));
     assert!(of("ours", "operations_per_ray") < 0.5 * of("no-region", "operations_per_ray"));
     // The instrument sees a factor that is left out, and one that is too small.
-    for method in ["plain", "hand", "half-factors"] {
+    for method in ["plain", "hand", "bound x4.0"] {
         assert!(of(method, "missed") > 0.0, "{method}");
     }
+    assert!(of("half-factors", "depth_pixels") > 10.0 * of("ours", "depth_pixels"));
     for file in ["page.md", "page.svg"] {
         assert!(std::fs::metadata(folder.join(file)).is_ok_and(|m| m.len() > 1000), "{file}");
     }
