@@ -3,6 +3,7 @@
 //! Tracing, shadow and occlusion are step for step those of `compiler/src/emit/library.rs`, the light is that of
 //! `runtime/src/passes/scene/*.wgsl`. A picture is made tile by tile; tiles may be made on as many threads as there are.
 
+mod ahead;
 pub mod camera;
 mod follow;
 pub mod march;
@@ -15,6 +16,7 @@ use crate::evaluate::{Tape, TooLarge};
 use crate::graph::{Function, NodeId, Slot};
 use crate::functions::{Planes, Surface};
 use crate::images::{Images, Texture, TextureKind, sides};
+use ahead::PlanesApart;
 use camera::Basis;
 use follow::{DARK, Follow, Shadow, Small, TRACER, Turn};
 use march::{Look, Ray, Scene, at_points, march, sizes};
@@ -83,13 +85,6 @@ struct Rest {
     both: Tape,
 }
 
-/// The distance to the planes that are met apart, and the way to them.
-#[derive(Clone, Debug)]
-struct PlanesTapes {
-    distance: Tape,
-    way: Tape,
-}
-
 /// A scene's functions at one moment, ready for any number of points.
 #[derive(Clone, Debug)]
 pub struct Reference {
@@ -98,7 +93,7 @@ pub struct Reference {
     distance: Tape,
     /// What rays follow.
     rest: Rest,
-    planes: Option<PlanesTapes>,
+    planes: Option<PlanesApart>,
     /// A box about all that is solid, but planes.
     region: Option<Box3>,
     gradient: Option<Tape>,
@@ -124,7 +119,7 @@ impl Reference {
         let s = &functions.surface;
         let ahead = &functions.ahead;
         let (rest_bound, rest_distance) = ahead.planes.map_or((bound, distance), |p| (p.rest_bound, p.rest_distance));
-        let planes = |p: Planes| Ok(PlanesTapes { distance: tape(&[p.distance])?, way: tape(&[p.way])? });
+        let planes = |p: Planes| Ok(PlanesApart { distance: tape(&[p.distance])?, way: tape(&[p.way])? });
         Ok(Self {
             field: tape(&[field])?,
             bound: tape(&[bound])?,
@@ -228,7 +223,7 @@ impl Reference {
     pub fn trace(&self, rays: &[Ray], footprint: f64, extent: f64) -> Vec<Hit> {
         let whole: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
         // The first plane ends the search for everything else.
-        let planes = self.planes_ahead(&whole);
+        let planes = self.planes.as_ref().map_or_else(|| vec![f64::INFINITY; rays.len()], |planes| planes.ahead(&whole));
         let clipped: Vec<Option<Ray>> = whole
             .iter()
             .zip(&planes)
@@ -282,21 +277,6 @@ impl Reference {
         hits
     }
 
-    /// How far along each ray the first of the planes is that are met apart; infinite where none is.
-    fn planes_ahead(&self, rays: &[Option<Ray>]) -> Vec<f64> {
-        let mut ways = vec![f64::INFINITY; rays.len()];
-        let Some(planes) = &self.planes else { return ways };
-        let of = |i: usize| rays.get(i).copied().flatten();
-        let (points, directions): (Vec<Vec3>, Vec<Vec3>) =
-            (0..rays.len()).map(|i| of(i).map_or(([0.0; 3], [0.0; 3]), |ray| (ray.at(ray.t_min), ray.direction))).unzip();
-        at_points(&planes.way, &points, &directions, |i, values| {
-            if let (Some(way), Some(ray), Some(ahead)) = (ways.get_mut(i), of(i), values.first()) {
-                *way = ray.t_min + ahead;
-            }
-        });
-        ways
-    }
-
     /// How much light comes along rays: 1 lit, 0 dark. Of `softness` 0 is a sharp edge, more is sharper.
     pub fn shadow(&self, rays: &[Ray], softness: f64, extent: f64) -> Vec<f64> {
         let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
@@ -309,19 +289,7 @@ impl Reference {
             true => Scene::Both(both),
             false => Scene::Apart(bound, distance),
         };
-        let planes = self.planes_ahead(&clipped);
-        let ends: Vec<Vec3> = clipped.iter().zip(rays).map(|(c, r)| c.as_ref().map_or(r.origin, |c| c.at(c.t_max))).collect();
-        let mut shares = vec![f64::INFINITY; rays.len()];
-        if let Some(tapes) = &self.planes {
-            at_points(&tapes.distance, &ends, &[], |i, values| {
-                let ray = clipped.get(i).copied().flatten();
-                if let (Some(share), Some(ray), Some(height)) = (shares.get_mut(i), ray, values.first()) {
-                    // Their height over the way falls all along a ray.
-                    let dark = planes.get(i).is_some_and(|t| *t <= ray.t_max);
-                    *share = if dark { 0.0 } else if softness > 0.0 { softness * height / ray.t_max.max(1e-6) } else { f64::INFINITY };
-                }
-            });
-        }
+        let shares = self.planes.as_ref().map_or_else(|| vec![f64::INFINITY; rays.len()], |planes| planes.shares(&clipped, softness));
         march(
             scene,
             &clipped,

@@ -1,0 +1,48 @@
+//! Planes that rays meet apart from everything else, as `sf_ahead` and `sf_planes` of the module do.
+
+use super::march::{Ray, at_points};
+use super::vector::Vec3;
+use crate::evaluate::Tape;
+
+/// The distance to the planes that are met apart, and the way to them.
+#[derive(Clone, Debug)]
+pub struct PlanesApart {
+    /// At points.
+    pub distance: Tape,
+    /// From points in directions, which stand for normals.
+    pub way: Tape,
+}
+
+impl PlanesApart {
+    /// How far along each ray the first of the planes is; infinite where there is no ray.
+    pub fn ahead(&self, rays: &[Option<Ray>]) -> Vec<f64> {
+        let mut ways = vec![f64::INFINITY; rays.len()];
+        let start = |ray: &Option<Ray>| ray.map_or(([0.0; 3], [0.0; 3]), |ray| (ray.at(ray.t_min), ray.direction));
+        let (points, directions): (Vec<Vec3>, Vec<Vec3>) = rays.iter().map(start).unzip();
+        at_points(&self.way, &points, &directions, |i, values| {
+            if let (Some(way), Some(ray), Some(ahead)) = (ways.get_mut(i), rays.get(i).copied().flatten(), values.first()) {
+                *way = ray.t_min + ahead;
+            }
+        });
+        ways
+    }
+
+    /// How much light the planes leave of each ray at most, before its edge is smoothed: a ray that meets one is dark, and their height over the way
+    /// falls all along a ray, so it is least at its end.
+    pub fn shares(&self, rays: &[Option<Ray>], softness: f64) -> Vec<f64> {
+        let mut shares = vec![f64::INFINITY; rays.len()];
+        let ahead = self.ahead(rays);
+        let ends: Vec<Vec3> = rays.iter().map(|ray| ray.map_or([0.0; 3], |ray| ray.at(ray.t_max))).collect();
+        at_points(&self.distance, &ends, &[], |i, values| {
+            let ray = rays.get(i).copied().flatten();
+            if let (Some(share), Some(ray), Some(height)) = (shares.get_mut(i), ray, values.first()) {
+                if ahead.get(i).is_some_and(|t| *t <= ray.t_max) {
+                    *share = 0.0;
+                } else if softness > 0.0 {
+                    *share = softness * height / ray.t_max.max(1e-6);
+                }
+            }
+        });
+        shares
+    }
+}
