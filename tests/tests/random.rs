@@ -146,6 +146,22 @@ fn what_is_too_steep_is_found() {
 }
 
 #[test]
+fn what_rays_would_not_look_at_is_found() {
+    let text = "scene = plane(y, -1) | sphere(2) | box(1).translate(2, 0, 0)";
+    let loader = MemoryLoader::new().with("main.sdf", text);
+    let right = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
+    let care = Care { points: 4000, balls: 0, longest: HANG };
+    assert!(try_bound(&right, 1, care).is_ok());
+    let mut narrow = right.clone();
+    narrow.functions.ahead.region.as_mut().unwrap().0[0].hi = 0.5;
+    assert_eq!(try_bound(&narrow, 1, care).unwrap_err().kind, FaultKind::Ahead);
+    let mut less = right.clone();
+    let planes = less.functions.ahead.planes.as_mut().unwrap();
+    planes.rest_bound = planes.distance;
+    assert_eq!(try_bound(&less, 1, care).unwrap_err().kind, FaultKind::Ahead);
+}
+
+#[test]
 fn a_scene_shrinks_to_what_matters() {
     let matters = |term: &Term| {
         let text = term.text();

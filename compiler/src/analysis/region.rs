@@ -331,7 +331,6 @@ impl Facts {
     }
 }
 
-/// By how much a coordinate is moved, where it is only moved.
 /// The value of a shape that reads nothing but its point, and how far a call moves it along each axis, if that is all that it does.
 fn shifted(graph: &Graph, shape: ShapeId, args: &[NodeId]) -> Option<(NodeId, [f64; 3])> {
     let s = graph.shape(shape).filter(|s| s.variables.is_empty() && s.dimensions == 3)?;
@@ -342,6 +341,7 @@ fn shifted(graph: &Graph, shape: ShapeId, args: &[NodeId]) -> Option<(NodeId, [f
     Some((s.value, shifts))
 }
 
+/// By how much a coordinate is moved, where it is only moved.
 pub(super) fn shift_along(graph: &Graph, coordinate: NodeId, axis: usize) -> Option<f64> {
     let is_coordinate = |id: NodeId| {
         matches!(graph.node(id), Node::Leaf(Leaf::P(i)) if usize::from(*i) == axis)

@@ -59,8 +59,8 @@ impl Written {
 
 /// Writes the functions.
 pub fn functions(context: &mut Context, root: ShapeId, plans: &Plans, body: &mut Body, text: &mut String) -> Result<Written, EmitError> {
-    let mut function = |name, about, plan: &Plan| -> Result<usize, EmitError> {
-        let (prefix, along) = (context.prefix, if name == "ahead" { ", direction: vec3f" } else { "" });
+    let mut function = |name, along: &str, about, plan: &Plan| -> Result<usize, EmitError> {
+        let prefix = context.prefix;
         let _ = writeln!(text, "\n// {about}\nfn {prefix}{name}(p: vec3f{along}) -> f32 {{");
         let _ = writeln!(text, "  let q = p + {}.origin;", context.uniform_name);
         context.uniforms.read(UniformSource::Origin);
@@ -73,11 +73,11 @@ pub fn functions(context: &mut Context, root: ShapeId, plans: &Plans, body: &mut
         text.push_str("}\n");
         Ok(count)
     };
-    let planes = function("planes", "The distance to the planes that the scene is the union of, with the rest.", &plans.planes)?;
-    function("ahead", "How far along a direction from p the first of these planes is: 0 within one.", &plans.ahead)?;
-    let bound = function("rest_bound", "The bound of everything but these planes.", &plans.rest_bound)?;
+    let planes = function("planes", "", "The distance to the planes that the scene is the union of, with the rest.", &plans.planes)?;
+    function("ahead", ", direction: vec3f", "How far along a direction from p the first of these planes is: 0 within one.", &plans.ahead)?;
+    let bound = function("rest_bound", "", "The bound of everything but these planes.", &plans.rest_bound)?;
     let distance = match &plans.rest_distance {
-        Some(plan) => function("rest_distance", "The distance to everything but these planes.", plan)?,
+        Some(plan) => function("rest_distance", "", "The distance to everything but these planes.", plan)?,
         None => bound,
     };
     Ok(Written { one: plans.rest_distance.is_none(), operations: [bound, distance].map(|rest| rest + planes + 1) })

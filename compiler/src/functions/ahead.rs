@@ -8,7 +8,7 @@ use super::Builder;
 use crate::analysis::Box3;
 use crate::analysis::region::WORLD_SIDE;
 use crate::graph::kernel::Op;
-use crate::graph::{FAR, Function, Leaf, Node, NodeId, ShapeId};
+use crate::graph::{FAR, Function, Leaf, Node, NodeId};
 
 /// What is known of the ways ahead of rays, in the scene's space.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -119,21 +119,10 @@ impl Builder<'_> {
             Node::Op(Op::Min, args) => Some(args.to_vec()),
             Node::Call(shape, function, args) if !self.built.unions.contains_key(&(shape, function)) => {
                 let formula = self.built.formulas.get(&(shape, function)).copied()?;
-                self.may_hold_plane(formula).then(|| vec![self.opened(shape, formula, &args)])
+                self.may_hold_plane(formula).then(|| vec![self.graph.open(shape, formula, &args)])
             }
             _ => None,
         }
-    }
-
-    /// A formula of a shape with the arguments of a call put in.
-    fn opened(&mut self, shape: ShapeId, formula: NodeId, args: &[NodeId]) -> NodeId {
-        let variables = self.graph.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
-        let opened = self.graph.substitute(&[formula], |leaf| match leaf {
-            Leaf::P(i) => args.get(usize::from(i)).copied(),
-            Leaf::Variable(v) => variables.binary_search(&v).ok().and_then(|i| args.get(3 + i)).copied(),
-            _ => None,
-        });
-        opened.first().copied().unwrap_or(formula)
     }
 
     /// How far ahead a plane is. Within it there is no way.

@@ -8,7 +8,7 @@ use surefoot_compiler::certify::{Ball, Claim, Truth, falsify};
 use surefoot_compiler::diagnostic::{Code, Severity};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::functions::Kind;
-use surefoot_compiler::graph::Function;
+use surefoot_compiler::graph::{Function, NodeId};
 use surefoot_compiler::{Compiled, Live, MemoryLoader, Options, Outcome, compile};
 
 /// How carefully a scene is judged.
@@ -62,6 +62,8 @@ pub enum FaultKind {
     Hole,
     /// Field and bound have different signs.
     Sign,
+    /// Something is solid beyond the box about the scene, or planes and the rest are not the whole.
+    Ahead,
     /// A value is not a number, or infinite.
     NotFinite,
     /// Refused without a diagnostic, or one without a place in the text.
@@ -173,7 +175,11 @@ fn setting(scene: &Compiled, round: usize, random: &mut Random) -> Live {
 
 fn try_setting(scene: &Compiled, live: &Live, care: Care, random: &mut Random) -> Result<Tried, Fault> {
     let fault = |kind, words| Err(Fault { kind, words });
-    let roots = [Function::Field, Function::Bound, Function::Distance].map(|f| scene.functions.formulas[&(scene.root, f)]);
+    let [field, bound, distance] = [Function::Field, Function::Bound, Function::Distance].map(|f| scene.functions.formulas[&(scene.root, f)]);
+    // What rays follow: planes, and the rest within its box.
+    let ahead = scene.functions.ahead;
+    let apart = ahead.planes.map(|p| [p.distance, p.rest_bound, p.rest_distance]);
+    let roots: Vec<NodeId> = [field, bound, distance].into_iter().chain(apart.into_iter().flatten()).collect();
     let Ok(tape) = Tape::new(&scene.graph, &scene.functions, &roots, live, OPERATIONS) else { return Ok(Tried::default()) };
     let mut evaluator = tape.evaluator();
     let mut starts: Vec<[f64; 3]> = (0..care.points).map(|_| in_cube(random).map(|c| c * HALF)).collect();
@@ -205,6 +211,20 @@ fn try_setting(scene: &Compiled, live: &Live, care: Care, random: &mut Random) -
         if field.signum() != bound.signum() && field.abs() > 1e-9 && bound.abs() > 1e-9 && found.is_none() {
             let words = format!("at {:?} the field is {field} and the bound {bound}; {live:?}", starts[i]);
             found = Some(Fault { kind: FaultKind::Sign, words });
+        }
+        let planes = values.get(3).copied().unwrap_or(f64::INFINITY);
+        let beyond = ahead.region.is_some_and(|region| !region.0.iter().zip(starts[i]).all(|(side, c)| side.contains(c)));
+        // What is beyond the box may touch zero where a number was rounded.
+        if beyond && planes > 1e-6 && field < -1e-6 && found.is_none() {
+            let words = format!("at {:?} the field is {field}, beyond the box {:?}; {live:?}", starts[i], ahead.region);
+            found = Some(Fault { kind: FaultKind::Ahead, words });
+        }
+        if let [whole, whole_distance, planes, rest, rest_distance] = values[1..]
+            && [(whole, rest), (whole_distance, rest_distance)].iter().any(|(all, rest)| (rest.min(planes) - all).abs() > 1e-9 * (1.0 + all.abs()))
+            && found.is_none()
+        {
+            let words = format!("at {:?} planes and rest make {values:?}; {live:?}", starts[i]);
+            found = Some(Fault { kind: FaultKind::Ahead, words });
         }
         let radius = if bound.abs() <= HAIR { 0.0 } else { bound.abs().min(2.0 * HALF) };
         claims.push(Claim { point: starts[i], radius, field });
