@@ -23,9 +23,7 @@ use surefoot_tests::mutations::{self, Corpus};
 /// Inputs of an ordinary run.
 const COUNT: u64 = 20_000;
 /// The longest that one input may take, of the processor's time.
-///
-/// A second is what the program itself may take; a build with checks of its arithmetic takes up to twice that on a machine that is busy.
-const LONGEST: Duration = Duration::from_secs(if cfg!(debug_assertions) { 2 } else { 1 });
+const LONGEST: Duration = Duration::from_secs(1);
 /// The longest that one input may take by the clock; then the run is ended, for nothing else can stop it.
 const GIVE_UP: Duration = Duration::from_secs(300);
 /// The most that may be allocated at one time for one input.

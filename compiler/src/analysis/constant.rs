@@ -45,9 +45,9 @@ impl Facts {
     /// The constant of a node as a whole.
     fn found(&mut self, graph: &Graph, node: NodeId, domain: &Domain, budget: usize) -> Constant {
         let tape = self.tape(graph, node);
-        let budget = match budget {
-            0 | 1 => budget,
-            _ => budget.min((self.steps / self.weight(graph, node).max(1)).max(8)),
+        let budget = match self.affordable(budget) {
+            0 | 1 => 1,
+            budget => budget.min((self.steps / self.weight(graph, node).max(1)).max(8)),
         };
         let search = |facts: &mut Self| match Polar::of(&tape, domain.point).filter(|_| budget > 1) {
             Some(polar) => {
@@ -67,6 +67,11 @@ impl Facts {
             }),
         };
         if budget > 1 { self.remembered_constant(graph, &[node], domain, budget, search) } else { search(self) }
+    }
+
+    /// How many boxes a search may still have: one, where a scene has cost too much already.
+    fn affordable(&self, budget: usize) -> usize {
+        if self.searched > self.most_searched { budget.min(1) } else { budget }
     }
 
     /// Of what is a distance from another, a multiple or a sum, over all space: the constants of the terms, each found by itself.
@@ -128,7 +133,10 @@ impl Facts {
         }
         let tape = Tape::new(graph, point);
         let rows: Vec<usize> = tape.roots().collect();
-        let budget = budget.min((self.steps / tape.steps.len().max(1)).max(8));
+        let budget = match self.affordable(budget) {
+            0 | 1 => 1,
+            budget => budget.min((self.steps / tape.steps.len().max(1)).max(8)),
+        };
         let search = |facts: &mut Self| {
             facts.supremum(graph, &tape, domain, None, budget, |facts, d| {
                 let mut norm = Norm { norm: 0.0, jumps: false, runs: 0 };
@@ -232,6 +240,7 @@ impl Facts {
             }
         }
         let mut least: f64 = 0.0;
+        let before = self.ran;
         let mut open = BinaryHeap::from([Part { norm: first.norm, jumps: first.jumps, region: domain.point }]);
         let end = self.ran + STEPS_MORE * self.steps as u64;
         while used < budget && self.ran < end {
@@ -266,6 +275,7 @@ impl Facts {
                 open.push(Part { norm: found.norm, jumps: found.jumps, region });
             }
         }
+        self.searched += self.ran - before;
         let largest = open.peek().map_or(0.0, |p| p.norm);
         let jumps = first.jumps && open.iter().any(|p| p.jumps);
         Constant { lipschitz: largest.min(first.norm), jumps }
@@ -280,6 +290,9 @@ const IDLE: f64 = 0.004;
 
 /// How many times as many steps the kinks and the calls in it may cost.
 const STEPS_MORE: u64 = 8;
+
+/// How many steps all searches of a scene may cost while it is compiled; then formulas are looked at as a whole.
+pub(super) const MOST_SEARCHED: u64 = 2_000_000;
 
 /// The width of a side; what has no end counts the less, the farther away it begins.
 fn breadth(side: Interval) -> f64 {

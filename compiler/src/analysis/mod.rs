@@ -22,7 +22,7 @@ use crate::graph::algebra::Intervals;
 use crate::graph::interval::Interval;
 use crate::graph::kernel;
 use crate::graph::{ANY_TIME, Exactness, Graph, Leaf, Node, NodeId, NodeList, ShapeId, WORLD};
-use constant::STEPS;
+use constant::{MOST_SEARCHED, STEPS};
 pub use constant::Constant;
 pub use domain::{Box3, Domain, Key};
 use dual::Dual;
@@ -68,6 +68,10 @@ pub struct Facts {
     forks: Option<u64>,
     /// How many steps that has cost so far.
     forked: u64,
+    /// How many steps searches for constants have cost so far.
+    searched: u64,
+    /// How many they may cost.
+    most_searched: u64,
     /// Values of the parameters, where these facts hold for those alone.
     pub pinned: Pinned,
 }
@@ -97,6 +101,8 @@ impl Default for Facts {
             ran: 0,
             forks: None,
             forked: 0,
+            searched: 0,
+            most_searched: MOST_SEARCHED,
             pinned: Rc::new([]),
         }
     }

@@ -185,6 +185,8 @@ impl Facts {
         // Large parts first: where the budget ends, what is left is around the solid already.
         let mut open = VecDeque::from([region]);
         let mut kept = Box3::EMPTY;
+        // Values at points are of use for the shapes that share them within one look, and never again.
+        let known = std::mem::take(&mut self.ranges);
         while let Some(part) = open.pop_front() {
             // What is known to be kept already needs no closer look.
             if kept.hull(&part) == kept {
@@ -194,12 +196,14 @@ impl Facts {
             let half = part.0.map(|i| i.width() / 2.0);
             let corner = half.iter().map(|h| h * h).sum::<f64>().sqrt();
             let middle = Box3(middle.map(Interval::point));
+            self.ranges.clear();
             let value = self.ranges_of(graph, &tape, &domain.at(middle)).last().copied().unwrap_or(Interval::ALL);
             if value.lo > level + constant.lipschitz * corner * (1.0 + 1e-9) {
                 continue;
             }
             if left == 0 || self.ran - first > SIFTED_STEPS {
-                return open.iter().fold(kept.hull(&part), |kept, part| kept.hull(part));
+                kept = open.iter().fold(kept.hull(&part), |kept, part| kept.hull(part));
+                break;
             }
             left -= 1;
             if part.size() <= smallest {
@@ -225,6 +229,7 @@ impl Facts {
             }
             open.extend(parts);
         }
+        self.ranges = known;
         kept
     }
 

@@ -27,7 +27,7 @@ pub struct Search {
 impl Search {
     /// The constant, looked for with at most `boxes` boxes; for the values of the parameters if there are any, else for their whole ranges.
     pub fn run(&self, graph: &Graph, pinned: Pinned, boxes: usize) -> f64 {
-        let mut facts = Facts { pinned, steps: boxes.saturating_mul(STEPS_A_BOX), ..Facts::default() };
+        let mut facts = Facts { pinned, steps: boxes.saturating_mul(STEPS_A_BOX), most_searched: u64::MAX, ..Facts::default() };
         let found = match &self.target {
             Target::Value(node) => facts.constant(graph, *node, &self.domain, boxes),
             Target::Map(point) => facts.map_constant(graph, point, &self.domain, boxes),

@@ -9,6 +9,7 @@ mod bound;
 mod convex;
 mod distance;
 mod domains;
+mod dress;
 mod ground;
 mod jumps;
 mod surface;
@@ -239,6 +240,9 @@ pub struct Builder<'a> {
     planes: FxHashMap<NodeId, bool>,
     surfaces: FxHashMap<NodeId, Option<Look>>,
     looks: FxHashMap<NodeId, surface::Looks>,
+    dresses: FxHashMap<NodeId, dress::Dress>,
+    /// How many shapes of several materials were looked at.
+    looked: usize,
 }
 
 /// The numbers of a surface, and the images on it.
@@ -291,6 +295,8 @@ pub fn build(
         planes: FxHashMap::default(),
         surfaces: FxHashMap::default(),
         looks: FxHashMap::default(),
+        dresses: FxHashMap::default(),
+        looked: 0,
     };
     builder.find_domains();
     let mut functions = vec![

@@ -1,5 +1,6 @@
 //! The surface: how a point of it answers light.
 
+use super::dress::Dress;
 use super::{Builder, Layer, Look, Surface};
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, Leaf, Material, MaterialId, Node, NodeId, ShapeId, kernel, WORLD};
@@ -89,6 +90,12 @@ impl Builder<'_> {
 
     /// The material of a shape at a point of the scene's space; none where nothing in it has one.
     pub(super) fn look_of_shape(&mut self, shape: ShapeId, args: &[NodeId]) -> Option<Look> {
+        match self.dress_of_shape(shape) {
+            Dress::Bare => return None,
+            Dress::One(material) => return self.look_of_material(shape, material, args),
+            Dress::Many if !self.may_look(shape) => return None,
+            Dress::Many => {}
+        }
         let s = self.graph.shape(shape)?.clone();
         let mut look = match s.material {
             Some(material) => self.look_of_material(shape, material, args),

@@ -123,9 +123,9 @@ impl Elaborator<'_> {
         let memo_key = (function.kind != FunctionKind::Blend || any_shape)
             .then(|| (item, receiver.clone(), values.clone()));
         if let Some(key) = &memo_key
-            && let Some(value) = self.memo.get(key)
+            && let Some(known) = self.memo.get(key)
         {
-            return Ok(value.clone());
+            return known.clone().ok_or(Stop);
         }
         // In a formula an argument may vary with `p`; then the formula stands there itself, not a shape.
         let varies = in_formula.is_some()
@@ -187,11 +187,15 @@ impl Elaborator<'_> {
                 let value = Value::number(e.to_number(&value, function.body.span, &here)?);
                 Ok(e.claimed_value(value, function, &values, &here))
             }
-        })?;
-        if let (Some(key), false) = (memo_key, varies) {
-            self.memo.insert(key, value.clone());
+        });
+        // What is wrong with a person's function is said once; what the prelude can't take is said where it is called.
+        let said = !(self.trial || self.endless || self.full || modules.is_prelude(item.module));
+        if let (Some(key), false) = (memo_key, varies)
+            && (value.is_ok() || said)
+        {
+            self.memo.insert(key, value.clone().ok());
         }
-        Ok(value)
+        value
     }
 
     fn apply_warp(

@@ -134,7 +134,7 @@ pub struct Elaborator<'a> {
     parameter_values: FxHashMap<ItemRef, Option<Elaborated<Value>>>,
     lets: FxHashMap<ItemRef, Option<Elaborated<Value>>>,
     called: FxHashSet<ItemRef>,
-    memo: FxHashMap<(ItemRef, Option<Value>, Vec<Value>), Value>,
+    memo: FxHashMap<(ItemRef, Option<Value>, Vec<Value>), Option<Value>>,
     depth: usize,
     nesting: usize,
     steps: u64,
