@@ -20,6 +20,16 @@ const WIDE: f64 = 20.0;
 /// How much of its first way the second look goes, and by how much it may shorten it.
 const MOST: f64 = 0.75;
 
+/// How much more the way is shortened than the second look says.
+const OVER: f64 = 1.25;
+
+/// By how much a way within a solid is shortened at least.
+const BEHIND: f64 = 0.02;
+
+/// How many times what is proven an estimate may be: for all values of the parameters, and for the gentlest of a few of them.
+const TIMES: f64 = 3.75;
+const TIMES_GENTLEST: f64 = 1.8;
+
 /// At how many values of the parameters a constant is looked for again, and with how many boxes each.
 const GENTLE_VALUES: usize = 4;
 const GENTLE_BOXES: usize = 32;
@@ -39,8 +49,8 @@ impl Steepness {
 
 impl Builder<'_> {
     /// The estimate of the distance: composed under `min` and `max`, a field where it is no steeper than a distance, else the field over
-    /// its gradient (Hart 1996), which may not exceed four times what is proven, or twice what is proven for the gentlest of a few values of
-    /// the parameters, if that is more.
+    /// its gradient (Hart 1996), which may not exceed a multiple ([`TIMES`]) of what is proven, or one of what is
+    /// proven for the gentlest of a few values of the parameters, if that is more.
     pub(super) fn distance(&mut self, shape: ShapeId, node: NodeId, domain: &Domain) -> NodeId {
         match self.graph.node(node).clone() {
             Node::Constant(_) => node,
@@ -251,7 +261,7 @@ impl Builder<'_> {
         if constant <= UNIT || !constant.is_finite() {
             return node;
         }
-        let least = self.graph.constant((constant / 4.0).min(gentlest / 2.0));
+        let least = self.graph.constant((constant / TIMES).min(gentlest / TIMES_GENTLEST));
         // What comes from around the shape moves with the point in ways that are not seen further on.
         if self.graph.reads(node).variables != 0 {
             let gradient = self.gradient(node);
@@ -331,9 +341,16 @@ impl Builder<'_> {
         let square = self.graph.op(Op::Add, &[squares, double]);
         let landing = self.graph.op(Op::Sqrt, &[square]);
         let share = self.graph.op(Op::Min, &[share, landing]);
+        // What two looks do not see takes as a rule away what they saw taken away, a little more.
         let less = self.graph.op(Op::Sub, &[one, share]);
+        let over = self.graph.constant(OVER);
+        let less = self.graph.op(Op::Mul, &[less, over]);
         let less = self.graph.op(Op::Min, &[less, most]);
-        self.graph.op(Op::Max, &[less, zero])
+        // Within a solid the nearest surface may lie behind, where neither look sees it.
+        let inside = self.graph.op(Op::Lt, &[node, zero]);
+        let behind = self.graph.constant(BEHIND);
+        let least = self.graph.op(Op::Select, &[inside, behind, zero]);
+        self.graph.op(Op::Max, &[less, least])
     }
 
     /// The field of a shape at a point, and its gradient there.
