@@ -147,7 +147,10 @@ fn signature(sources: &Sources, item: &Item, f: &Function) -> (String, Option<St
         head.end = claim.span.start;
         claimed = Some(match &claim.kind {
             ClaimKind::Exact => "exact".to_owned(),
-            ClaimKind::Lipschitz(e) => format!("lipschitz {}", sources.text(e.span)),
+            ClaimKind::Lipschitz(e, range) => {
+                let range = range.as_ref().map_or(String::new(), |r| format!(" in {}", sources.text(r.span)));
+                format!("lipschitz {}{range}", sources.text(e.span))
+            }
         });
     }
     let words: Vec<&str> = sources.text(head).split_whitespace().collect();

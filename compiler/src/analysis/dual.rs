@@ -209,7 +209,7 @@ impl Algebra for Duals {
     fn claim(&mut self, graph: &Graph, value: Dual, claim: &Claim, of: &[Dual]) -> Dual {
         match claim {
             Claim::Continuous => Dual { jumps: value.jumps & !JUMPS_HERE, ..value },
-            Claim::Lipschitz(constant, groups) => {
+            Claim::Lipschitz(constant, groups, _) => {
                 let mut constants: SmallVec<[f64; 4]> = SmallVec::new();
                 let mut rest = of;
                 for group in groups.iter() {
@@ -228,6 +228,7 @@ impl Algebra for Duals {
                 let limit = claim_constant(graph, &self.pinned, *constant, &constants);
                 let jumps = of.iter().fold(0, |j, d| j | d.jumps);
                 let mut dual = value.limited(limit);
+                dual.value = claim.within(dual.value);
                 dual.jumps = jumps;
                 dual
             }
@@ -351,7 +352,7 @@ pub fn run(
             }
             Step::Claim(claim, args) => {
                 let mut of = gather(args);
-                if let Claim::Lipschitz(_, groups) = claim {
+                if let Claim::Lipschitz(_, groups, _) = claim {
                     // For a shape its own constant counts, whatever moves the point at which it is asked for.
                     let mut at = 1;
                     for group in groups.iter() {

@@ -109,8 +109,8 @@ impl Facts {
                 Node::Op(op, _) => digest(&(3, op, args)),
                 Node::Call(shape, function, _) => digest(&(4, self.content_of_shape(graph, *shape), function, args)),
                 Node::Claim(_, Claim::Continuous) => digest(&(5, args)),
-                Node::Claim(_, Claim::Lipschitz(formula, groups)) => {
-                    digest(&(6, self.content(graph, *formula), groups, args))
+                Node::Claim(_, Claim::Lipschitz(formula, groups, range)) => {
+                    digest(&(6, self.content(graph, *formula), groups, range, args))
                 }
                 Node::Factor(i) => digest(&(7, graph.factors.get(*i as usize).map(|f| f.lipschitz.to_bits()))),
             };

@@ -356,7 +356,7 @@ impl Graph {
                         read.insert(*leaf);
                     }
                     Node::Call(s, ..) if seen.insert(*s) => roots.extend(self.shape(*s).map(|s| s.value)),
-                    Node::Claim(_, crate::graph::Claim::Lipschitz(formula, _)) => roots.push(*formula),
+                    Node::Claim(_, crate::graph::Claim::Lipschitz(formula, ..)) => roots.push(*formula),
                     _ => {}
                 }
             }

@@ -51,6 +51,9 @@ impl Algebra for Intervals {
     fn op(&mut self, op: Op, args: &[Interval]) -> Interval {
         kernel::interval(op, args)
     }
+    fn claim(&mut self, _: &Graph, value: Interval, claim: &Claim, _: &[Interval]) -> Interval {
+        claim.within(value)
+    }
 }
 
 impl Algebra for Graph {

@@ -25,7 +25,7 @@ impl Graph {
         let constants = [self.leaf(Leaf::Variable(0)), self.leaf(Leaf::Variable(1))];
         let larger = self.op(Op::Max, &constants);
         let groups = [ClaimGroup::Vector(1), ClaimGroup::Vector(1)].into();
-        Some(self.intern(Node::Claim([blend, first, second].into(), Claim::Lipschitz(larger, groups))))
+        Some(self.intern(Node::Claim([blend, first, second].into(), Claim::Lipschitz(larger, groups, None))))
     }
 
     /// Of `k h (1 - h)`, with h clamped between 0 and 1 and k the same everywhere: h, and the factors of k.

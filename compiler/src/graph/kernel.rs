@@ -725,6 +725,17 @@ pub fn kind(graph: &Graph, id: NodeId) -> Kind {
 }
 
 impl Claim {
+    /// What of an interval of its values is left by what it knows of them.
+    pub fn within(&self, value: Interval) -> Interval {
+        match self {
+            Claim::Lipschitz(_, _, Some(range)) => {
+                let common = value.intersect(range.interval());
+                if common.is_empty() { value } else { common }
+            }
+            _ => value,
+        }
+    }
+
     /// The name of the claim in printed graphs.
     pub fn name(&self) -> &'static str {
         match self {

@@ -103,10 +103,27 @@ pub enum Node {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Claim {
     /// Its Lipschitz constant is at most the value of this formula, in which `Variable(i)` stands for
-    /// the constant of the `i`-th group of the claim's other nodes. From the prelude.
-    Lipschitz(NodeId, Arc<[ClaimGroup]>),
+    /// the constant of the `i`-th group of the claim's other nodes; and its range, where that is known. From the prelude.
+    Lipschitz(NodeId, Arc<[ClaimGroup]>, Option<ValueRange>),
     /// The jumps inside (of a cell's index) cancel: the value is continuous.
     Continuous,
+}
+
+/// All values that a formula can have: the bits of both ends, so that it can be hashed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ValueRange([u64; 2]);
+
+impl ValueRange {
+    /// From the least to the largest.
+    pub fn new(least: f64, largest: f64) -> Self {
+        Self([least, largest].map(f64::to_bits))
+    }
+
+    /// The same as an interval.
+    pub fn interval(self) -> Interval {
+        let [least, largest] = self.0.map(f64::from_bits);
+        Interval::new(least, largest)
+    }
 }
 
 /// So many nodes of a claim that stand for one argument.

@@ -6,7 +6,7 @@
 use super::kernel::{KERNEL, Op};
 use super::{
     Claim, ClaimGroup, Exactness, Factor, Function, Graph, Leaf, Material, MaterialId, Node, NodeId,
-    ParameterComponent, Shape, ShapeId,
+    ParameterComponent, Shape, ShapeId, ValueRange,
 };
 use crate::source::{FileId, Span};
 use std::fmt::{self, Write};
@@ -78,7 +78,7 @@ fn print_nodes(graph: &Graph, roots: &[NodeId], done: &mut [bool], out: &mut Str
             *done = true;
             order.push(id);
             stack.extend_from_slice(graph.arguments(id));
-            if let Node::Claim(_, Claim::Lipschitz(formula, _)) = graph.node(id) {
+            if let Node::Claim(_, Claim::Lipschitz(formula, ..)) = graph.node(id) {
                 stack.push(*formula);
             }
         }
@@ -122,13 +122,16 @@ fn print_node(node: &Node, out: &mut String) -> fmt::Result {
         }
         Node::Claim(args, claim) => {
             write!(out, "claim {}", claim.name())?;
-            if let Claim::Lipschitz(formula, groups) = claim {
+            if let Claim::Lipschitz(formula, groups, range) = claim {
                 write!(out, " %{}", formula.0)?;
                 for group in groups.iter() {
                     match group {
                         ClaimGroup::Vector(n) => write!(out, " vector {n}")?,
                         ClaimGroup::Values(n) => write!(out, " values {n}")?,
                     }
+                }
+                if let Some(range) = range.map(ValueRange::interval) {
+                    write!(out, " in {:?} {:?}", range.lo, range.hi)?;
                 }
             }
             out.push_str(" of");
@@ -440,16 +443,17 @@ fn read_node(words: &mut Words) -> Result<Node, String> {
                 }
                 "lipschitz" => {
                     let formula = words.node()?;
-                    let mut groups = Vec::new();
+                    let (mut groups, mut range) = (Vec::new(), None);
                     loop {
                         match words.need()? {
                             "of" => break,
                             "vector" => groups.push(ClaimGroup::Vector(words.number()?)),
                             "values" => groups.push(ClaimGroup::Values(words.number()?)),
+                            "in" => range = Some(ValueRange::new(words.number()?, words.number()?)),
                             other => return Err(format!("`{other}` is no group of a claim")),
                         }
                     }
-                    Claim::Lipschitz(formula, groups.into())
+                    Claim::Lipschitz(formula, groups.into(), range)
                 }
                 other => return Err(format!("there is no claim `{other}`")),
             };
@@ -524,7 +528,7 @@ mod tests {
         let slope = g.call(ball, Function::Gradient(2), &[moved, p[1], p[2], live]);
         let continuous = g.intern(Node::Claim([call].into(), Claim::Continuous));
         let groups = [ClaimGroup::Vector(2), ClaimGroup::Values(1)].into();
-        let lipschitz = Claim::Lipschitz(one, groups);
+        let lipschitz = Claim::Lipschitz(one, groups, Some(ValueRange::new(-0.1, 1e9)));
         let claim = g.intern(Node::Claim([continuous, p[0], p[1], slope].into(), lipschitz));
         let (name, reason) = ("step_ball".to_owned(), "two\nlines".to_owned());
         g.factors.push(Factor { name, lipschitz: 1.5, reason, span: SPAN, proof: crate::graph::Proof::Derived });

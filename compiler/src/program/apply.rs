@@ -5,9 +5,9 @@ use super::load::ItemRef;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
-use crate::graph::{Claim, ClaimGroup, Function, Leaf, Node, NodeId, NodeList, ShapeId};
+use crate::graph::{Claim, ClaimGroup, Function, Leaf, Node, NodeId, NodeList, ShapeId, ValueRange};
 use crate::source::Span;
-use crate::syntax::ast::{self, ClaimKind, FunctionKind, ItemKind, Parameter, Type};
+use crate::syntax::ast::{self, ClaimKind, ExprKind, FunctionKind, ItemKind, Parameter, Type};
 use smallvec::{SmallVec, smallvec};
 
 impl Elaborator<'_> {
@@ -264,7 +264,7 @@ impl Elaborator<'_> {
             return node;
         }
         // The shape itself says that it is exact.
-        let ClaimKind::Lipschitz(formula) = &claim.kind else { return node };
+        let ClaimKind::Lipschitz(formula, range) = &claim.kind else { return node };
         let mut nodes: SmallVec<[NodeId; 8]> = smallvec![node];
         let mut groups: SmallVec<[ClaimGroup; 8]> = SmallVec::new();
         let mut claim_env = Env::top(env.module);
@@ -290,8 +290,16 @@ impl Elaborator<'_> {
             claim_env = claim_env.and_argument(&parameter.name.text, Value::number(constant), value.clone());
         }
         let Ok(Value::Number(formula, _)) = self.expression(formula, &claim_env) else { return node };
+        let range = range.as_ref().and_then(|range| {
+            let ExprKind::Range(least, largest) = &range.kind else { return None };
+            let mut end = |e: &ast::Expr| {
+                let value = self.expression(e, &Env::top(env.module)).ok()?;
+                self.to_constant(&value, e.span).ok()
+            };
+            Some(ValueRange::new(end(least)?, end(largest)?))
+        });
         let of = NodeList::from(&nodes[..]);
-        self.graph.intern(Node::Claim(of, Claim::Lipschitz(formula, groups[..].into())))
+        self.graph.intern(Node::Claim(of, Claim::Lipschitz(formula, groups[..].into(), range)))
     }
 
     fn calls_of(&self, node: NodeId, shape: ShapeId) -> Vec<NodeId> {

@@ -465,7 +465,7 @@ impl Elaborator<'_> {
         let cap = self.graph.op(Op::Mul, &[radius, sine]);
         // It is the distance to that half plane.
         let one = self.graph.constant(1.0);
-        let cap = self.graph.intern(Node::Claim([cap].into(), Claim::Lipschitz(one, [].into())));
+        let cap = self.graph.intern(Node::Claim([cap].into(), Claim::Lipschitz(one, [].into(), None)));
         // Nor does any copy come nearer to the axis than the body does.
         let inner = self.graph.constant(inner);
         let inner = self.graph.op(Op::Sub, &[inner, radius]);

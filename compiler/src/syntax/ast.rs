@@ -385,6 +385,7 @@ pub struct Claim {
 pub enum ClaimKind {
     /// The value is the signed distance itself.
     Exact,
-    /// The formula gives the constant; in it a parameter's name stands for the constant of that argument.
-    Lipschitz(Expr),
+    /// The formula gives the constant; in it a parameter's name stands for the constant of that argument. Then the range of all values, if it is
+    /// known.
+    Lipschitz(Expr, Option<Expr>),
 }

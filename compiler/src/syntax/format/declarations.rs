@@ -103,8 +103,11 @@ impl<'t> Builder<'t> {
             parts.extend([Doc::Text(" "), self.comments.within(claim.span.start)]);
             match &claim.kind {
                 ClaimKind::Exact => parts.push(Doc::Text("exact")),
-                ClaimKind::Lipschitz(value) => {
-                    parts.extend([Doc::Text("lipschitz "), self.expr(value)])
+                ClaimKind::Lipschitz(value, range) => {
+                    parts.extend([Doc::Text("lipschitz "), self.expr(value)]);
+                    if let Some(range) = range {
+                        parts.extend([Doc::Text(" in "), self.expr(range)]);
+                    }
                 }
             }
         }

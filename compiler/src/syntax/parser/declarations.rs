@@ -231,7 +231,9 @@ impl Parser<'_> {
         let kind = if self.eat_word("exact").is_some() {
             ClaimKind::Exact
         } else if self.eat_word("lipschitz").is_some() {
-            ClaimKind::Lipschitz(self.value())
+            let constant = self.value();
+            let range = self.eat_word("in").map(|_| self.value_or_range());
+            ClaimKind::Lipschitz(constant, range)
         } else {
             return None;
         };
