@@ -204,6 +204,24 @@ fn a_factor_follows_its_slider() {
     }
 }
 
+/// Between what is attained and a fifth more: noise is looked at cell by cell, not as what its claim allows.
+#[test]
+fn a_warp_by_noise_is_searched_cell_by_cell() {
+    for warp in [
+        "0.1 * (perlin(2 * p), perlin(2 * p + 7), perlin(2 * p + 13))",
+        "0.1 * (value_noise(1.7 * p.zxy), 0, value_noise(3 * p.yzx + 0.4))",
+        "(0, 0.15 * perlin(1.5 * p.xz) + 0.02 * p.x * p.y, 0.1 * perlin(2 * p) * p.x)",
+    ] {
+        let scene = scene(&format!("warp wander = p + {warp}\nscene = sphere(1).wander()"));
+        let (first, attained) = (scene.graph.factors[0].lipschitz, scene.sampled_factor(0, 4_096));
+        let found = scene.tighten(0, 16_384);
+        println!("{warp}: at once {first:.3}, found {found:.3}, attained {attained:.3}");
+        assert!(attained <= found && found <= 1.2 * attained && found < 0.9 * first, "{warp}: {found}, attained {attained}, at once {first}");
+        // A hundred boxes are fewer than cells: the claim stands.
+        assert_eq!(scene.tighten(0, 100), first);
+    }
+}
+
 #[test]
 fn an_edit_searches_only_what_it_changed() {
     let text = |k: &str| {

@@ -4,6 +4,7 @@
 
 pub mod atoms;
 pub mod branches;
+mod cells;
 pub mod constant;
 pub mod domain;
 pub mod dual;
@@ -23,6 +24,7 @@ use crate::graph::interval::Interval;
 use crate::graph::kernel;
 use crate::graph::{ANY_TIME, Exactness, Graph, Leaf, Node, NodeId, NodeList, ShapeId, WORLD};
 use constant::{MOST_SEARCHED, STEPS};
+pub use cells::has_cells;
 pub use constant::Constant;
 pub use domain::{Box3, Domain, Key};
 use dual::Dual;

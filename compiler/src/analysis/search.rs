@@ -28,11 +28,20 @@ impl Search {
     /// The constant, looked for with at most `boxes` boxes; for the values of the parameters if there are any, else for their whole ranges.
     pub fn run(&self, graph: &Graph, pinned: Pinned, boxes: usize) -> f64 {
         let mut facts = Facts { pinned, steps: boxes.saturating_mul(STEPS_A_BOX), most_searched: u64::MAX, ..Facts::default() };
-        let found = match &self.target {
+        let nodes = match &self.target {
+            Target::Value(node) => std::slice::from_ref(node),
+            Target::Map(point) => point.as_slice(),
+        };
+        let by_boxes = |facts: &mut Facts, boxes| match &self.target {
             Target::Value(node) => facts.constant(graph, *node, &self.domain, boxes),
             Target::Map(point) => facts.map_constant(graph, point, &self.domain, boxes),
         };
-        found.lipschitz * (1.0 + ROUNDING)
+        let first = by_boxes(&mut facts, 1);
+        let by_cells = match boxes > 1 && !first.jumps {
+            true => facts.by_cells(graph, nodes, &self.domain, first.lipschitz, boxes),
+            false => None,
+        };
+        by_cells.unwrap_or_else(|| by_boxes(&mut facts, boxes).lipschitz) * (1.0 + ROUNDING)
     }
 
     /// How steep it is at the steepest place found: the best of so many points of the domain, with values of the parameters and a time from

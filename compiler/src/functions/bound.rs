@@ -3,7 +3,7 @@
 use super::domains::{LONGER, STEEP};
 use super::{Builder, Kind, Known, Treatment, BUDGET, GENTLE, LONG, SAMPLES, STEEPEST, UNIT};
 use crate::analysis::search::{Search, Target, ROUNDING};
-use crate::analysis::{Box3, Constant, Domain};
+use crate::analysis::{Box3, Constant, Domain, has_cells};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Factor, Function, Node, NodeId, Proof, ShapeId, FAR};
@@ -160,7 +160,10 @@ impl Builder<'_> {
             proof,
             search: Some((Target::Map(point.to_vec()), domain)),
         };
-        if all.lipschitz <= STEEPEST {
+        // Of noise a region has but a few cells, each of which can be looked at.
+        let cells = all.lipschitz > GENTLE && has_cells(self.graph, point);
+        let bounded = |builder: &mut Self| builder.region_of(node, domain).is_some_and(|(region, _)| region != domain.point);
+        if all.lipschitz <= STEEPEST && !(cells && bounded(self)) {
             self.kind = self.kind.max(Kind::Lipschitz);
             return self.scaled(call, of_map(&all, everywhere, Proof::Proven), node, shape);
         }
