@@ -183,8 +183,9 @@ enum Value {
     Other,
 }
 
-/// A wall between cells: where so much of an axis, and a number more, is whole.
+/// Walls between cells, all of one step: where so much of an axis, and a number more, is whole.
 struct Wall {
+    step: usize,
     axis: usize,
     from: f64,
     way: f64,
@@ -196,10 +197,10 @@ struct Place {
     width: [f64; 3],
 }
 
-/// The steps of a tape over a box. Where `walls` is given, the walls of cells are put there; else the box is within one cell.
-fn run(tape: &Tape, leaf: &dyn Fn(Leaf) -> Interval, place: &Place, mut walls: Option<&mut Vec<Wall>>) -> Vec<Value> {
+/// The steps of a tape over a box: one within a cell, if the walls are known, else one in which they are found.
+fn run(tape: &Tape, leaf: &dyn Fn(Leaf) -> Interval, place: &Place, known: Option<&[Wall]>, found: &mut Vec<Wall>) -> Vec<Value> {
     let mut values: Vec<Value> = Vec::with_capacity(tape.steps.len());
-    for step in &tape.steps {
+    for (i, step) in tape.steps.iter().enumerate() {
         let value = match step {
             Step::Constant(value) => Value::Number(*value),
             Step::Leaf(Leaf::P(i)) => {
@@ -214,7 +215,19 @@ fn run(tape: &Tape, leaf: &dyn Fn(Leaf) -> Interval, place: &Place, mut walls: O
             Step::Claim(_, args) => values[args[0]].clone(),
             Step::Op(op, args) => {
                 let args: Vec<&Value> = args.iter().map(|a| &values[*a]).collect();
-                operation(*op, &args, &mut walls).unwrap_or(Value::Other)
+                let value = match (op, args.as_slice(), known) {
+                    // Only of what has its walls a box is within one cell.
+                    (Op::Floor, [Value::Of(a)], Some(walls)) => {
+                        walls.iter().any(|w| w.step == i).then(|| Value::Number(a.value([0.5; 3]).floor()))
+                    }
+                    (Op::Floor, [Value::Of(a)], None) => {
+                        let axis = (0..3).find(|&axis| a.degree == [0, 1, 2].map(|k| usize::from(k == axis)));
+                        found.extend(axis.map(|axis| Wall { step: i, axis, from: a.of[0], way: a.of[1] }));
+                        None
+                    }
+                    (op, args, _) => operation(*op, args),
+                };
+                value.unwrap_or(Value::Other)
             }
             Step::Call(..) => Value::Other,
         };
@@ -223,7 +236,7 @@ fn run(tape: &Tape, leaf: &dyn Fn(Leaf) -> Interval, place: &Place, mut walls: O
     values
 }
 
-fn operation(op: Op, args: &[&Value], walls: &mut Option<&mut Vec<Wall>>) -> Option<Value> {
+fn operation(op: Op, args: &[&Value]) -> Option<Value> {
     let numbers: Option<Vec<f64>> = args.iter().map(|a| if let Value::Number(n) = a { Some(*n) } else { None }).collect();
     if let Some(numbers) = numbers {
         return Some(Value::Number(kernel::value(op, &numbers)));
@@ -241,14 +254,6 @@ fn operation(op: Op, args: &[&Value], walls: &mut Option<&mut Vec<Wall>>) -> Opt
         (Op::Mul, [Value::Of(a), Value::Number(n)] | [Value::Number(n), Value::Of(a)]) => of(a.clone().scaled(*n)),
         (Op::Div, [Value::Of(a), Value::Number(n)]) if *n != 0.0 => of(a.clone().scaled(1.0 / n)),
         (Op::Select, [Value::Number(c), a, b]) => Some(if *c == 0.0 { (*b).clone() } else { (*a).clone() }),
-        (Op::Floor, [Value::Of(a)]) => match walls {
-            None => Some(Value::Number(a.value([0.5; 3]).floor())),
-            Some(walls) => {
-                let axis = (0..3).find(|&i| a.degree == [0, 1, 2].map(|k| usize::from(k == i)))?;
-                walls.push(Wall { axis, from: a.of[0], way: a.of[1] });
-                None
-            }
-        },
         _ => None,
     }
 }
@@ -290,9 +295,9 @@ impl Facts {
         let leaf = |leaf| leaf_range(graph, &pinned, leaf, domain);
         let whole = Place { corner: domain.point.0.map(|s| s.lo), width: domain.point.0.map(|s| s.hi - s.lo) };
         let mut walls = Vec::new();
-        run(&tape, &leaf, &whole, Some(&mut walls));
+        run(&tape, &leaf, &whole, None, &mut walls);
         let mut cuts = [0, 1, 2].map(|_| vec![0.0, 1.0]);
-        for Wall { axis, from, way } in walls {
+        for &Wall { axis, from, way, .. } in &walls {
             let (first, last) = (from.min(from + way).ceil(), from.max(from + way).floor());
             if last - first > MOST_CELLS as f64 {
                 return None;
@@ -313,7 +318,7 @@ impl Facts {
             let ends = [(0, i), (1, j), (2, k)].map(|(axis, n)| (cuts[axis][n], cuts[axis][n + 1]));
             let corner = [0, 1, 2].map(|a| whole.corner[a] + ends[a].0 * whole.width[a]);
             let width = [0, 1, 2].map(|a| (ends[a].1 - ends[a].0) * whole.width[a]);
-            let values = run(&tape, &leaf, &Place { corner, width }, None);
+            let values = run(&tape, &leaf, &Place { corner, width }, Some(&walls), &mut Vec::new());
             let rows: Option<Vec<Polynomial>> = tape
                 .roots()
                 .map(|r| match &values[r] {
