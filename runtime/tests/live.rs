@@ -292,7 +292,10 @@ fn a_storm_of_saves_ends_with_the_last_one() {
     while seen < value(last) {
         let update = next(&live);
         updates += 1;
-        errors += u32::from(!update.words.diagnostics.is_empty());
+        if let Some(wrong) = update.words.diagnostics.first() {
+            println!("{wrong:?}");
+            errors += 1;
+        }
         if let Some(radius) = radius(&update) {
             assert!(radius >= seen, "from {seen} back to {radius}");
             seen = radius;

@@ -36,6 +36,11 @@ impl Recorder {
         self.seen.borrow().iter().any(|(path, (most, then))| content(&self.get(texts, path, *most)) != *then)
     }
 
+    /// Whether a file was not there, or empty: most likely it is about to be written.
+    pub fn is_hollow(&self, path: &str) -> bool {
+        self.seen.borrow().get(path).is_some_and(|(_, content)| content.is_none_or(|(_, length)| length == 0))
+    }
+
     fn get(&self, texts: &Texts, path: &str, most: Option<u64>) -> Result<Vec<u8>, String> {
         match (texts.get(&plain(path)), most) {
             (Some(text), _) => Ok(text.to_vec()),
@@ -104,6 +109,17 @@ mod tests {
         ] {
             assert_eq!(plain(path), want, "{path}");
         }
+    }
+
+    #[test]
+    fn what_is_empty_or_missing_is_hollow() {
+        let loader = Arc::new(MemoryLoader::new().with("empty.sdf", "").with("full.sdf", "scene = sphere(1)"));
+        let record = Recorder::new(loader, Texts::new());
+        for (path, hollow) in [("empty.sdf", true), ("full.sdf", false), ("missing.sdf", true)] {
+            let _ = record.read(path);
+            assert_eq!(record.is_hollow(path), hollow, "{path}");
+        }
+        assert!(!record.is_hollow("never asked for.sdf"));
     }
 
     #[test]

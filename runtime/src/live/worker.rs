@@ -25,6 +25,10 @@ const PAUSE: Duration = Duration::from_millis(5);
 const LONGEST_PAUSE: Duration = Duration::from_millis(40);
 /// How long an error in a file that changed just now is held back.
 const DOUBT: Duration = Duration::from_millis(50);
+/// The same of a scene's file that is empty or not there: who saves it is about to write it, and may be held up on a busy machine.
+const LONGER_DOUBT: Duration = Duration::from_millis(250);
+/// Nobody waits longer than this for files that change again and again, and are wrong each time.
+const LONGEST_DOUBT: Duration = Duration::from_secs(1);
 /// How often the files are read again meanwhile.
 const DOUBT_STEP: Duration = Duration::from_millis(5);
 /// Deep nesting takes stack, here and in naga.
@@ -213,8 +217,12 @@ impl Worker {
             if scene.is_some() || job.pushed {
                 return scene;
             }
-            let since = *doubted.get_or_insert_with(Instant::now);
-            if !self.changes_before(since + DOUBT) {
+            let now = Instant::now();
+            let last = *doubted.get_or_insert(now) + LONGEST_DOUBT;
+            let path = self.shared.lock().path.clone();
+            let hollow = self.record.as_ref().is_some_and(|record| record.is_hollow(&path));
+            let doubt = if hollow { LONGER_DOUBT } else { DOUBT };
+            if !self.changes_before(last.min(now + doubt)) {
                 return None;
             }
         }
