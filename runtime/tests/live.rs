@@ -238,6 +238,9 @@ fn what_changes_nothing_costs_nothing() {
     assert_eq!(live.report().compilations, before.compilations);
 }
 
+/// How long a file may be empty or away before that is an error.
+const DOUBT: Duration = Duration::from_millis(250);
+
 /// A hundred saves a second, each in one of four ways, with a compiler that is slower than that.
 #[test]
 fn a_storm_of_saves_ends_with_the_last_one() {
@@ -263,6 +266,7 @@ fn a_storm_of_saves_ends_with_the_last_one() {
     let writer = {
         let (folder, path) = (folder.clone(), path.clone());
         std::thread::spawn(move || {
+            let mut held_up = 0;
             for i in 1..=last {
                 let text = format!("radius {}\nimport part.sdf", value(i));
                 match i % 4 {
@@ -271,20 +275,20 @@ fn a_storm_of_saves_ends_with_the_last_one() {
                         fs::write(folder.join("new"), text).unwrap();
                         fs::rename(folder.join("new"), &path).unwrap();
                     }
-                    2 => {
-                        fs::write(&path, "").unwrap();
+                    way => {
+                        let hollow = Instant::now();
+                        match way {
+                            2 => fs::write(&path, "").unwrap(),
+                            _ => fs::remove_file(&path).unwrap(),
+                        }
                         pause(2);
                         fs::write(&path, text).unwrap();
-                    }
-                    _ => {
-                        fs::remove_file(&path).unwrap();
-                        pause(2);
-                        fs::write(&path, text).unwrap();
+                        held_up += u32::from(hollow.elapsed() >= DOUBT);
                     }
                 }
                 pause(8);
             }
-            Instant::now()
+            (Instant::now(), held_up)
         })
     };
     let (mut updates, mut errors) = (0, 0);
@@ -301,13 +305,15 @@ fn a_storm_of_saves_ends_with_the_last_one() {
             seen = radius;
         }
     }
-    let late = writer.join().unwrap().elapsed();
+    let (end, held_up) = writer.join().unwrap();
+    let late = end.elapsed();
     let Report { events, compilations, replaced, .. } = live.report();
     println!(
         "{last} saves: {events} events, {compilations} compilations, {updates} updates taken, {replaced} replaced, \
-         {errors} errors shown, the last save on after {late:?}"
+         {errors} errors shown, {held_up} saves held up, the last save on after {late:?}"
     );
-    assert_eq!(errors, 0, "a save that is half done is not an error");
+    // Where the machine let the writer wait in the middle of a save, the file was not there for so long.
+    assert!(errors <= held_up, "a save that is half done is not an error");
     assert!(updates > 5, "the picture follows while the storm lasts");
     assert!(late < Duration::from_secs(2), "{late:?}");
     assert!(woken.load(Ordering::Relaxed) >= updates);
