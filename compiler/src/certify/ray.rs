@@ -23,8 +23,12 @@ pub enum Hit {
 
 /// Pieces that are looked at where a segment holds jumps.
 const PIECES: usize = 64;
-/// A segment that is shorter than this, times the largest coordinate, is short: a kink in it is worth the work.
+/// A segment that is shorter than this, times the largest coordinate, is short: a kink in it is worth the work…
 const SHORT_WAY: f64 = 1e-3;
+/// …every so many halvings: they are a hundred times cheaper, and mostly leave the kink behind.
+const APART: u32 = 4;
+/// Segments of a ray that was halved less often than this are judged by natural intervals alone: slopes say little over a long way.
+const COARSE: u32 = 6;
 
 impl Prover<'_> {
     /// The first place with `near < t < far` where the field along `origin + t direction` changes its sign: for a ray that begins outside
@@ -33,18 +37,24 @@ impl Prover<'_> {
     pub fn first_hit(&mut self, origin: [f64; 3], direction: [f64; 3], near: f64, far: f64, budget: usize) -> Hit {
         let mut code = self.truth.ray.clone();
         code.aim(origin, direction);
-        let mut open = vec![(near, far, Arc::new(code))];
+        let mut open = vec![(near, far, Arc::new(code), 0u32)];
         let mut left = budget;
-        while let Some((lo, hi, code)) = open.pop() {
+        while let Some((lo, hi, code, halved)) = open.pop() {
             if left == 0 {
                 return Hit::Exhausted(lo);
             }
             left -= 1;
             self.boxes += 1;
             let range = [Interval { lo, hi }];
+            // A little off the middle, so that no cut falls on what is laid out in round numbers.
+            let cut = lo + 0.493 * (hi - lo);
             let code = if code.steps.len() > SHORT {
                 let (value, code) = self.narrowed(code, &range);
                 if !value.contains(0.0) {
+                    continue;
+                }
+                if halved < COARSE {
+                    open.extend([(cut, hi, code.clone(), halved + 1), (lo, cut, code, halved + 1)]);
                     continue;
                 }
                 code
@@ -63,8 +73,7 @@ impl Prover<'_> {
             let scale = size(origin, direction, lo).max(1.0);
             let narrow = hi - lo <= 1e-10 * scale;
             let ends = (self.sign(&code, [lo]), self.sign(&code, [hi]));
-            // Kinks are taken apart where that may find a hit, or where halving has not helped.
-            let apart = ends.0 != ends.1 || hi - lo <= SHORT_WAY * scale;
+            let apart = hi - lo <= SHORT_WAY * scale && halved.is_multiple_of(APART);
             if narrow || self.monotone(&code, range, apart) {
                 match ends {
                     (0, _) | (_, 0) if narrow => return Hit::Ambiguous(0.5 * (lo + hi)),
@@ -74,10 +83,7 @@ impl Prover<'_> {
                     _ => continue,
                 }
             }
-            // A little off the middle, so that no cut falls on what is laid out in round numbers.
-            let cut = lo + 0.493 * (hi - lo);
-            open.push((cut, hi, code.clone()));
-            open.push((lo, cut, code));
+            open.extend([(cut, hi, code.clone(), halved + 1), (lo, cut, code, halved + 1)]);
         }
         Hit::Miss
     }
