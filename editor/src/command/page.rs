@@ -4,7 +4,7 @@ use super::Failure;
 use std::path::Path;
 
 /// Sections in the order of a page; those with other names come after.
-const ORDER: [&str; 1] = ["bench"];
+const ORDER: [&str; 2] = ["bench", "errors"];
 
 /// Puts a section into a page: in place of the one of that name, where the page has one. The others stay as they are; a page that has no
 /// sections is written anew. `text` is Markdown.

@@ -43,7 +43,7 @@ pub struct Args {
     /// Write curves of time against error to this file as SVG.
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
-    /// Write the tables to this file, as a section of a page, with the curves beside it.
+    /// Write the tables to this file, as a section of a page, with the curves beside it; of some methods only their errors.
     #[arg(long, value_name = "FILE")]
     pub page: Option<PathBuf>,
 }
@@ -121,7 +121,9 @@ pub fn run(paths: &[String], args: &Args, json: Option<&Path>) -> Result<Exit, F
     if let Some(file) = &args.plot {
         plot::write(file, gpu.name(), &scenes)?;
     }
-    if let Some(file) = &args.page {
+    if let Some(file) = args.page.as_ref().filter(|_| !args.methods.is_empty()) {
+        report::write_errors(file, gpu.name(), args, &scenes)?;
+    } else if let Some(file) = &args.page {
         let curves = file.with_extension("svg");
         plot::write(&curves, gpu.name(), &scenes)?;
         report::write_page(file, &curves, gpu.name(), args, &scenes)?;

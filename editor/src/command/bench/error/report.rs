@@ -143,6 +143,54 @@ pub fn write_page(file: &Path, curves: &Path, adapter: &str, args: &Args, scenes
     page::put(file, "bench", &text)
 }
 
+/// Writes the errors of some methods, a line for each scene, as a section of a page of Markdown.
+pub fn write_errors(file: &Path, adapter: &str, args: &Args, scenes: &[Scene]) -> Result<(), Failure> {
+    let command = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
+    let mut text = format!(
+        "## Errors of large pictures\n\n\
+         Written by `surefoot {command}` on {adapter}: {}×{} pixels, {} views of each scene around what its camera looks at, judged as above. \
+         *Apart* are silhouettes at which hit and miss are the other way round.\n\n\
+         | scene | pixels judged | silhouettes | unknown | method | missed | false | inside | apart | depth, p99 | normal, p99 |\n\
+         |---|---:|---:|---:|---|---:|---:|---:|---:|---:|---:|\n",
+        args.size.0,
+        args.size.1,
+        args.views,
+    );
+    for scene in scenes {
+        for (i, row) in scene.rows.iter().enumerate() {
+            let e = &row.errors;
+            text += &match i {
+                0 => format!("| {} | {} | {} | {} ", name(scene), e.judged, e.silhouettes, scene.unknown.len()),
+                _ => "| | | | ".to_owned(),
+            };
+            text += &format!(
+                "| {} | {} | {} | {} | {} | {:.4} px | {:.3}° |\n",
+                row.method,
+                e.missed,
+                e.false_hits,
+                e.inside,
+                e.silhouettes_apart,
+                Errors::percentile(&e.depth, 99.0),
+                Errors::percentile(&e.normal, 99.0),
+            );
+        }
+    }
+    let unknown: Vec<String> = scenes.iter().flat_map(|scene| scene.unknown.iter().map(move |pixel| unknown_line(scene, pixel))).collect();
+    if !unknown.is_empty() {
+        text += &format!("\nPixels of which it is not certain what they show:\n\n{}", unknown.concat());
+    }
+    page::put(file, "errors", &text)
+}
+
+fn name(scene: &Scene) -> std::borrow::Cow<'_, str> {
+    Path::new(&scene.path).file_stem().unwrap_or_default().to_string_lossy()
+}
+
+fn unknown_line(scene: &Scene, pixel: &Unknown) -> String {
+    let (x, y) = pixel.at;
+    format!("- {}, view {}, column {x}, row {y}: {} at {:.4}\n", name(scene), pixel.view, pixel.doubt.why, pixel.doubt.t)
+}
+
 /// Writes all numbers.
 pub fn write_json(file: &Path, adapter: &str, args: &Args, scenes: &[Scene]) -> Result<(), Failure> {
     let value = json!({
