@@ -33,6 +33,9 @@ pub fn skipped(scene: &Compiled, sources: &Sources) -> Vec<String> {
             lines.push(format!("{text} at {}: it changes nothing", place(sources, span)));
         }
     }
+    if !scene.functions.absorbed.is_empty() {
+        lines.extend(absorbed_lines(scene, sources, true).into_iter().map(|line| format!("{line}; only the field looks at it")));
+    }
     let ways = scene.module.ways;
     if ways.planes {
         lines.push("looks for planes: rays meet them where their formulas say".to_owned());
@@ -47,11 +50,15 @@ pub fn skipped(scene: &Compiled, sources: &Sources) -> Vec<String> {
 }
 
 /// What is computed though nothing of it is to be seen, each in one line: holes beside the solid, parts inside others, cuts that cut nothing
-/// off, wherever sliders stand and at any time. Without them the picture is the same and costs less; the field is another away from the surface, so
-/// it is the person's choice.
+/// off, wherever sliders stand and at any time, as far as bound and distance do not do without. Without them the picture is the same and costs less.
 pub fn unseen(scene: &Compiled, sources: &Sources) -> Vec<String> {
-    let line = |(span, why): (Span, absorbed::Why)| format!("{} at {}: {}", words(sources, span), place(sources, span), why.words());
-    absorbed::absorbed(scene, sources).into_iter().map(line).collect()
+    absorbed_lines(scene, sources, false)
+}
+
+/// A line for each operand of which nothing is to be seen, and which is left out or not.
+fn absorbed_lines(scene: &Compiled, sources: &Sources, left_out: bool) -> Vec<String> {
+    let all = absorbed::absorbed(scene, sources).into_iter().filter(|a| a.left_out == left_out);
+    all.map(|a| format!("{} at {}: {}", words(sources, a.span), place(sources, a.span), a.why.words())).collect()
 }
 
 /// The text of a place, on one line.
@@ -150,21 +157,38 @@ mod tests {
         let said = of(
             unseen,
             "param r = 0.2 in 0.1..3\n\
-             let wall = box((6, 2, 0.2)) - sphere(0.4).translate(5, 0, 0)\n\
-             scene = (wall & sphere(9)) | sphere(r).translate(1, 0, 0.05) | sphere(0.08).rotate(x, 1)\n\
-                   | for i in 0..2 { sphere(0.05).translate(i, 0, 0) }\n\
-                   | for i in 0..2 { sphere(0.04).translate(0, 2 * i, 0) } - box(1).translate(0, 4, 0)",
+             let wall = box((6, 2, 0.2)).rotate(y, 0.7) - sphere(0.4).translate(2, 0, 2)\n\
+             scene = (wall & sphere(3.2)) | sphere(r).translate(1, 0, 0.05) | sphere(0.08).rotate(x, 1)\n\
+                   | for i in 0..2 { sphere(0.05).translate(0, 0.5 * i, 0) }\n\
+                   | for i in 0..2 { sphere(0.04).translate(0, 2 * i, 0) } - sphere(0.6).translate(0.6, 1, 0)",
         );
         assert_eq!(
             said,
             [
-                "sphere(0.4).translate(5, 0, 0) at a.sdf:2:31: the hole does not reach the solid",
-                "sphere(9) at a.sdf:3:17: it cuts nothing off",
-                "sphere(0.08).rotate(x, 1) at a.sdf:3:64: nothing of it is seen, as it lies inside of the rest",
-                "sphere(0.05).translate(i, 0, 0) at a.sdf:4:19: nothing of it is seen, as it lies inside of the rest",
-                "box(1).translate(0, 4, 0) at a.sdf:5:59: the hole does not reach the solid",
+                "sphere(0.4).translate(2, 0, 2) at a.sdf:2:46: the hole does not reach the solid",
+                "sphere(3.2) at a.sdf:3:17: it cuts nothing off",
+                "sphere(0.08).rotate(x, 1) at a.sdf:3:66: nothing of it is seen, as it lies inside of the rest",
+                "sphere(0.05).translate(0, 0.5 * i, 0) at a.sdf:4:19: nothing of it is seen, as it lies inside of the rest",
+                "sphere(0.6).translate(0.6, 1, 0) at a.sdf:5:59: the hole does not reach the solid",
             ]
         );
+    }
+
+    #[test]
+    fn a_hole_beside_the_box_of_its_solid_is_left_out() {
+        let text = "param far = 3 in 2..4\n\
+             let wall = box((6, 2, 0.2)) - sphere(0.4).translate(0, 0, far)\n\
+             let hole = sphere(0.3).translate(1, 0, 0)\n\
+             scene = (wall & sphere(9)) | (box(1).translate(1, 0, 0) - hole) | (box(1).translate(-1.5, 0, 0) - hole)";
+        let said = lines(text).into_iter().filter(|line| line.contains("only the field")).collect::<Vec<_>>();
+        assert_eq!(
+            said,
+            [
+                "sphere(0.4).translate(0, 0, far) at a.sdf:2:31: the hole does not reach the solid; only the field looks at it",
+                "sphere(9) at a.sdf:4:17: it cuts nothing off; only the field looks at it",
+            ]
+        );
+        assert!(of(unseen, text).is_empty());
     }
 
     #[test]

@@ -20,6 +20,7 @@ impl Builder<'_> {
         }
         match self.graph.node(node).clone() {
             Node::Constant(_) => node,
+            Node::Op(Op::Max, _) if let Some(left) = self.without_absorbed(node, domain) => self.bound(shape, left, domain, continuous),
             Node::Op(op @ (Op::Min | Op::Max), args) => {
                 let near = if op == Op::Max { self.narrowed(node, domain) } else { None };
                 let inner = near.as_ref().map_or(domain, |(d, _, _)| d);

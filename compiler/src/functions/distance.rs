@@ -55,6 +55,7 @@ impl Builder<'_> {
         match self.graph.node(node).clone() {
             Node::Constant(_) => node,
             _ if self.is_exact(shape, node) => node,
+            Node::Op(Op::Max, _) if let Some(left) = self.without_absorbed(node, domain) => self.distance(shape, left, domain),
             Node::Op(op @ (Op::Min | Op::Max), args) => {
                 let args: Vec<NodeId> = {
                     let near = if op == Op::Max { self.narrowed(node, domain) } else { None };

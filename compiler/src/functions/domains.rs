@@ -105,6 +105,39 @@ impl Builder<'_> {
         }
     }
 
+    /// Of an intersection of two what is left where the other cuts nothing off: it is below zero all over the box that holds the solid of what is
+    /// left, wherever sliders stand and at any time. A hole beside its solid is such a one. Both have the same surface, so what follows the surface
+    /// need not look at it; the field is another away from it, and stays.
+    pub(super) fn without_absorbed(&mut self, node: NodeId, domain: &Domain) -> Option<NodeId> {
+        let key = (node, domain.key());
+        if let Some(known) = self.absorbed.get(&key) {
+            return *known;
+        }
+        let Node::Op(Op::Max, args) = self.graph.node(node) else { return None };
+        let (a, b) = (*args.first()?, *args.get(1)?);
+        let left = [(a, b), (b, a)].into_iter().find(|&(left, other)| self.is_absorbed(other, left, domain));
+        if let Some((_, other)) = left {
+            self.built.absorbed.insert((node, other));
+        }
+        let left = left.map(|(left, _)| left);
+        self.absorbed.insert(key, left);
+        left
+    }
+
+    fn is_absorbed(&mut self, node: NodeId, by: NodeId, domain: &Domain) -> bool {
+        // What is no shape and no part of one only says where another one is looked at.
+        if !self.graph.reads(node).shapes || !self.graph.reads(by).shapes {
+            return false;
+        }
+        // Far away an operand may say more than one that is divided by its constant; a hole says nothing there.
+        let hole = matches!(self.graph.node(node), Node::Op(Op::Neg, _));
+        if !hole && self.rough_constant(by, &domain.at(Box3::ALL)) > UNIT {
+            return false;
+        }
+        let Some((region, _)) = self.region_of(by, domain) else { return false };
+        region.is_finite() && region != domain.point && self.facts.range(self.graph, node, &domain.at(region)).hi < 0.0
+    }
+
     /// For an intersection or a moved shape that has no constant over all space: its region, how far beyond it is trusted, and the domain
     /// that its parts then need. None where it needs no region.
     pub(super) fn narrowed(&mut self, node: NodeId, domain: &Domain) -> Option<Narrowed> {

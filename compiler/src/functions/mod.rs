@@ -51,6 +51,8 @@ pub struct Functions {
     pub ahead: Ahead,
     /// How what is solid moves, where balls ask for it and it does.
     pub carry: Option<Carry>,
+    /// Intersections, each with an operand that cuts nothing off, which bound and distance do without.
+    pub absorbed: FxHashSet<(NodeId, NodeId)>,
     /// Boxes that hold all points at which nodes are at most zero, of nodes of which more is known than their formulas show.
     pub solids: FxHashMap<NodeId, Box3>,
 }
@@ -224,6 +226,8 @@ pub struct Builder<'a> {
     treatments: FxHashMap<(ShapeId, NodeId, Key, bool), Option<Treatment>>,
     regions: FxHashMap<(NodeId, Key, bool), Option<Narrowed>>,
     cuts: FxHashMap<(NodeId, Key), Option<Cut>>,
+    /// What is left of an intersection of which one operand cuts nothing off.
+    absorbed: FxHashMap<(NodeId, Key), Option<NodeId>>,
     rough: FxHashMap<(NodeId, Key), f64>,
     /// Whether the scene has so many parts that they may be a union of many; found when it is first asked for.
     crowded: Option<bool>,
@@ -285,6 +289,7 @@ pub fn build(
         treatments: FxHashMap::default(),
         regions: FxHashMap::default(),
         cuts: FxHashMap::default(),
+        absorbed: FxHashMap::default(),
         rough: FxHashMap::default(),
         crowded: None,
         built: Functions { searches, formulas: with_room(6 * shapes), ..Functions::default() },

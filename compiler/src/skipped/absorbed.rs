@@ -44,14 +44,25 @@ impl Why {
     }
 }
 
+/// An operand of which nothing is to be seen.
+#[derive(Clone, Copy, Debug)]
+pub struct Absorbed {
+    /// Its place in the text.
+    pub span: Span,
+    /// Why nothing of it is to be seen.
+    pub why: Why,
+    /// Whether rays and light do without it.
+    pub left_out: bool,
+}
+
 /// The operands of the scene's own unions, intersections and differences of which nothing is ever to be seen within its extent, wherever its
-/// sliders stand and at any time: the place of each in the text, in its order. One that a `for` repeats counts where it is so of all copies.
-pub fn absorbed(scene: &Compiled, sources: &Sources) -> Vec<(Span, Why)> {
+/// sliders stand and at any time, in the order of the text. One that a `for` repeats counts where it is so of all copies.
+pub fn absorbed(scene: &Compiled, sources: &Sources) -> Vec<Absorbed> {
     let mut search = Search { scene, sources, graph: scene.graph.clone(), left: WORK.1, found: BTreeMap::new() };
     if let Some(shape) = scene.graph.shape(scene.root) {
         search.walk(shape.value);
     }
-    search.found.into_values().filter_map(|(span, why)| Some((span, why?))).collect()
+    search.found.into_values().flatten().collect()
 }
 
 struct Search<'s> {
@@ -61,7 +72,7 @@ struct Search<'s> {
     graph: Graph,
     left: usize,
     /// By their places. None where a copy is seen.
-    found: BTreeMap<(u32, u32, u32), (Span, Option<Why>)>,
+    found: BTreeMap<(u32, u32, u32), Option<Absorbed>>,
 }
 
 impl Search<'_> {
@@ -70,10 +81,11 @@ impl Search<'_> {
         let Some(op) = self.extremum(node) else { return };
         let mut operands = Vec::new();
         self.operands(op, node, &mut operands);
-        for (i, &operand) in operands.iter().enumerate() {
+        for (i, &(whole, operand)) in operands.iter().enumerate() {
             if operands.len() <= MANY {
-                let rest = operands.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, &o)| o).collect::<Vec<_>>();
-                self.judge(op, operand, &rest);
+                let rest = operands.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, &(_, o))| o).collect::<Vec<_>>();
+                let left_out = self.scene.functions.absorbed.contains(&(whole, operand));
+                self.judge(op, operand, &rest, left_out);
             }
             let (inner, _) = self.turned(operand);
             self.walk(inner);
@@ -102,11 +114,15 @@ impl Search<'_> {
         node
     }
 
-    /// What is put together by one operation, however deep.
-    fn operands(&self, op: Op, node: NodeId, all: &mut Vec<NodeId>) {
-        match self.graph.node(self.opened(node)) {
-            Node::Op(own, args) if *own == op => args.iter().for_each(|&a| self.operands(op, a, all)),
-            _ => all.push(node),
+    /// What is put together by one operation, however deep: the operation's node, and the operand.
+    fn operands(&self, op: Op, node: NodeId, all: &mut Vec<(NodeId, NodeId)>) {
+        let whole = self.opened(node);
+        let Node::Op(_, args) = self.graph.node(whole) else { return };
+        for &arg in args.iter() {
+            match self.graph.node(self.opened(arg)) {
+                Node::Op(own, _) if *own == op => self.operands(op, arg, all),
+                _ => all.push((whole, arg)),
+            }
         }
     }
 
@@ -143,31 +159,33 @@ impl Search<'_> {
         !self.graph.leaves_under(&[node]).iter().any(|leaf| matches!(leaf, Leaf::Parameter(_) | Leaf::Time))
     }
 
-    fn judge(&mut self, op: Op, operand: NodeId, rest: &[NodeId]) {
+    fn judge(&mut self, op: Op, operand: NodeId, rest: &[NodeId], left_out: bool) {
         let (inner, turned) = self.turned(operand);
         let &Node::Call(id, Function::Field, _) = self.graph.node(inner) else { return };
         let Some(span) = self.place(id) else { return };
         let key = (span.file.0, span.start, span.end);
-        if matches!(self.found.get(&key), Some((_, None))) {
+        if matches!(self.found.get(&key), Some(None)) {
             return;
         }
-        // What is live may come or go: it is no reason, and nothing is said of it.
-        let still = rest.iter().copied().filter(|&r| self.is_still(r)).collect::<Vec<_>>();
-        let rest = still.into_iter().reduce(|a, b| self.graph.op(op, &[a, b]));
-        let Some(rest) = rest.filter(|_| self.is_still(inner)) else {
-            self.found.insert(key, (span, None));
-            return;
-        };
-        let (within, without) = if op == Op::Min { (operand, rest) } else { (rest, operand) };
-        let without = self.graph.op(Op::Neg, &[without]);
-        let root = self.graph.op(Op::Max, &[within, without]);
         let why = match op {
             Op::Min => Why::Within,
             _ if turned => Why::Beside,
             _ => Why::CutsNothing,
         };
-        let why = self.positive(root).then_some(why);
-        self.found.insert(key, (span, why));
+        let unseen = left_out || self.is_unseen(op, operand, inner, rest);
+        let others = self.found.get(&key).is_none_or(|known| known.is_some_and(|copy| copy.left_out));
+        self.found.insert(key, unseen.then_some(Absorbed { span, why, left_out: left_out && others }));
+    }
+
+    fn is_unseen(&mut self, op: Op, operand: NodeId, inner: NodeId, rest: &[NodeId]) -> bool {
+        // What is live may come or go: it is no reason, and nothing is said of it.
+        let still = rest.iter().copied().filter(|&r| self.is_still(r)).collect::<Vec<_>>();
+        let rest = still.into_iter().reduce(|a, b| self.graph.op(op, &[a, b]));
+        let Some(rest) = rest.filter(|_| self.is_still(inner)) else { return false };
+        let (within, without) = if op == Op::Min { (operand, rest) } else { (rest, operand) };
+        let without = self.graph.op(Op::Neg, &[without]);
+        let root = self.graph.op(Op::Max, &[within, without]);
+        self.positive(root)
     }
 
     /// Whether a formula is surely above zero within the scene's extent.
