@@ -33,9 +33,7 @@ pub fn skipped(scene: &Compiled, sources: &Sources) -> Vec<String> {
             lines.push(format!("{text} at {}: it changes nothing", place(sources, span)));
         }
     }
-    if !scene.functions.absorbed.is_empty() {
-        lines.extend(absorbed_lines(scene, sources, true).into_iter().map(|line| format!("{line}; only the field looks at it")));
-    }
+    lines.extend(absorbed::left_out(scene, sources).iter().map(|a| format!("{}; only the field looks at it", said(a, sources))));
     let ways = scene.module.ways;
     if ways.planes {
         lines.push("looks for planes: rays meet them where their formulas say".to_owned());
@@ -52,13 +50,11 @@ pub fn skipped(scene: &Compiled, sources: &Sources) -> Vec<String> {
 /// What is computed though nothing of it is to be seen, each in one line: holes beside the solid, parts inside others, cuts that cut nothing
 /// off, wherever sliders stand and at any time, as far as bound and distance do not do without. Without them the picture is the same and costs less.
 pub fn unseen(scene: &Compiled, sources: &Sources) -> Vec<String> {
-    absorbed_lines(scene, sources, false)
+    absorbed::absorbed(scene, sources).iter().map(|a| said(a, sources)).collect()
 }
 
-/// A line for each operand of which nothing is to be seen, and which is left out or not.
-fn absorbed_lines(scene: &Compiled, sources: &Sources, left_out: bool) -> Vec<String> {
-    let all = absorbed::absorbed(scene, sources).into_iter().filter(|a| a.left_out == left_out);
-    all.map(|a| format!("{} at {}: {}", words(sources, a.span), place(sources, a.span), a.why.words())).collect()
+fn said(absorbed: &absorbed::Absorbed, sources: &Sources) -> String {
+    format!("{} at {}: {}", words(sources, absorbed.span), place(sources, absorbed.span), absorbed.why.words())
 }
 
 /// The text of a place, on one line.

@@ -34,6 +34,10 @@ pub enum Why {
 }
 
 impl Why {
+    fn of_cut(turned: bool) -> Self {
+        if turned { Why::Beside } else { Why::CutsNothing }
+    }
+
     /// In words.
     pub fn words(self) -> &'static str {
         match self {
@@ -51,16 +55,36 @@ pub struct Absorbed {
     pub span: Span,
     /// Why nothing of it is to be seen.
     pub why: Why,
-    /// Whether rays and light do without it.
-    pub left_out: bool,
+    /// Whether bound and distance do without it.
+    left_out: bool,
 }
 
 /// The operands of the scene's own unions, intersections and differences of which nothing is ever to be seen within its extent, wherever its
-/// sliders stand and at any time, in the order of the text. One that a `for` repeats counts where it is so of all copies.
+/// sliders stand and at any time, and which are computed for all that; in the order of the text. One that a `for` repeats counts where it is so
+/// of all copies.
 pub fn absorbed(scene: &Compiled, sources: &Sources) -> Vec<Absorbed> {
-    let mut search = Search { scene, sources, graph: scene.graph.clone(), left: WORK.1, found: BTreeMap::new() };
+    let mut search = Search::new(scene, sources);
     if let Some(shape) = scene.graph.shape(scene.root) {
         search.walk(shape.value);
+    }
+    search.found.into_values().flatten().filter(|a| !a.left_out).collect()
+}
+
+/// The operands without which bound and distance do, in the order of the text; of a `for` where it is so of all copies.
+pub fn left_out(scene: &Compiled, sources: &Sources) -> Vec<Absorbed> {
+    let mut search = Search::new(scene, sources);
+    if scene.functions.absorbed.is_empty() {
+        return Vec::new();
+    }
+    let values: Vec<NodeId> = scene.functions.formulas.keys().filter_map(|(id, _)| Some(scene.graph.shape(*id)?.value)).collect();
+    for whole in scene.graph.reachable(&values) {
+        let Node::Op(Op::Max, args) = scene.graph.node(whole) else { continue };
+        for &operand in args.iter() {
+            let (inner, turned) = search.turned(operand);
+            let Some(span) = search.place_of(inner) else { continue };
+            let left_out = scene.functions.absorbed.contains(&(whole, operand));
+            search.note(span, left_out.then_some(Absorbed { span, why: Why::of_cut(turned), left_out }));
+        }
     }
     search.found.into_values().flatten().collect()
 }
@@ -75,7 +99,19 @@ struct Search<'s> {
     found: BTreeMap<(u32, u32, u32), Option<Absorbed>>,
 }
 
-impl Search<'_> {
+impl<'s> Search<'s> {
+    fn new(scene: &'s Compiled, sources: &'s Sources) -> Self {
+        Search { scene, sources, graph: scene.graph.clone(), left: WORK.1, found: BTreeMap::new() }
+    }
+
+    /// Notes what was found of an operand, or that it is seen. What is seen in one copy is seen.
+    fn note(&mut self, span: Span, found: Option<Absorbed>) {
+        let key = (span.file.0, span.start, span.end);
+        let both = |known: &Option<Absorbed>| known.zip(found).map(|(a, b)| Absorbed { left_out: a.left_out && b.left_out, ..b });
+        let all = self.found.get(&key).map_or(found, both);
+        self.found.insert(key, all);
+    }
+
     /// Looks at the operands of a node, and at theirs.
     fn walk(&mut self, node: NodeId) {
         let Some(op) = self.extremum(node) else { return };
@@ -154,6 +190,12 @@ impl Search<'_> {
         Some(own)
     }
 
+    /// The text that makes the shape which a node calls.
+    fn place_of(&self, node: NodeId) -> Option<Span> {
+        let &Node::Call(id, Function::Field, _) = self.graph.node(node) else { return None };
+        self.place(id)
+    }
+
     /// Whether a node reads no parameter and no time.
     fn is_still(&self, node: NodeId) -> bool {
         !self.graph.leaves_under(&[node]).iter().any(|leaf| matches!(leaf, Leaf::Parameter(_) | Leaf::Time))
@@ -161,20 +203,13 @@ impl Search<'_> {
 
     fn judge(&mut self, op: Op, operand: NodeId, rest: &[NodeId], left_out: bool) {
         let (inner, turned) = self.turned(operand);
-        let &Node::Call(id, Function::Field, _) = self.graph.node(inner) else { return };
-        let Some(span) = self.place(id) else { return };
-        let key = (span.file.0, span.start, span.end);
-        if matches!(self.found.get(&key), Some(None)) {
+        let Some(span) = self.place_of(inner) else { return };
+        if matches!(self.found.get(&(span.file.0, span.start, span.end)), Some(None)) {
             return;
         }
-        let why = match op {
-            Op::Min => Why::Within,
-            _ if turned => Why::Beside,
-            _ => Why::CutsNothing,
-        };
+        let why = if op == Op::Min { Why::Within } else { Why::of_cut(turned) };
         let unseen = left_out || self.is_unseen(op, operand, inner, rest);
-        let others = self.found.get(&key).is_none_or(|known| known.is_some_and(|copy| copy.left_out));
-        self.found.insert(key, unseen.then_some(Absorbed { span, why, left_out: left_out && others }));
+        self.note(span, unseen.then_some(Absorbed { span, why, left_out }));
     }
 
     fn is_unseen(&mut self, op: Op, operand: NodeId, inner: NodeId, rest: &[NodeId]) -> bool {
