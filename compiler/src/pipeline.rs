@@ -59,7 +59,7 @@ pub fn compile_remembering(
     stacker::maybe_grow(STACK / 2, STACK, || run(loader, path, options, memory, finished))
 }
 
-/// More operations than these in one evaluation, and a picture takes minutes.
+/// More operations than these in one look, and a picture takes minutes. Of a union of many a look takes an operand or a few.
 const COSTLY: usize = 50_000;
 
 /// Room for the deepest nesting that is read, in a build without optimisation.
@@ -96,7 +96,7 @@ fn run(
             let (blocks, parameters) = (&elaboration.blocks, &elaboration.parameters);
             match emit::emit(&graph, root, &functions, blocks, parameters, options, &outcome.sources) {
                 Ok(module) => {
-                    if module.operations.1 > COSTLY && functions.unions.is_empty() {
+                    if module.operations.1 / functions.operands().max(1) > COSTLY {
                         outcome.diagnostics.push(Diagnostic::new(
                             Code::Costly,
                             loaded.modules.head(loaded.modules.main),

@@ -58,6 +58,12 @@ pub struct Functions {
 }
 
 impl Functions {
+    /// How many operands the unions of many have, all together.
+    pub fn operands(&self) -> usize {
+        let of = |union: &unions::Union| union.steps.iter().filter(|step| matches!(step, unions::Step::Operand(..))).count();
+        self.unions.values().map(of).sum()
+    }
+
     /// What is made of the images of the field's surface and of the meshes', each once: which image, and for what. Those of the field come first.
     pub fn textures(&self) -> Vec<(u32, TextureKind)> {
         let mut textures = self.surface.textures();
