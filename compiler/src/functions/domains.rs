@@ -134,8 +134,8 @@ impl Builder<'_> {
         if !hole && self.rough_constant(by, &domain.at(Box3::ALL)) > UNIT {
             return false;
         }
-        let Some((region, _)) = self.region_of(by, domain) else { return false };
-        region.is_finite() && region != domain.point && self.facts.range(self.graph, node, &domain.at(region)).hi < 0.0
+        let solid = self.facts.outline(self.graph, by).intersect(&domain.point);
+        !solid.is_empty() && solid.is_finite() && solid != domain.point && self.facts.range(self.graph, node, &domain.at(solid)).hi < 0.0
     }
 
     /// For an intersection or a moved shape that has no constant over all space: its region, how far beyond it is trusted, and the domain
