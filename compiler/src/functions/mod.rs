@@ -58,10 +58,15 @@ pub struct Functions {
 }
 
 impl Functions {
-    /// How many operands the unions of many have, all together.
+    /// How many operands the unions of many have that the bound looks at, all together.
     pub fn operands(&self) -> usize {
-        let of = |union: &unions::Union| union.steps.iter().filter(|step| matches!(step, unions::Step::Operand(..))).count();
-        self.unions.values().map(of).sum()
+        let bounds = self.unions.iter().filter(|((_, function), _)| *function == Function::Bound);
+        // One that is the same as another function's has its operands there.
+        let steps = bounds.filter_map(|(&(shape, _), union)| match union.same {
+            Some(function) => Some(&self.unions.get(&(shape, function))?.steps),
+            None => Some(&union.steps),
+        });
+        steps.flatten().filter(|step| matches!(step, unions::Step::Operand(..))).count()
     }
 
     /// What is made of the images of the field's surface and of the meshes', each once: which image, and for what. Those of the field come first.

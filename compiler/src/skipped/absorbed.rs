@@ -72,10 +72,10 @@ pub fn absorbed(scene: &Compiled, sources: &Sources) -> Vec<Absorbed> {
 
 /// The operands without which bound and distance do, in the order of the text; of a `for` where it is so of all copies.
 pub fn left_out(scene: &Compiled, sources: &Sources) -> Vec<Absorbed> {
-    let mut search = Search::new(scene, sources);
     if scene.functions.absorbed.is_empty() {
         return Vec::new();
     }
+    let mut search = Search::new(scene, sources);
     let values: Vec<NodeId> = scene.functions.formulas.keys().filter_map(|(id, _)| Some(scene.graph.shape(*id)?.value)).collect();
     for whole in scene.graph.reachable(&values) {
         let Node::Op(Op::Max, args) = scene.graph.node(whole) else { continue };

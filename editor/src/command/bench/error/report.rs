@@ -147,7 +147,7 @@ pub fn write_page(file: &Path, curves: &Path, adapter: &str, args: &Args, scenes
 pub fn write_errors(file: &Path, adapter: &str, args: &Args, scenes: &[Scene]) -> Result<(), Failure> {
     let command = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
     let mut text = format!(
-        "## Errors of large pictures\n\n\
+        "## Errors, scene by scene\n\n\
          Written by `surefoot {command}` on {adapter}: {}×{} pixels, {} views of each scene around what its camera looks at, judged as above. \
          *Apart* are silhouettes at which hit and miss are the other way round.\n\n\
          | scene | pixels judged | silhouettes | unknown | method | missed | false | inside | apart | depth, p99 | normal, p99 |\n\
