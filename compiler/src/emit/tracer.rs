@@ -64,13 +64,17 @@ impl Tracer {
     /// The function `sf_trace`, which calls `sf_clip`, `sf_bound` and, unless that is the bound itself, `sf_distance`. The distance
     /// is asked for outside of the loop over bounds, and hits are found there: a machine that leads several rays in step computes what stands
     /// inside for all of them. For the same reason little goes from one turn of the loop to the next, and nothing is computed under a condition.
+    ///
+    /// That a ray has hit is set where it leaves, though `arrived` says the same: llvmpipe (Mesa 25.2) goes on computing what stands in the
+    /// inner loop for rays that have left the outer one, where `t` is that of the hit by then, and whatever both ends of the outer loop would
+    /// return as it stands comes from there. A ray missed what it had met, because its neighbours looked on.
     pub fn wgsl(&self, ways: Ways) -> String {
         let Self { leap, budget, .. } = *self;
         let Ways { one, planes, region } = ways;
         let (aside, fine) = (Self::ASIDE, Self::FINE);
         let indented = |lines: &[String], by: &str| -> String { lines.iter().map(|l| format!("{by}{l}\n")).collect() };
         let (look, go_on) = (self.look(one), self.go_on());
-        let (mut state, mut near, mut hit) = ("", "sf_distance(origin + direction * t) <= tolerance", vec!["break;".to_owned()]);
+        let (mut state, mut near, mut hit) = ("", "sf_distance(origin + direction * t) <= tolerance", vec!["hit = true;".to_owned(), "break;".to_owned()]);
         if leap > 0.0 {
             state = "  // How the bound changed over the step before, how far the surface seems to be, whether the last step was a leap to it, and whether
   // it was the last of all.
@@ -84,6 +88,7 @@ impl Tracer {
                 "let on = clamp(t + clamp(ahead, -min(most, abs(stride)), most), span.x, span.y) - t;".to_owned(),
                 "t += on;".to_owned(),
                 format!("if last || step >= {budget}u || abs(on) <= {fine:?} * pixel {{"),
+                "  hit = true;".to_owned(),
                 "  break;".to_owned(),
                 "}".to_owned(),
                 "// The line may come from a look far away: one more, where it says.".to_owned(),
@@ -96,12 +101,13 @@ impl Tracer {
             ("", "    if !arrived {\n      break;\n    }\n".to_owned() + &indented(&hit, "    "))
         } else {
             let (hit, again) = (indented(&hit, "      "), if leap > 0.0 { "      continue;\n" } else { "" });
-            let end = format!("    arrived = false;\n    if step >= {budget}u || (!gap && t >= span.y) {{\n      break;\n    }}\n");
+            let end = format!("    if step >= {budget}u || (!gap && t >= span.y) {{\n      break;\n    }}\n");
             let more = "  var change = -1.0;\n  var fall = 1.0;\n  var gap = false;\n  var tolerance = 0.0;\n";
             (more, format!("    if arrived && {near} {{\n{hit}{again}    }}\n{end}{}", indented(&go_on, "    ")))
         };
         let search = format!(
             "  // What the last look found.
+  var arrived = false;
   var free = 0.0;
   var pixel = 0.0;
 {more}  loop {{
@@ -131,7 +137,7 @@ impl Tracer {
   if span.x > span.y {{\n    return sf_Hit(select(t_max, plane, flat), flat, 0u);\n  }}\n",
                     miss("whole")
                 );
-                (head, "  if flat && !arrived && t >= span.y {\n    return sf_Hit(plane, true, step);\n  }\n".to_owned())
+                (head, "  if flat && !hit && t >= span.y {\n    return sf_Hit(plane, true, step);\n  }\n".to_owned())
             }
         };
         let text = format!(
@@ -141,14 +147,14 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
   let size = length(origin + sf_uniforms.origin) + 1.0;
   var t = span.x;
   var step = 0u;
-  var arrived = false;
+  var hit = false;
   // The last sphere known to be empty, the bound at its centre, the step from there, and how the bound changes along the ray as far as that
   // is learnt.
   var radius = 0.0;
   var seen = 0.0;
   var stride = 0.0;
   var slope = -1.0;
-{state}{search}{end}  return sf_Hit(t, arrived, step);
+{state}{search}{end}  return sf_Hit(t, hit, step);
 }}
 "
         );
