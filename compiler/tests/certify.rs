@@ -112,12 +112,18 @@ fn torus(o: [f64; 3], d: [f64; 3], major: f64, minor: f64) -> Option<f64> {
 #[test]
 fn first_hits_agree_with_roots_in_closed_form() {
     type Root = fn([f64; 3], [f64; 3]) -> Option<f64>;
-    let shapes: [(&str, Root); 5] = [
+    let shapes: [(&str, Root); 6] = [
         ("scene = sphere(1)", |o, d| slabs(&[round(o, d, &[0, 1, 2], 1.0)])),
         ("scene = box((2, 1, 1.5))", |o, d| slabs(&[slab(o[0], d[0], 1.0), slab(o[1], d[1], 0.5), slab(o[2], d[2], 0.75)])),
         ("scene = cylinder(0.75, 1.5)", |o, d| slabs(&[round(o, d, &[0, 2], 0.75), slab(o[1], d[1], 0.75)])),
         ("scene = torus(0.75, 0.25)", |o, d| torus(o, d, 0.75, 0.25)),
         ("scene = plane(y, -0.5)", |o, d| if d[1] < 0.0 { Some((-0.5 - o[1]) / d[1]) } else { None }),
+        // The ray crosses the borders of many cells.
+        ("scene = sphere(0.25).repeat((0.625, 0, 0.625))", |o, d| {
+            let cells = (-40..=40).flat_map(|x| (-40..=40).map(move |z| [f64::from(x), 0.0, f64::from(z)]));
+            let first = |cell: [f64; 3]| slabs(&[round([0, 1, 2].map(|i| o[i] - 0.625 * cell[i]), d, &[0, 1, 2], 0.25)]);
+            cells.filter_map(first).filter(|t| *t > 0.0).min_by(f64::total_cmp)
+        }),
     ];
     for (text, root) in shapes {
         let truth = truth(text);

@@ -402,6 +402,11 @@ fn bench_finds_what_steps_too_far_and_nothing_in_ours() {
         assert!(of(method, "missed") > 0.0, "{method}");
     }
     assert!(of("half-factors", "depth_pixels") > 10.0 * of("ours", "depth_pixels"));
+    // It says where: that pixel shows nothing, and the truth something.
+    let plain = report["scenes"][0]["methods"].as_array().unwrap().iter().find(|r| r["method"] == "plain").unwrap();
+    let missed = plain["wrong"].as_array().unwrap().iter().filter(|pixel| pixel["what"] == "missed").count();
+    assert!(missed > 0 && missed as f64 <= plain["missed"].as_f64().unwrap());
+    assert!(plain["wrong"][0]["t"].is_f64() && plain["wrong"][0]["answered"].is_f64(), "{}", plain["wrong"][0]);
     for file in ["page.md", "page.svg"] {
         assert!(std::fs::metadata(folder.join(file)).is_ok_and(|m| m.len() > 1000), "{file}");
     }

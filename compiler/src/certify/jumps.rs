@@ -17,6 +17,8 @@ use std::sync::Arc;
 
 /// Jumps that may be open in a box that is parted: each can double the pieces.
 const OPEN: usize = 4;
+/// Borders of one operation that are told at most.
+const BORDERS: u32 = 16;
 /// Pieces of one jump.
 const PIECES: f64 = 3.0;
 
@@ -103,6 +105,39 @@ pub(super) fn parted<const D: usize>(code: &Code, slots: &[Slot<D>], live: &mut 
         value += 1.0;
     }
     Some(pieces)
+}
+
+/// About where in a part of a ray operations jump, in the order of the code, as far as it can be told. `slots`: what is known of each step over the segment
+/// about `middle`.
+pub(super) fn borders(code: &Code, slots: &[Slot<1>], middle: f64, part: Interval) -> Vec<f64> {
+    let mut found = Vec::new();
+    for step in &code.steps {
+        let Step::Op(op, [a, b, ..]) = *step else { continue };
+        let (a, b) = (&slots[a as usize], &slots[b as usize]);
+        let (value, range, [slope]) = match op {
+            Op::Floor | Op::Ceil | Op::Trunc | Op::Round | Op::Sign => (a.centre, a.range, a.gradient),
+            Op::Lt | Op::Le if !b.jump => (a.centre.sub(b.centre), a.range.sub(b.range), [a.gradient[0].sub(b.gradient[0])]),
+            _ => continue,
+        };
+        if a.jump || slope.contains(0.0) || !range.is_finite() {
+            continue;
+        }
+        let mut add = |border: f64| {
+            let at = middle + (border - value.middle()) / slope.middle();
+            if part.contains(at) {
+                found.push(at);
+            }
+        };
+        match op {
+            Op::Sign | Op::Lt | Op::Le => add(0.0),
+            _ => {
+                let aside = if op == Op::Round { 0.5 } else { 0.0 };
+                let first = (range.lo - aside).ceil() + aside;
+                (0..BORDERS).map(|n| first + f64::from(n)).take_while(|border| *border <= range.hi).for_each(add);
+            }
+        }
+    }
+    found
 }
 
 /// Of a comparison: less, equal and greater. What else compares the same two numbers is settled with it.

@@ -29,6 +29,11 @@ const SHORT_WAY: f64 = 1e-3;
 const APART: u32 = 4;
 /// Segments of a ray that was halved less often than this are judged by natural intervals alone: slopes say little over a long way.
 const COARSE: u32 = 6;
+/// A ray is cut so far before and after the border of a cell of noise or of a repetition, times the largest coordinate: on both sides the
+/// field does not jump then, and slopes say much.
+const BESIDE: f64 = 1e-7;
+/// A segment is cut at so many borders at once, of the coarsest cells first.
+const CUTS: usize = 3;
 
 impl Prover<'_> {
     /// The first place with `near < t < far` where the field along `origin + t direction` changes its sign: for a ray that begins outside
@@ -61,16 +66,39 @@ impl Prover<'_> {
             } else {
                 code
             };
-            let whole = forward::full(&code, &Domain::new(range, None), &mut self.ray_slots);
+            let domain = Domain::new(range, None);
+            let [middle] = domain.middle;
+            let whole = forward::full(&code, &domain, &mut self.ray_slots);
             if !whole.range.contains(0.0) {
                 continue;
             }
+            let scale = size(origin, direction, lo).max(1.0);
+            if whole.jump {
+                let beside = BESIDE * scale;
+                let part = Interval { lo: lo + 2.0 * beside, hi: hi - 2.0 * beside };
+                let mut borders = jumps::borders(&code, &self.ray_slots, middle, part);
+                borders.truncate(CUTS);
+                borders.sort_unstable_by(f64::total_cmp);
+                let mut end = hi;
+                while let Some(last) = borders.pop() {
+                    let mut first = last;
+                    while let Some(next) = borders.pop_if(|next| *next >= first - 3.0 * beside) {
+                        first = next;
+                    }
+                    open.extend([(last + beside, end, code.clone(), halved + 1), (first - beside, last + beside, code.clone(), halved + 1)]);
+                    end = first - beside;
+                }
+                if end < hi {
+                    open.push((lo, end, code, halved + 1));
+                    continue;
+                }
+                if self.kept(&code, &domain, &mut { PIECES }) != 0 {
+                    continue;
+                }
+                forward::full(&code, &domain, &mut self.ray_slots);
+            }
             let slots = &self.ray_slots;
             let code = code.shorter(|i| slots.get(i).map_or(Interval::ALL, |s| s.range), &mut self.room).map_or(code, Arc::new);
-            if whole.jump && self.kept(&code, range, &mut { PIECES }) != 0 {
-                continue;
-            }
-            let scale = size(origin, direction, lo).max(1.0);
             let narrow = hi - lo <= 1e-10 * scale;
             let ends = (self.sign(&code, [lo]), self.sign(&code, [hi]));
             let apart = hi - lo <= SHORT_WAY * scale && halved.is_multiple_of(APART);
@@ -88,21 +116,26 @@ impl Prover<'_> {
         Hit::Miss
     }
 
-    /// The sign that the field surely keeps all along a segment across its jumps, or 0. Looks at `left` pieces at most.
-    fn kept(&mut self, code: &Code, range: [Interval; 1], left: &mut usize) -> i8 {
-        let domain = Domain::new(range, None);
-        let whole = forward::full(code, &domain, &mut self.ray_slots);
-        if whole.range.lo > 0.0 || whole.range.hi < 0.0 {
-            return if whole.range.lo > 0.0 { 1 } else { -1 };
-        }
-        let parted = if whole.jump { jumps::parted(code, &self.ray_slots, &mut self.live) } else { None };
+    /// The sign that the field surely keeps all along a segment across its jumps, or 0. Looks at `left` pieces at most. What is known of each
+    /// step over the segment stands in `ray_slots`, and is not there afterwards.
+    fn kept(&mut self, code: &Code, domain: &Domain<1>, left: &mut usize) -> i8 {
         let mut sign = 0;
-        for (piece, guard) in parted.unwrap_or_default() {
-            if guard.side(&domain, &mut self.ray_slots) == Side::Outside {
+        for (piece, guard) in jumps::parted(code, &self.ray_slots, &mut self.live).unwrap_or_default() {
+            if guard.side(domain, &mut self.ray_slots) == Side::Outside {
                 continue;
             }
             *left = left.saturating_sub(1);
-            let here = if *left == 0 { 0 } else { self.kept(&piece, range, left) };
+            if *left == 0 {
+                return 0;
+            }
+            let mut here = side(forward::natural(&piece, &domain.range, &mut self.ranges));
+            if here == 0 {
+                let whole = forward::full(&piece, domain, &mut self.ray_slots);
+                here = side(whole.range);
+                if here == 0 && whole.jump {
+                    here = self.kept(&piece, domain, left);
+                }
+            }
             if here == 0 || here == -sign {
                 return 0;
             }
@@ -157,6 +190,11 @@ impl Prover<'_> {
         }
         0.5 * (lo + hi)
     }
+}
+
+/// 1 or -1 where all values are above or below zero, else 0.
+fn side(values: Interval) -> i8 {
+    i8::from(values.lo > 0.0) - i8::from(values.hi < 0.0)
 }
 
 /// The largest of the parameter and the coordinates of the point there.

@@ -65,7 +65,7 @@ impl Tracer {
     /// is asked for outside of the loop over bounds, and hits are found there: a machine that leads several rays in step computes what stands
     /// inside for all of them. For the same reason little goes from one turn of the loop to the next, and nothing is computed under a condition.
     ///
-    /// That a ray has hit is set where it leaves, though `arrived` says the same: llvmpipe (Mesa 25.2) goes on computing what stands in the
+    /// That a ray has hit is set where it leaves, though `arrived` says the same: llvmpipe (Mesa 22.3) goes on computing what stands in the
     /// inner loop for rays that have left the outer one, where `t` is that of the hit by then, and whatever both ends of the outer loop would
     /// return as it stands comes from there. A ray missed what it had met, because its neighbours looked on.
     pub fn wgsl(&self, ways: Ways) -> String {

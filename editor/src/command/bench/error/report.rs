@@ -1,13 +1,16 @@
 //! The numbers as a table for people and as JSON for programs.
 
 use super::methods::METHODS;
-use super::truth::{Errors, Unknown};
+use super::truth::{Errors, Unknown, Wrong};
 use super::{Args, Row, Scene};
 use crate::command::{Failure, page, print};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use surefoot_runtime::passes::rays::FUNCTIONS;
+
+/// So many wrong pixels of a method are listed in tables.
+const FEW: usize = 8;
 
 /// A scene's table.
 pub fn table(scene: &Scene) -> String {
@@ -38,6 +41,7 @@ pub fn table(scene: &Scene) -> String {
             depth(100.0),
             Errors::percentile(&e.normal, 99.0),
         );
+        text += &few_wrong(row).map(|pixel| format!("    {}\n", wrong_line(pixel))).collect::<String>();
     }
     for (method, why) in &scene.left_out {
         text += &format!("  {method:<20}not to be had: {why}\n");
@@ -179,6 +183,11 @@ pub fn write_errors(file: &Path, adapter: &str, args: &Args, scenes: &[Scene]) -
     if !unknown.is_empty() {
         text += &format!("\nPixels of which it is not certain what they show:\n\n{}", unknown.concat());
     }
+    let wrong = scenes.iter().flat_map(|scene| scene.rows.iter().flat_map(move |row| few_wrong(row).map(move |pixel| (scene, row, pixel))));
+    let wrong: Vec<String> = wrong.map(|(scene, row, pixel)| format!("- {}, {}, {}\n", name(scene), row.method, wrong_line(pixel))).collect();
+    if !wrong.is_empty() {
+        text += &format!("\nWrong pixels of methods that have but a few in a scene:\n\n{}", wrong.concat());
+    }
     page::put(file, "errors", &text)
 }
 
@@ -189,6 +198,17 @@ fn name(scene: &Scene) -> std::borrow::Cow<'_, str> {
 fn unknown_line(scene: &Scene, pixel: &Unknown) -> String {
     let (x, y) = pixel.at;
     format!("- {}, view {}, column {x}, row {y}: {} at {:.4}\n", name(scene), pixel.view, pixel.doubt.why, pixel.doubt.t)
+}
+
+/// The wrong pixels of a method that has so few of them that each can be looked at, else none.
+fn few_wrong(row: &Row) -> impl Iterator<Item = &Wrong> {
+    row.errors.wrong.iter().filter(|_| row.errors.wrong.len() <= FEW)
+}
+
+fn wrong_line(pixel: &Wrong) -> String {
+    let (x, y) = pixel.at;
+    let truth = if pixel.truth.is_finite() { format!("the surface is at {:.4}", pixel.truth) } else { "there is no surface".to_owned() };
+    format!("view {}, column {x}, row {y}: {}, {truth}, the ray ended at {:.4}", pixel.view, pixel.what, pixel.answered)
 }
 
 /// Writes all numbers.
@@ -221,6 +241,11 @@ fn unknown_json(pixel: &Unknown) -> Value {
     json!({ "view": pixel.view, "x": pixel.at.0, "y": pixel.at.1, "t": pixel.doubt.t, "why": pixel.doubt.why })
 }
 
+fn wrong_json(pixel: &Wrong) -> Value {
+    let truth = pixel.truth.is_finite().then_some(pixel.truth);
+    json!({ "view": pixel.view, "x": pixel.at.0, "y": pixel.at.1, "what": pixel.what, "t": truth, "answered": pixel.answered })
+}
+
 fn row_json(row: &Row) -> Value {
     let e = &row.errors;
     let spread = |values: &[f64]| {
@@ -243,6 +268,7 @@ fn row_json(row: &Row) -> Value {
         "missed": e.missed,
         "false": e.false_hits,
         "inside": e.inside,
+        "wrong": e.wrong.iter().map(wrong_json).collect::<Vec<_>>(),
         "silhouettes_apart": e.silhouettes_apart,
         "depth_pixels": spread(&e.depth),
         "normal_degrees": spread(&e.normal),

@@ -17,6 +17,8 @@ pub const BOXES: usize = 20_000;
 const OUTSIDE: f64 = 1e-9;
 /// Places between a camera and its target where it may stand.
 const NEARER: u32 = 32;
+/// So many wrong pixels of a method are remembered.
+pub const MOST_WRONG: usize = 64;
 /// Operations of the field at most.
 const LIMIT: usize = 2_000_000;
 
@@ -56,6 +58,21 @@ pub struct Unknown {
     pub at: (u32, u32),
     /// What is not known.
     pub doubt: Doubt,
+}
+
+/// A pixel that a tracer shows wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wrong {
+    /// Number of the view, from 0.
+    pub view: usize,
+    /// Column and row, from 0, at the upper left.
+    pub at: (u32, u32),
+    /// In which way.
+    pub what: &'static str,
+    /// How far along the ray it meets the surface; infinite where it meets none.
+    pub truth: f64,
+    /// Where the tracer ended.
+    pub answered: f64,
 }
 
 /// What a tracer answers.
@@ -109,6 +126,8 @@ pub struct Errors {
     pub false_hits: usize,
     /// Hits that lie deeper in the solid than half a pixel is wide there.
     pub inside: usize,
+    /// Where the first [`MOST_WRONG`] of these three are.
+    pub wrong: Vec<Wrong>,
     /// Silhouettes at which hit and miss are the other way round.
     pub silhouettes_apart: usize,
     /// |t - t*| over the width of a pixel there, of all hits.
@@ -123,6 +142,8 @@ pub struct Errors {
     pub looks: [u64; FUNCTIONS.len()],
     /// Number of rays.
     pub rays: usize,
+    /// Number of views.
+    pub views: usize,
 }
 
 /// Cameras around what the scene's own camera looks at: the first is that camera. One that would stand in a solid, behind a wall perhaps,
@@ -235,11 +256,16 @@ impl View {
 
     /// The pixels of which the truth is not known, row by row. `view`: the number of this view.
     pub fn unknown(&self, view: usize) -> impl Iterator<Item = Unknown> {
-        let width = self.picture.size.0.max(1);
-        self.pixels.iter().zip(0..).filter_map(move |(pixel, i): (_, u32)| match *pixel {
-            Pixel::Unknown(doubt) => Some(Unknown { view, at: (i % width, i / width), doubt }),
+        self.pixels.iter().enumerate().filter_map(move |(i, pixel)| match *pixel {
+            Pixel::Unknown(doubt) => Some(Unknown { view, at: self.place(i), doubt }),
             _ => None,
         })
+    }
+
+    /// Column and row of a ray by its number.
+    fn place(&self, ray: usize) -> (u32, u32) {
+        let (ray, width) = (ray as u32, self.picture.size.0.max(1));
+        (ray % width, ray / width)
     }
 
     /// Judges what a tracer answered.
@@ -258,6 +284,8 @@ impl View {
                 *sum += u64::from(looks);
             }
             let hit = answer.hit;
+            let wrong = |what, truth| Wrong { view: errors.views, at: self.place(i), what, truth, answered: answer.t };
+            let mut found = None;
             match self.pixels[i] {
                 Pixel::Unknown(_) => errors.unknown += 1,
                 pixel if self.silhouette[i] => {
@@ -267,22 +295,26 @@ impl View {
                 Pixel::Miss => {
                     errors.judged += 1;
                     errors.false_hits += usize::from(hit);
+                    found = hit.then(|| wrong("false", f64::INFINITY));
                 }
                 Pixel::Hit { t, facing, normal } => {
                     errors.judged += 1;
-                    if !hit {
-                        errors.missed += 1;
-                        continue;
-                    }
                     let width = footprint * t;
                     let ahead = answer.t - t;
-                    errors.inside += usize::from(ahead * facing > 0.5 * width);
-                    errors.depth.push(ahead.abs() / width);
-                    errors.off.push((ahead.abs() * facing).min(from[i]) / width);
-                    errors.normal.push(dot(normals[i], normal).clamp(-1.0, 1.0).acos().to_degrees());
+                    let inside = hit && ahead * facing > 0.5 * width;
+                    errors.missed += usize::from(!hit);
+                    errors.inside += usize::from(inside);
+                    found = if inside { Some(wrong("inside", t)) } else { (!hit).then(|| wrong("missed", t)) };
+                    if hit {
+                        errors.depth.push(ahead.abs() / width);
+                        errors.off.push((ahead.abs() * facing).min(from[i]) / width);
+                        errors.normal.push(dot(normals[i], normal).clamp(-1.0, 1.0).acos().to_degrees());
+                    }
                 }
             }
+            errors.wrong.extend(found.filter(|_| errors.wrong.len() < MOST_WRONG));
         }
+        errors.views += 1;
     }
 }
 
