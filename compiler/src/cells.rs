@@ -31,7 +31,7 @@ pub fn lists(tables: &Tables, cells: bool) -> Vec<u32> {
     ordered.sort_unstable_by_key(|t| t.index);
     for table in ordered {
         let first = lists.len() as u32;
-        lists.extend_from_slice(&table.entries);
+        lists.extend(table.fused(table.entries.iter().copied()));
         let mut head = [0u32; HEAD as usize];
         head[0] = first;
         head[1] = lists.len() as u32;
@@ -136,7 +136,7 @@ impl Finder<'_> {
     }
 
     fn list(&mut self, steps: &[u32]) -> (u32, u32) {
-        let entries: Vec<u32> = steps.iter().filter_map(|&s| self.table.entries.get(s as usize).copied()).collect();
+        let entries = self.table.fused(steps.iter().filter_map(|&s| self.table.entries.get(s as usize).copied()));
         if let Some(&span) = self.known.get(&entries) {
             return span;
         }
@@ -196,7 +196,11 @@ struct Evaluator<'a> {
     tables: &'a Tables,
     /// For each class the steps of its form that its operand needs.
     needed: Vec<Vec<u32>>,
+    /// Whether the operands of a class are the same at all times.
+    still: Vec<bool>,
     registers: Vec<[f64; LANES]>,
+    /// Room: of each class the steps that are looked at, each with its place among all and its row.
+    members: Vec<Vec<(usize, u32)>>,
     /// The same for operands that read parameters or the time.
     ranges: Vec<Interval>,
 }
@@ -224,7 +228,11 @@ impl<'a> Evaluator<'a> {
         });
         let longest = table.classes.iter().map(|c| c.filled.form.steps.len()).max().unwrap_or(0);
         let (registers, ranges) = (vec![[0.0; LANES]; longest], vec![Interval::ALL; longest]);
-        Self { table, tables, needed: needed.collect(), registers, ranges }
+        let still = table.classes.iter().map(|_| false).collect();
+        let members = vec![Vec::new(); table.classes.len()];
+        let mut evaluator = Self { table, tables, needed: needed.collect(), still, registers, members, ranges };
+        evaluator.still = table.classes.iter().enumerate().map(|(i, class)| evaluator.is_still(i, class)).collect();
+        evaluator
     }
 
     /// Whether the operands of a class are the same at all times.
@@ -238,33 +246,31 @@ impl<'a> Evaluator<'a> {
     /// The values of steps at a point; of those without an operand, infinity.
     fn values(&mut self, steps: &[u32], point: [f64; 3]) -> Vec<Interval> {
         let mut values = vec![Interval::point(f64::INFINITY); steps.len()];
-        let mut by_class: Vec<Vec<(usize, u32)>> = vec![Vec::new(); self.table.classes.len()];
+        let mut members = std::mem::take(&mut self.members);
+        members.iter_mut().for_each(Vec::clear);
         for (at, &step) in steps.iter().enumerate() {
             let entry = self.table.entries.get(step as usize).copied().unwrap_or(u32::MAX);
-            if let Some(list) = by_class.get_mut((entry >> CLASS_SHIFT) as usize) {
+            if let Some(list) = members.get_mut((entry >> CLASS_SHIFT) as usize) {
                 list.push((at, entry & ((1 << CLASS_SHIFT) - 1)));
             }
         }
-        for (class, members) in by_class.iter().enumerate() {
-            let Some(known) = self.table.classes.get(class).filter(|c| !c.pops) else { continue };
-            if !self.is_still(class, known) {
+        let classes = self.table.classes.iter().zip(&members).enumerate();
+        for (class, (known, members)) in classes.filter(|(_, (class, _))| !class.pops) {
+            if self.still.get(class) != Some(&true) {
                 for &(at, row) in members {
                     let range = self.range(class, known, row, point);
-                    if let Some(slot) = values.get_mut(at) {
-                        *slot = range;
-                    }
+                    values.get_mut(at).into_iter().for_each(|slot| *slot = range);
                 }
                 continue;
             }
             for chunk in members.chunks(LANES) {
                 let result = self.run(class, known, chunk, point);
                 for (&(at, _), value) in chunk.iter().zip(result) {
-                    if let Some(slot) = values.get_mut(at) {
-                        *slot = Interval::point(value);
-                    }
+                    values.get_mut(at).into_iter().for_each(|slot| *slot = Interval::point(value));
                 }
             }
         }
+        self.members = members;
         values
     }
 
@@ -305,28 +311,29 @@ impl<'a> Evaluator<'a> {
         }
     }
 
+    /// The operands of some rows of a class at a point.
     fn run(&mut self, index: usize, class: &Class, rows: &[(usize, u32)], point: [f64; 3]) -> [f64; LANES] {
         let form = &class.filled.form;
         for &at in self.needed.get(index).map_or(&[][..], Vec::as_slice) {
-            let Some(step) = form.steps.get(at as usize) else { continue };
-            let of = |i: usize| step.arguments.get(i).and_then(|&a| self.registers.get(a as usize)).copied().unwrap_or([0.0; LANES]);
-            let value = match step.action {
-                Action::Number(i) => match class.numbers.get(i as usize) {
-                    Some(number) => {
-                        let mut lanes = [0.0; LANES];
-                        for (lane, &(_, row)) in lanes.iter_mut().zip(rows) {
-                            *lane = self.number(*number, row);
-                        }
-                        lanes
-                    }
-                    None => [0.0; LANES],
-                },
-                Action::Point(i) => [point.get(usize::from(i)).copied().unwrap_or(0.0); LANES],
-                Action::Op(op) => lanes(op, of(0), of(1), of(2), of(3)),
-                Action::Time | Action::Parameter(_) | Action::Factor(_) | Action::Older(_) | Action::Newer(_) => [0.0; LANES],
+            let (Some(step), Some((before, [out, ..]))) = (form.steps.get(at as usize), self.registers.split_at_mut_checked(at as usize))
+            else {
+                continue;
             };
-            if let Some(slot) = self.registers.get_mut(at as usize) {
-                *slot = value;
+            match step.action {
+                Action::Number(i) => match class.numbers.get(i as usize) {
+                    Some(Number::Column(c)) => {
+                        let (piece, part) = ((c / 4) as usize, (c % 4) as usize);
+                        for (out, &(_, row)) in out.iter_mut().zip(rows) {
+                            let numbers = self.tables.rows.get(row as usize + piece).unwrap_or(&[0.0; 4]);
+                            *out = numbers.get(part).map_or(0.0, |n| f64::from(*n));
+                        }
+                    }
+                    Some(Number::Same(number)) => *out = [f64::from(narrow(*number)); LANES],
+                    None => *out = [0.0; LANES],
+                },
+                Action::Point(i) => *out = [point.get(usize::from(i)).copied().unwrap_or(0.0); LANES],
+                Action::Op(op) => lanes(op, out, step.arguments.map(|a| before.get(a as usize).unwrap_or(&[0.0; LANES]))),
+                Action::Time | Action::Parameter(_) | Action::Factor(_) | Action::Older(_) | Action::Newer(_) => *out = [0.0; LANES],
             }
         }
         form.operand.and_then(|o| self.registers.get(o as usize)).copied().unwrap_or([f64::INFINITY; LANES])
@@ -334,38 +341,21 @@ impl<'a> Evaluator<'a> {
 }
 
 /// An operation on each lane; those that are frequent as loops that a compiler makes wide.
-fn lanes(op: Op, a: [f64; LANES], b: [f64; LANES], c: [f64; LANES], d: [f64; LANES]) -> [f64; LANES] {
-    let two = |f: fn(f64, f64) -> f64| {
-        let mut out = [0.0; LANES];
-        for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
-            *out = f(a, b);
-        }
-        out
-    };
+fn lanes(op: Op, out: &mut [f64; LANES], [a, b, c, d]: [&[f64; LANES]; 4]) {
+    let all = out.iter_mut().zip(a.iter().zip(b));
     match op {
-        Op::Add => two(|a, b| a + b),
-        Op::Sub => two(|a, b| a - b),
-        Op::Mul => two(|a, b| a * b),
-        Op::Min => two(f64::min),
-        Op::Max => two(f64::max),
-        Op::Abs => a.map(f64::abs),
-        Op::Neg => a.map(|a| -a),
-        Op::Square => a.map(|a| a * a),
-        Op::Length3 => {
-            let mut out = two(|a, b| a * a + b * b);
-            for (out, c) in out.iter_mut().zip(c) {
-                *out = (*out + c * c).sqrt();
-            }
-            out
-        }
-        _ => {
-            let mut out = [0.0; LANES];
-            let arguments = a.iter().zip(&b).zip(c.iter().zip(&d));
-            for (out, ((a, b), (c, d))) in out.iter_mut().zip(arguments) {
-                let all = [*a, *b, *c, *d];
-                *out = kernel::value(op, all.get(..op.row().arity.into()).unwrap_or(&all));
-            }
-            out
-        }
+        Op::Add => all.for_each(|(out, (a, b))| *out = a + b),
+        Op::Sub => all.for_each(|(out, (a, b))| *out = a - b),
+        Op::Mul => all.for_each(|(out, (a, b))| *out = a * b),
+        Op::Min => all.for_each(|(out, (a, b))| *out = a.min(*b)),
+        Op::Max => all.for_each(|(out, (a, b))| *out = a.max(*b)),
+        Op::Abs => all.for_each(|(out, (a, _))| *out = a.abs()),
+        Op::Neg => all.for_each(|(out, (a, _))| *out = -a),
+        Op::Square => all.for_each(|(out, (a, _))| *out = a * a),
+        Op::Length3 => all.zip(c).for_each(|((out, (a, b)), c)| *out = (a * a + b * b + c * c).sqrt()),
+        _ => all.zip(c.iter().zip(d)).for_each(|((out, (a, b)), (c, d))| {
+            let all = [*a, *b, *c, *d];
+            *out = kernel::value(op, all.get(..op.row().arity.into()).unwrap_or(&all));
+        }),
     }
 }

@@ -76,6 +76,33 @@ fn the_device_agrees_with_the_formulas() {
     }
 }
 
+/// Groups in groups, joined in one way or in two, and what begins or ends more than one of them at once.
+#[test]
+fn groups_begin_and_end_with_their_operands() {
+    let gpu = gpu();
+    let ball = "sphere(0.1 + 0.1 * hash(i + 10 * j + 100 * k)).translate(2 * hash(i + 10 * j, k) - 1, 2 * hash(i, j) - 1, 2 * hash(k, i) - 1)";
+    let spheres = |inner: &str, outer: &str| {
+        format!(
+            "scene = for k in 0..5 by smooth_union(0.04) {{
+  for j in 0..4 by smooth_union({outer}) {{ for i in 0..6 by smooth_union({inner}) {{ {ball} }} }}
+}}"
+        )
+    };
+    // How many values wait at once, and whether all joins of what waits are one.
+    for (inner, outer, depth, one) in [("0.02", "0.04", 2, true), ("0.02", "0.07", 2, false), ("0.04", "0.04", 0, true)] {
+        let compiled = scene(&spheres(inner, outer));
+        let tables = &compiled.module.tables.as_ref().unwrap().tables.tables;
+        let found: Vec<(usize, bool)> = tables.values().map(|t| (t.depth, t.depth == 0 || t.join().is_some())).collect();
+        assert!(!found.is_empty() && found.iter().all(|t| *t == (depth, one)), "{inner} in {outer}: {found:?}");
+        agrees(&gpu, &compiled, 1.4);
+    }
+    // Each entry is an operand: a box has no more than it.
+    let boxes = corpus("boxes");
+    let mean = mean_list(&boxes);
+    assert!(mean < 16.0, "{mean} entries in a list on average");
+    assert!(!boxes.module.code().contains("waiting[top]"));
+}
+
 #[test]
 fn lists_of_what_moves_hold_wherever_it_is() {
     let text = "param r = 0.1 in 0.05..0.2

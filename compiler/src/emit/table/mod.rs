@@ -17,10 +17,14 @@ pub use form::{Action, Form};
 pub use grid::Grid;
 pub use text::{HEAD, declare_buffers, declare_text, write, write_region};
 
-/// An entry of a list is its class and, below that, its row.
+/// An entry of a list is its class and, below that, its row; in a list that is read, [`BEGINS`] and [`ENDS`] stand above the class.
 pub const CLASS_SHIFT: u32 = 24;
 /// The class of [`Step::Push`].
-pub const PUSH: u32 = 255;
+pub const PUSH: u32 = 31;
+/// Of an entry that sets aside what is there before it joins its operand.
+pub const BEGINS: u32 = 1 << 30;
+/// Of an entry that joins what was set aside once it has joined its operand.
+pub const ENDS: u32 = 1 << 31;
 /// No more classes, else the loop is a list of its own.
 const MOST_CLASSES: usize = 24;
 /// So many rows a class on average, at least: else the text is as short without the table.
@@ -78,6 +82,40 @@ pub struct Tables {
     pub rows: Vec<[f32; 4]>,
     /// The range of each component of the parameters.
     pub parameters: Vec<Interval>,
+}
+
+impl Table {
+    /// The class of the joins of what was set aside, where all of them are one and the same.
+    pub fn join(&self) -> Option<u32> {
+        let mut joins = self.classes.iter().zip(0..).filter(|(class, _)| class.pops);
+        let (class, index) = joins.next()?;
+        let same = class.numbers.iter().all(|n| matches!(n, Number::Same(_)));
+        (joins.next().is_none() && same).then_some(index)
+    }
+
+    /// A list as it is read: what begins and ends a group does so in the entries of its first and last operand, as far as that can be.
+    pub fn fused(&self, entries: impl Iterator<Item = u32>) -> Vec<u32> {
+        let Some(join) = self.join() else { return entries.collect() };
+        let mut list: Vec<u32> = Vec::new();
+        let (mut begins, mut last) = (0, None);
+        for entry in entries {
+            let class = entry >> CLASS_SHIFT;
+            if class == PUSH {
+                list.extend((begins != 0).then_some(entry));
+                (begins, last) = (BEGINS, None);
+            } else if class != join {
+                last = Some(list.len());
+                list.push(entry | begins);
+                begins = 0;
+            } else {
+                match last.take().and_then(|last: usize| list.get_mut(last)) {
+                    Some(operand) => *operand |= ENDS,
+                    None => list.push(entry),
+                }
+            }
+        }
+        list
+    }
 }
 
 impl Tables {

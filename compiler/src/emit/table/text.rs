@@ -1,6 +1,6 @@
 //! The text of tables: a function for each class, and the loop.
 
-use super::{Action, CLASS_SHIFT, Class, Number, PUSH, Table, Tables};
+use super::{Action, BEGINS, CLASS_SHIFT, Class, ENDS, Number, PUSH, Table, Tables};
 use crate::emit::EmitError;
 use crate::emit::body::{Body, Code, ExprId, Read};
 use crate::emit::write::{self, Context};
@@ -54,30 +54,46 @@ pub fn write(
     context.helpers.need("span");
     let span = format!("{p}span({}u, p)", HEAD * table.index);
     let _ = write!(text, "\nfn {name}(p: vec3f) -> {ty} {{\n  let span = {span};\n  var d = {far};\n");
-    if table.depth > 0 {
-        let _ = write!(text, "  var waiting: array<{ty}, {}>;\n  var top = 0u;\n", table.depth);
+    let join = table.join();
+    // With one value aside at most and one way to join it, each entry is an operand.
+    let (alone, stack) = (table.depth == 1 && join.is_some(), table.depth > 0);
+    match alone {
+        true => _ = writeln!(text, "  var waiting = {far};"),
+        false if stack => _ = writeln!(text, "  var waiting: array<{ty}, {}>;\n  var top = 0u;", table.depth),
+        false => {}
     }
-    let _ = write!(text, "  for (var i = span.x; i < span.y; i += 1u) {{\n    let step = {p}lists[i];\n");
-    let _ = writeln!(text, "    let row = step & {}u;", (1u32 << CLASS_SHIFT) - 1);
+    let (waiting, up, down) = if alone { ("waiting", "", "") } else { ("waiting[top]", "top += 1u;", "top -= 1u;") };
+    let begin = [format!("{waiting} = d;"), up.to_owned(), format!("d = {far};")];
     let call = |i: usize| {
-        let Some((class, name)) = table.classes.get(i).zip(names.get(i)) else { return String::new() };
+        let (class, name) = table.classes.get(i).zip(names.get(i))?;
         let row = if class.numbers.iter().any(|n| matches!(n, Number::Column(_))) { ", row" } else { "" };
-        match class.pops {
-            true => format!("top -= 1u;\n        d = {name}(d, waiting[top]{row});"),
-            false => format!("d = {name}(p, d{row});"),
-        }
+        Some(match class.pops {
+            true => [down.to_owned(), format!("d = {name}(d, {waiting}{row});")],
+            false => [String::new(), format!("d = {name}(p, d{row});")],
+        })
     };
-    if table.classes.len() == 1 && table.depth == 0 {
-        let _ = writeln!(text, "    {}", call(0));
-    } else {
-        let _ = writeln!(text, "    switch step >> {CLASS_SHIFT}u {{");
-        for i in 0..table.classes.len() {
-            let _ = write!(text, "      case {i}u: {{\n        {}\n      }}\n", call(i));
+    let block = |by: &str, lines: &[String]| -> String { lines.iter().filter(|l| !l.is_empty()).map(|l| format!("{by}{l}\n")).collect() };
+    let _ = writeln!(text, "  for (var i = span.x; i < span.y; i += 1u) {{\n    let step = {p}lists[i];");
+    let _ = writeln!(text, "    let row = step & {}u;", (1u32 << CLASS_SHIFT) - 1);
+    if join.is_some() {
+        let _ = writeln!(text, "    if (step & {BEGINS}u) != 0u {{\n{}    }}", block("      ", &begin));
+    }
+    let cases: Vec<usize> = (0..table.classes.len()).filter(|&i| !(alone && join == Some(i as u32))).collect();
+    match &cases[..] {
+        [only] if alone || !stack => text.push_str(&block("    ", call(*only).as_ref().map_or(&[], |lines| lines))),
+        _ => {
+            let _ = writeln!(text, "    switch (step >> {CLASS_SHIFT}u) & {PUSH}u {{");
+            for i in cases {
+                let _ = write!(text, "      case {i}u: {{\n{}      }}\n", block("        ", call(i).as_ref().map_or(&[], |lines| lines)));
+            }
+            if stack && !alone {
+                let _ = write!(text, "      case {PUSH}u: {{\n{}      }}\n", block("        ", &begin));
+            }
+            text.push_str("      default: {}\n    }\n");
         }
-        if table.depth > 0 {
-            let _ = write!(text, "      case {PUSH}u: {{\n        waiting[top] = d;\n        top += 1u;\n        d = {far};\n      }}\n");
-        }
-        text.push_str("      default: {}\n    }\n");
+    }
+    if let Some(lines) = join.and_then(|join| call(join as usize)) {
+        let _ = writeln!(text, "    if (step & {ENDS}u) != 0u {{\n{}    }}", block("      ", &lines));
     }
     text.push_str("  }\n  return d;\n}\n");
     let count = |entry: &u32| operations.get((entry >> CLASS_SHIFT) as usize).copied().unwrap_or(0);
@@ -189,7 +205,8 @@ pub fn declare_text(context: &Context, wgsl: &mut String) {
     }
     let mut all: Vec<&Table> = tables.values().collect();
     all.sort_unstable_by_key(|t| t.index);
-    let entries: Vec<u32> = all.iter().flat_map(|t| t.entries.iter().copied()).collect();
+    let lists: Vec<Vec<u32>> = all.iter().map(|t| t.fused(t.entries.iter().copied())).collect();
+    let entries: Vec<u32> = lists.concat();
     let _ = write!(wgsl, ");\n\n// What is united, one after the other: what is done, and below that its row.\nconst {p}lists = array<u32, {}>(\n", entries.len());
     for line in entries.chunks(12) {
         let words: Vec<String> = line.iter().map(|e| format!("{e}u")).collect();
@@ -197,8 +214,8 @@ pub fn declare_text(context: &Context, wgsl: &mut String) {
     }
     let _ = write!(wgsl, ");\n\n// Where the list of a union begins and ends.\nfn {p}span(head: u32, p: vec3f) -> vec2u {{\n  switch head {{\n");
     let mut first = 0;
-    for table in all {
-        let end = first + table.entries.len();
+    for (table, list) in all.into_iter().zip(lists) {
+        let end = first + list.len();
         let _ = writeln!(wgsl, "    case {}u: {{ return vec2u({first}u, {end}u); }}", HEAD * table.index);
         first = end;
     }
