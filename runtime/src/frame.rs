@@ -109,14 +109,15 @@ impl Picture {
 
     /// The same with other features than the scene's own: to measure what they are worth.
     pub fn prepare_with(gpu: &Gpu, compiled: &Compiled, format: wgpu::TextureFormat, features: Features) -> Result<Self, String> {
-        Ok(Self {
-            gpu: gpu.clone(),
-            mode: features.view,
-            format,
-            passes: plan(compiled, features.view),
-            scene: ScenePipeline::prepare_with(gpu, compiled, format, features)?,
-            depth: Mutex::default(),
-        })
+        let scene = std::thread::scope(|scope| {
+            // What large unions look at, and where, is found while the driver builds; who needs it waits.
+            if let Some(tables) = &compiled.module.tables {
+                scope.spawn(|| _ = tables.lists());
+            }
+            ScenePipeline::prepare_with(gpu, compiled, format, features)
+        })?;
+        let passes = plan(compiled, features.view);
+        Ok(Self { gpu: gpu.clone(), mode: features.view, format, passes, scene, depth: Mutex::default() })
     }
 
     /// What it shows.
