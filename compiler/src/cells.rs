@@ -9,6 +9,7 @@ use crate::emit::table::{Action, CLASS_SHIFT, Class, Grid, HEAD, Number, PUSH, T
 use crate::graph::ANY_TIME;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
+use crate::spread::spread;
 use rustc_hash::FxHashMap;
 
 /// Lanes of one walk over a form.
@@ -17,6 +18,8 @@ const LANES: usize = 16;
 const OUTER: usize = 8;
 /// Boxes, each twice as wide as the one before.
 const LEVELS: usize = 4;
+/// The innermost box is looked at in so many slabs, each by itself, on all of the processor's cores.
+const SLABS: usize = 8;
 /// What 32 bits may lose of a value, for each unit of the coordinates.
 const ROUNDING: f64 = 4e-6;
 
@@ -58,19 +61,37 @@ pub fn lists(tables: &Tables, cells: bool) -> Vec<u32> {
 /// The span of each cell's list: those of the innermost box, x first, then those of the others.
 fn spans(grid: &Grid, table: &Table, tables: &Tables, lists: &mut Vec<u32>) -> Vec<(u32, u32)> {
     let all: Vec<u32> = (0..table.entries.len() as u32).collect();
-    let mut finder = Finder { table, evaluator: Evaluator::new(table, tables), lists, known: FxHashMap::default() };
+    let levels: Vec<Level> = (0..LEVELS)
+        .map(|level| {
+            let counts = if level == 0 { grid.counts } else { [OUTER; 3] };
+            let scale = f64::from(1u32 << level);
+            let half = grid.half.map(|h| h * scale);
+            let cell = with(half, counts.map(|n| n as f64), |h, n| 2.0 * h / n);
+            let low = with(grid.center, half, |c, h| c - h);
+            Level { low, cell, counts, inner: (level > 0).then_some((grid.center, half.map(|h| 0.5 * h))) }
+        })
+        .collect();
+    // The slabs of all levels, each by itself: where it begins along z, and where it ends.
+    let slabs: Vec<(&Level, usize, usize)> = levels
+        .iter()
+        .flat_map(|level| {
+            let ([_, _, deep], slabs) = (level.counts, if level.inner.is_none() { SLABS } else { 1 });
+            (0..slabs).map(move |i| (level, i * deep / slabs, (i + 1) * deep / slabs)).filter(|(_, first, end)| first < end)
+        })
+        .collect();
+    let parts = spread(slabs.len(), &|| Evaluator::new(table, tables), &|evaluator, i| {
+        let Some(&(level, first, end)) = slabs.get(i) else { return Default::default() };
+        let [across, up, _] = level.counts;
+        let mut spans = vec![(0, 0); across * up * (end - first)];
+        let mut finder = Finder { table, evaluator, level, before: across * up * first, lists: Vec::new(), known: FxHashMap::default() };
+        finder.block([0, 0, first], [across, up, end - first], &all, &mut spans);
+        (finder.lists, spans)
+    });
     let mut spans = Vec::new();
-    for level in 0..LEVELS {
-        let counts = if level == 0 { grid.counts } else { [OUTER; 3] };
-        let first = spans.len();
-        spans.resize(first + counts.iter().product::<usize>(), (0, 0));
-        let scale = f64::from(1u32 << level);
-        let half = grid.half.map(|h| h * scale);
-        let cell = with(half, counts.map(|n| n as f64), |h, n| 2.0 * h / n);
-        let low = with(grid.center, half, |c, h| c - h);
-        let level = Level { low, cell, counts, inner: (level > 0).then_some((grid.center, half.map(|h| 0.5 * h))) };
-        let slots = spans.get_mut(first..).unwrap_or_default();
-        finder.block(&level, [0; 3], counts, &all, slots);
+    for (own, part) in parts {
+        let before = lists.len() as u32;
+        spans.extend(part.into_iter().map(|(first, end): (u32, u32)| (before + first, before + end)));
+        lists.extend(own);
     }
     spans
 }
@@ -89,16 +110,20 @@ struct Level {
     inner: Option<([f64; 3], [f64; 3])>,
 }
 
-struct Finder<'a> {
+struct Finder<'a, 'e> {
     table: &'a Table,
-    evaluator: Evaluator<'a>,
-    lists: &'a mut Vec<u32>,
+    evaluator: &'e mut Evaluator<'a>,
+    level: &'a Level,
+    /// Cells of the level before those that are looked at.
+    before: usize,
+    lists: Vec<u32>,
     known: FxHashMap<Vec<u32>, (u32, u32)>,
 }
 
-impl Finder<'_> {
+impl Finder<'_, '_> {
     /// Finds the lists of a block of cells. `steps`: what matters around it.
-    fn block(&mut self, level: &Level, first: [usize; 3], size: [usize; 3], steps: &[u32], spans: &mut [(u32, u32)]) {
+    fn block(&mut self, first: [usize; 3], size: [usize; 3], steps: &[u32], spans: &mut [(u32, u32)]) {
+        let level = self.level;
         let half = with(level.cell, size.map(|n| n as f64), |c, n| 0.5 * c * n);
         let corner = with(level.cell, first.map(|n| n as f64), |c, n| c * n);
         let center = with(with(level.low, corner, |a, b| a + b), half, |a, b| a + b);
@@ -115,7 +140,7 @@ impl Finder<'_> {
         match divisible.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
             None => {
                 let ([x, y, z], [across, up, _]) = (first, level.counts);
-                let at = (z * up + y) * across + x;
+                let at = (z * up + y) * across + x - self.before;
                 let span = self.list(&kept);
                 if let Some(slot) = spans.get_mut(at) {
                     *slot = span;
@@ -129,8 +154,8 @@ impl Finder<'_> {
                 };
                 let (a, b) = (with_axis(size, left), with_axis(size, count - left));
                 let start = with_axis(first, first.get(axis).map_or(left, |f| f + left));
-                self.block(level, first, a, &kept, spans);
-                self.block(level, start, b, &kept, spans);
+                self.block(first, a, &kept, spans);
+                self.block(start, b, &kept, spans);
             }
         }
     }
@@ -302,11 +327,13 @@ impl<'a> Evaluator<'a> {
 
     /// A number of a row.
     fn number(&self, number: Number, row: u32) -> f64 {
+        let column = |c: u32| {
+            let piece = self.tables.rows.get(row.wrapping_add(c / 4) as usize);
+            piece.and_then(|p| p.get((c % 4) as usize)).copied().map_or(0.0, f64::from)
+        };
         match number {
-            Number::Column(c) => {
-                let piece = self.tables.rows.get(row.wrapping_add(c / 4) as usize);
-                piece.and_then(|p| p.get((c % 4) as usize)).copied().map_or(0.0, f64::from)
-            }
+            Number::Column(c) => column(c),
+            Number::Opposite(c) => -column(c),
             Number::Same(number) => f64::from(narrow(number)),
         }
     }
@@ -321,11 +348,12 @@ impl<'a> Evaluator<'a> {
             };
             match step.action {
                 Action::Number(i) => match class.numbers.get(i as usize) {
-                    Some(Number::Column(c)) => {
+                    Some(number @ (Number::Column(c) | Number::Opposite(c))) => {
+                        let sign = if matches!(number, Number::Opposite(_)) { -1.0 } else { 1.0 };
                         let (piece, part) = ((c / 4) as usize, (c % 4) as usize);
                         for (out, &(_, row)) in out.iter_mut().zip(rows) {
                             let numbers = self.tables.rows.get(row as usize + piece).unwrap_or(&[0.0; 4]);
-                            *out = numbers.get(part).map_or(0.0, |n| f64::from(*n));
+                            *out = numbers.get(part).map_or(0.0, |n| sign * f64::from(*n));
                         }
                     }
                     Some(Number::Same(number)) => *out = [f64::from(narrow(*number)); LANES],

@@ -21,6 +21,7 @@ pub mod reference;
 pub mod reference_text;
 pub mod skipped;
 pub mod source;
+mod spread;
 pub mod syntax;
 pub mod verify;
 

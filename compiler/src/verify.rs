@@ -7,6 +7,7 @@ use crate::evaluate::{Evaluator, Tape};
 use crate::functions::LONGEST_HAIR;
 use crate::graph::interval::Interval;
 use crate::graph::{Function, Leaf, Node, NodeId};
+use crate::spread::spread;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How much is tried.
@@ -357,29 +358,6 @@ fn certify(truth: &Truth, tried: &[Tried], apart: usize, extent: f64, progress: 
         progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tried.len() as f64);
         certain
     })
-}
-
-/// Does tasks on all of the processor's cores. Each thread has something of its own to work with, as `make` makes it. Answers in order.
-fn spread<W, R: Send>(tasks: usize, make: &(dyn Fn() -> W + Sync), work: &(dyn Fn(&mut W, usize) -> R + Sync)) -> Vec<R> {
-    let threads = std::thread::available_parallelism().map_or(1, |n| n.get()).min(tasks);
-    let next = AtomicUsize::new(0);
-    let run = || {
-        let mut own = make();
-        let mut done = Vec::new();
-        loop {
-            let task = next.fetch_add(1, Ordering::Relaxed);
-            if task >= tasks {
-                return done;
-            }
-            done.push((task, work(&mut own, task)));
-        }
-    };
-    let mut all: Vec<(usize, R)> = std::thread::scope(|scope| {
-        let running: Vec<_> = (0..threads).map(|_| scope.spawn(run)).collect();
-        running.into_iter().flat_map(|thread| thread.join().unwrap_or_else(|fault| std::panic::resume_unwind(fault))).collect()
-    });
-    all.sort_by_key(|(task, _)| *task);
-    all.into_iter().map(|(_, answer)| answer).collect()
 }
 
 fn certain(prover: &mut Prover<'_>, tried: &Tried, extent: f64, settle: bool) -> Certain {

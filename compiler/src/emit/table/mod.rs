@@ -50,6 +50,18 @@ pub enum Number {
     Same(f64),
     /// In this column of the row.
     Column(u32),
+    /// The opposite of what is in this column: a sine that a turn both adds and takes away.
+    Opposite(u32),
+}
+
+impl Number {
+    /// Which column it needs.
+    pub fn column(self) -> Option<u32> {
+        match self {
+            Self::Same(_) => None,
+            Self::Column(column) | Self::Opposite(column) => Some(column),
+        }
+    }
 }
 
 /// A union as classes and a list.
@@ -89,7 +101,7 @@ impl Table {
     pub fn join(&self) -> Option<u32> {
         let mut joins = self.classes.iter().zip(0..).filter(|(class, _)| class.pops);
         let (class, index) = joins.next()?;
-        let same = class.numbers.iter().all(|n| matches!(n, Number::Same(_)));
+        let same = class.numbers.iter().all(|n| n.column().is_none());
         (joins.next().is_none() && same).then_some(index)
     }
 
@@ -208,11 +220,12 @@ impl Tables {
             let number = if column(i).all(|c| c == first) {
                 Number::Same(first)
             } else {
-                let known = columns.iter().position(|&j| column(i).eq(column(j)));
-                Number::Column(known.unwrap_or_else(|| {
+                let at = |f: &dyn Fn(usize) -> bool| columns.iter().position(|&j| f(j)).map(|at| at as u32);
+                let known = at(&|j| column(i).eq(column(j))).map(Number::Column);
+                known.or_else(|| at(&|j| column(i).eq(column(j).map(|c| -c))).map(Number::Opposite)).unwrap_or_else(|| {
                     columns.push(i);
-                    columns.len() - 1
-                }) as u32)
+                    Number::Column(columns.len() as u32 - 1)
+                })
             };
             class.numbers.push(number);
         }

@@ -5,7 +5,7 @@ use crate::emit::EmitError;
 use crate::emit::body::{Body, Code, ExprId, Read};
 use crate::emit::write::{self, Context};
 use crate::graph::FAR;
-use crate::graph::kernel::Terms;
+use crate::graph::kernel::{Op, Terms};
 use std::fmt::Write;
 
 /// Numbers in a union's head, which stands at the beginning of the lists.
@@ -29,11 +29,7 @@ pub fn write(
         let _ = writeln!(text, "\nfn {name}({}) -> {ty} {{", arguments.join(", "));
         body.clear();
         let result = open(context, class, gradient, body)?;
-        let columns = class.numbers.iter().filter_map(|n| match n {
-            Number::Column(c) => Some(*c / 4 + 1),
-            Number::Same(_) => None,
-        });
-        let pieces = columns.max().unwrap_or(0);
+        let pieces = class.numbers.iter().filter_map(|n| Some(n.column()? / 4 + 1)).max().unwrap_or(0);
         let prefix = context.prefix;
         let mut words: Vec<String> = ["p", "d", "aside", "row"].map(str::to_owned).to_vec();
         for piece in 0..pieces {
@@ -66,7 +62,7 @@ pub fn write(
     let begin = [format!("{waiting} = d;"), up.to_owned(), format!("d = {far};")];
     let call = |i: usize| {
         let (class, name) = table.classes.get(i).zip(names.get(i))?;
-        let row = if class.numbers.iter().any(|n| matches!(n, Number::Column(_))) { ", row" } else { "" };
+        let row = if class.numbers.iter().any(|n| n.column().is_some()) { ", row" } else { "" };
         Some(match class.pops {
             true => [down.to_owned(), format!("d = {name}(d, {waiting}{row});")],
             false => [String::new(), format!("d = {name}(p, d{row});")],
@@ -118,7 +114,7 @@ fn arguments(class: &Class, ty: &str) -> Vec<String> {
     } else {
         arguments.extend(["p: vec3f".to_owned(), format!("d: {ty}")]);
     }
-    if class.numbers.iter().any(|n| matches!(n, Number::Column(_))) {
+    if class.numbers.iter().any(|n| n.column().is_some()) {
         arguments.push("row: u32".to_owned());
     }
     arguments
@@ -147,9 +143,10 @@ fn open(context: &Context, class: &Class, gradient: bool, body: &mut Body) -> Re
         let of = |i: u32| values.get(i as usize).copied().unwrap_or(0);
         let value = match step.action {
             Action::Number(i) => match class.numbers.get(i as usize) {
-                Some(Number::Column(c)) => {
+                Some(number @ (Number::Column(c) | Number::Opposite(c))) => {
                     let piece = body.add(Code::Row(c / 4), &[]);
-                    body.component(piece, (c % 4) as u8)
+                    let value = body.component(piece, (c % 4) as u8);
+                    if matches!(number, Number::Opposite(_)) { body.op(Op::Neg, &[value]) } else { value }
                 }
                 Some(Number::Same(number)) => body.constant(*number),
                 None => body.constant(0.0),
