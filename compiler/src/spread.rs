@@ -18,8 +18,11 @@ pub fn spread<W, R: Send>(tasks: usize, make: &(dyn Fn() -> W + Sync), work: &(d
         }
     };
     let mut all: Vec<(usize, R)> = std::thread::scope(|scope| {
-        let running: Vec<_> = (0..threads).map(|_| scope.spawn(run)).collect();
-        running.into_iter().flat_map(|thread| thread.join().unwrap_or_else(|fault| std::panic::resume_unwind(fault))).collect()
+        // Where the system has no more threads to give, this one does what is left.
+        let others: Vec<_> = (1..threads).filter_map(|_| std::thread::Builder::new().spawn_scoped(scope, run).ok()).collect();
+        let own = run();
+        let others = others.into_iter().flat_map(|thread| thread.join().unwrap_or_else(|fault| std::panic::resume_unwind(fault)));
+        own.into_iter().chain(others).collect()
     });
     all.sort_by_key(|(task, _)| *task);
     all.into_iter().map(|(_, answer)| answer).collect()

@@ -112,7 +112,7 @@ impl Picture {
         let scene = std::thread::scope(|scope| {
             // What large unions look at, and where, is found while the driver builds; who needs it waits.
             if let Some(tables) = &compiled.module.tables {
-                scope.spawn(|| _ = tables.lists());
+                _ = std::thread::Builder::new().spawn_scoped(scope, || _ = tables.lists());
             }
             ScenePipeline::prepare_with(gpu, compiled, format, features)
         })?;
