@@ -126,7 +126,7 @@ pub fn run(paths: &[String], args: &Args, json: Option<&Path>) -> Result<Exit, F
     } else if let Some(file) = &args.page {
         let curves = file.with_extension("svg");
         plot::write(&curves, gpu.name(), &scenes)?;
-        report::write_page(file, &curves, gpu.name(), args, &scenes)?;
+        report::write_page(file, &curves, &gpu, args, &scenes)?;
     }
     let methods: Vec<&str> = METHODS.iter().map(|(name, _)| *name).collect();
     print(report::summary(&scenes, &methods).as_bytes())?;

@@ -7,6 +7,7 @@ use crate::command::{Failure, page, print};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use surefoot_runtime::Gpu;
 use surefoot_runtime::passes::rays::FUNCTIONS;
 
 /// So many wrong pixels of a method are listed in tables.
@@ -120,13 +121,18 @@ pub fn steps(row: &Row) -> f64 {
 }
 
 /// Writes the tables as the first section of a page of Markdown.
-pub fn write_page(file: &Path, curves: &Path, adapter: &str, args: &Args, scenes: &[Scene]) -> Result<(), Failure> {
+pub fn write_page(file: &Path, curves: &Path, gpu: &Gpu, args: &Args, scenes: &[Scene]) -> Result<(), Failure> {
+    let adapter = gpu.name();
+    let software = match gpu.is_software() {
+        true => "No graphics card was to be had where this page was written: the adapter is a program, whose times say nothing about graphics cards.\n\n",
+        false => "",
+    };
     let command = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
     let name = curves.file_name().unwrap_or_default().to_string_lossy();
     let mut text = format!(
         "# Run time against error\n\n\
          Written by `surefoot {command}` on {adapter}: {}×{} pixels, {} views of each scene around what its camera looks at, medians of {} \
-         rounds in which the methods take turns.\n\n\
+         rounds in which the methods take turns.\n\n{software}\
          What each ray meets is certified in intervals first. *Missed* pixels are those whose ray surely hits, and does not; *false* ones \
          surely miss, and hit; *inside* are hits deeper in the solid than half a pixel. Silhouettes are not judged: the neighbour meets \
          something else, or the ray passes a surface within a pixel's width before it meets one. Depth is the error along the ray in widths of a pixel, the normal's is in degrees, both at the 99th percentile. \
