@@ -157,14 +157,7 @@ impl Prover<'_> {
 
     /// 1 or -1 where the field at a point is certainly above or below zero, else 0.
     fn sign<const D: usize>(&mut self, code: &Code, at: [f64; D]) -> i8 {
-        let value = forward::natural(code, &at.map(Interval::point), &mut self.ranges);
-        if value.lo > 0.0 {
-            1
-        } else if value.hi < 0.0 {
-            -1
-        } else {
-            0
-        }
+        side(forward::natural(code, &at.map(Interval::point), &mut self.ranges))
     }
 
     /// The natural interval of a code over a box, and the shorter code for it where it is worth it.
@@ -174,6 +167,11 @@ impl Prover<'_> {
         let shorter = code.shorter(|i| ranges.get(i).copied().unwrap_or(Interval::ALL), &mut self.room);
         (value, shorter.map_or(code, Arc::new))
     }
+}
+
+/// 1 or -1 where all values are above or below zero, else 0.
+fn side(values: Interval) -> i8 {
+    i8::from(values.lo > 0.0) - i8::from(values.hi < 0.0)
 }
 
 /// The hull of pieces.

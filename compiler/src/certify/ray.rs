@@ -3,7 +3,7 @@
 use super::code::Code;
 use super::forward::{self, Domain};
 use super::jumps::{self, Side};
-use super::{BRANCHES, Prover, SHORT, joined};
+use super::{BRANCHES, Prover, SHORT, joined, side};
 use crate::graph::interval::Interval;
 use std::sync::Arc;
 
@@ -190,11 +190,6 @@ impl Prover<'_> {
         }
         0.5 * (lo + hi)
     }
-}
-
-/// 1 or -1 where all values are above or below zero, else 0.
-fn side(values: Interval) -> i8 {
-    i8::from(values.lo > 0.0) - i8::from(values.hi < 0.0)
 }
 
 /// The largest of the parameter and the coordinates of the point there.
