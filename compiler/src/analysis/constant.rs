@@ -292,7 +292,7 @@ const IDLE: f64 = 0.004;
 const STEPS_MORE: u64 = 8;
 
 /// How many steps all searches of a scene may cost while it is compiled; then formulas are looked at as a whole.
-pub(super) const MOST_SEARCHED: u64 = 2_000_000;
+pub(super) const MOST_SEARCHED: u64 = 1_500_000;
 
 /// The width of a side; what has no end counts the less, the farther away it begins.
 fn breadth(side: Interval) -> f64 {
