@@ -12,9 +12,9 @@ pub struct Tracer {
     /// How near is near enough, in widths of a pixel there. Nearer costs little: the steps shrink geometrically. As the budget is spent it
     /// grows by [`Tracer::TIRED`], so that a ray that hardly gets on ends at the surface and not in a hole.
     pub tolerance: f64,
-    /// Near a surface a ray goes straight to where the line through its last two looks is zero (but for what rounding may be), if that is at
-    /// most so many widths of a pixel ahead. There must be the surface, else it goes back; and the hit is where the line is zero then, looked
-    /// at once more where that is not [`Tracer::FINE`]. 0 leaves all this away: the hit is where the ray stopped.
+    /// A ray goes straight to where the line through its last two looks is zero (but for what rounding may be), if at most so many widths of
+    /// a pixel on its way are then proven empty by neither look. There must be the surface, else it goes back; and the hit is where the line is
+    /// zero then, looked at once more where that is not [`Tracer::FINE`]. 0 leaves all this away: the hit is where the ray stopped.
     pub leap: f64,
     /// Looks at most.
     pub budget: u32,
@@ -39,14 +39,12 @@ impl Default for Tracer {
 
 impl Tracer {
     /// What modules hold.
-    pub const DEFAULT: Self = Self { factor: 1.0, relaxation: 0.3, tolerance: 1.0 / 128.0, leap: 2.0, budget: 1024 };
+    pub const DEFAULT: Self = Self { factor: 1.0, relaxation: 0.3, tolerance: 1.0 / 128.0, leap: 0.5, budget: 1024 };
     /// By how much the tolerance has grown when the budget is spent, in widths of a pixel. It grows by the square of the looks: those that
     /// most rays take leave it as it is.
     pub const TIRED: f64 = 0.5;
     /// The slope at which a step is longest.
     pub const STEEPEST: f64 = 0.75;
-    /// A ray leaps where the bound is at most so many widths of a pixel. What stands in the gap that a leap leaves unproven is that near.
-    pub const NEAR: f64 = 0.25;
     /// A ray leaps where the bound fell so evenly over the last two steps that, as they differ, it would land at most this share of the
     /// tolerance beside the surface.
     pub const EVEN: f64 = 0.0625;
@@ -201,7 +199,7 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
     /// The lines of the step after a look: on, or back to the end of the last sphere where there is a gap.
     fn go_on(&self) -> Vec<String> {
         let Self { relaxation, leap, .. } = *self;
-        let (steepest, near, even, faster) = (Self::STEEPEST, Self::NEAR, Self::EVEN, Self::FASTER);
+        let (steepest, even, faster) = (Self::STEEPEST, Self::EVEN, Self::FASTER);
         let mut lines = vec![
             format!("let learnt = clamp(mix(slope, change, {relaxation:?}), -1.0, {steepest:?});"),
             "let reach = max(free, 0.5 * tolerance);".to_owned(),
@@ -211,7 +209,8 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
                 "let far = reach * 2.0 / (1.0 - learnt);".to_owned(),
                 "// As the bound falls faster and faster, the surface is nearer than the line says.".to_owned(),
                 format!("let leap = ahead * (1.0 - {faster:?} * max(before - change, 0.0) * fall);"),
-                format!("let close = ahead <= {leap:?} * pixel && free <= {near:?} * pixel;"),
+                "// What a leap leaves unproven of the ray is no longer than this.".to_owned(),
+                format!("let close = ahead - free <= {leap:?} * pixel;"),
                 format!("leapt = !gap && leap > far && close && abs(change - before) * ahead <= {even:?} * tolerance;"),
                 "let on = min(select(far, leap, leapt), span.y - t);".to_owned(),
                 "before = select(change, before, gap);".to_owned(),

@@ -91,7 +91,7 @@ impl Follow {
         self.radius = free.max(0.5 * tolerance);
         self.seen = free;
         let stride = self.radius * 2.0 / (1.0 - self.slope);
-        let close = ahead <= TRACER.leap * pixel && free <= Tracer::NEAR * pixel;
+        let close = ahead - free <= TRACER.leap * pixel;
         let leap = ahead * (1.0 - Tracer::FASTER * (self.before - change).max(0.0) / fall);
         self.leapt = leap > stride && close && (change - self.before).abs() * ahead <= Tracer::EVEN * tolerance;
         self.before = change;

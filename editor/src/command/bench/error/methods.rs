@@ -99,8 +99,8 @@ pub fn sweep(scene: &Compiled) -> Vec<Method> {
     for relaxation in [0.1, 0.2, 0.5, 0.7, 1.0] {
         add(format!("relaxation {relaxation}"), "ours that learns the slope faster or slower", Tracer { relaxation, ..whole });
     }
-    for leap in [0.5, 1.0, 4.0] {
-        add(format!("leap {leap}"), "ours with shorter or longer leaps, in pixels", Tracer { leap, ..whole });
+    for leap in [0.125, 2.0, 8.0] {
+        add(format!("leap {leap}"), "ours whose leaps leave less or more unproven, in pixels", Tracer { leap, ..whole });
     }
     for factor in [0.25, 0.5, 4.0] {
         add(format!("bound x{factor:?}"), "ours with another bound: above 1 nothing is proven", Tracer { factor, ..whole });
