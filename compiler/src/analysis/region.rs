@@ -15,7 +15,7 @@ const SIFTED: u32 = 600;
 /// How many steps of formulas the sifting of one region may cost, those of the shapes inside counted in.
 const SIFTED_STEPS: u64 = 1_000_000;
 /// How many steps of formulas the sifting and the cutting of all regions of a scene may cost; then they are only found by carrying back.
-const CLOSER_STEPS: u64 = 3_000_000;
+const CLOSER_STEPS: u64 = 4_000_000;
 /// How many shapes inside may be sifted for one region.
 const SIFTS: u32 = 16;
 /// How many unions inside may be looked at part by part for one region.
