@@ -125,6 +125,35 @@ fn where_faces_touch_no_ray_goes_between_them() {
 }
 
 #[test]
+fn no_ray_goes_over_a_low_step() {
+    // A step on a table, a part of a pixel high and a few long. Rays skim the table, cut the step, and would meet the table behind it.
+    let footprint = 0.003;
+    let pixel = 10.0 * footprint;
+    let mut cut = 0;
+    for (high, long) in [(0.1, 1.0), (0.2, 1.5), (0.2, 3.0), (0.4, 2.0)] {
+        let step = format!("box(({}, {}, 4)).translate({}, 0, 0)", long * pixel, 2.0 * high * pixel, 0.5 * long * pixel);
+        let reference = reference(&scene(&format!("scene = box((20, 1, 4)).translate(0, -0.5, 0) | {step}")));
+        for degrees in [3f64, 6.0, 10.0, 15.0] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            for i in 0..200 {
+                // Where the ray would meet the table, behind the step's front.
+                let beyond = 0.03 * f64::from(i) * pixel;
+                if beyond * sin / cos > high * pixel {
+                    continue;
+                }
+                let origin = [beyond - 10.0 * cos, 10.0 * sin, 0.1];
+                let ray = Ray { origin, direction: [cos, -sin, 0.0], t_min: 0.0, t_max: 100.0 };
+                let hit = reference.trace(&[ray], footprint, 1000.0)[0];
+                let deep = (origin[0] + hit.t * cos) / pixel;
+                assert!(hit.hit && deep < 0.5, "{high} high, {long} long, {degrees} degrees, {i}: {deep} pixels behind the step's front");
+                cut += 1;
+            }
+        }
+    }
+    assert!(cut > 500, "{cut} rays cut the step");
+}
+
+#[test]
 fn a_pixel_does_not_depend_on_its_neighbours() {
     let compiled = scene(PARTS);
     let reference = reference(&compiled);
