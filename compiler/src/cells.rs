@@ -214,6 +214,33 @@ impl Finder<'_, '_> {
     }
 }
 
+/// The steps of a class's form that its operand needs, in order.
+fn needed(class: &Class) -> Vec<u32> {
+    let form = &class.filled.form;
+    let Some(operand) = form.operand else { return Vec::new() };
+    let mut wanted = vec![false; operand as usize + 1];
+    if let Some(last) = wanted.last_mut() {
+        *last = true;
+    }
+    for i in (0..wanted.len()).rev() {
+        let step = form.steps.get(i).filter(|_| wanted.get(i) == Some(&true));
+        if let Some((step, Action::Op(op))) = step.map(|s| (s, s.action)) {
+            for &a in step.arguments.iter().take(op.row().arity.into()) {
+                if let Some(slot) = wanted.get_mut(a as usize) {
+                    *slot = true;
+                }
+            }
+        }
+    }
+    (0..wanted.len() as u32).filter(|&i| wanted.get(i as usize) == Some(&true)).collect()
+}
+
+/// Whether the operands of a class, which need these steps, are the same at all times.
+fn is_still(class: &Class, needed: &[u32]) -> bool {
+    let live = |a: Action| matches!(a, Action::Time | Action::Parameter(_) | Action::Factor(_));
+    let steps = &class.filled.form.steps;
+    needed.iter().all(|&at| !steps.get(at as usize).is_some_and(|s| live(s.action)))
+}
 
 /// Computes operands at a point, many at once.
 struct Evaluator<'a> {
@@ -232,40 +259,12 @@ struct Evaluator<'a> {
 
 impl<'a> Evaluator<'a> {
     fn new(table: &'a Table, tables: &'a Tables) -> Self {
-        let needed = table.classes.iter().map(|class| {
-            let form = &class.filled.form;
-            let Some(operand) = form.operand else { return Vec::new() };
-            let mut wanted = vec![false; operand as usize + 1];
-            if let Some(last) = wanted.last_mut() {
-                *last = true;
-            }
-            for i in (0..wanted.len()).rev() {
-                let step = form.steps.get(i).filter(|_| wanted.get(i) == Some(&true));
-                if let Some((step, Action::Op(op))) = step.map(|s| (s, s.action)) {
-                    for &a in step.arguments.iter().take(op.row().arity.into()) {
-                        if let Some(slot) = wanted.get_mut(a as usize) {
-                            *slot = true;
-                        }
-                    }
-                }
-            }
-            (0..wanted.len() as u32).filter(|&i| wanted.get(i as usize) == Some(&true)).collect()
-        });
+        let needed: Vec<Vec<u32>> = table.classes.iter().map(needed).collect();
+        let still = table.classes.iter().zip(&needed).map(|(class, needed)| is_still(class, needed)).collect();
         let longest = table.classes.iter().map(|c| c.filled.form.steps.len()).max().unwrap_or(0);
         let (registers, ranges) = (vec![[0.0; LANES]; longest], vec![Interval::ALL; longest]);
-        let still = table.classes.iter().map(|_| false).collect();
         let members = vec![Vec::new(); table.classes.len()];
-        let mut evaluator = Self { table, tables, needed: needed.collect(), still, registers, members, ranges };
-        evaluator.still = table.classes.iter().enumerate().map(|(i, class)| evaluator.is_still(i, class)).collect();
-        evaluator
-    }
-
-    /// Whether the operands of a class are the same at all times.
-    fn is_still(&self, index: usize, class: &Class) -> bool {
-        let live = |a: Action| matches!(a, Action::Time | Action::Parameter(_) | Action::Factor(_));
-        let steps = &class.filled.form.steps;
-        let needed = self.needed.get(index).map_or(&[][..], Vec::as_slice);
-        needed.iter().all(|&at| !steps.get(at as usize).is_some_and(|s| live(s.action)))
+        Self { table, tables, needed, still, registers, members, ranges }
     }
 
     /// The values of steps at a point; of those without an operand, infinity.

@@ -74,22 +74,9 @@ impl Prover<'_> {
             }
             let scale = size(origin, direction, lo).max(1.0);
             if whole.jump {
-                let beside = BESIDE * scale;
-                let part = Interval { lo: lo + 2.0 * beside, hi: hi - 2.0 * beside };
-                let mut borders = jumps::borders(&code, &self.ray_slots, middle, part);
-                borders.truncate(CUTS);
-                borders.sort_unstable_by(f64::total_cmp);
-                let mut end = hi;
-                while let Some(last) = borders.pop() {
-                    let mut first = last;
-                    while let Some(next) = borders.pop_if(|next| *next >= first - 3.0 * beside) {
-                        first = next;
-                    }
-                    open.extend([(last + beside, end, code.clone(), halved + 1), (first - beside, last + beside, code.clone(), halved + 1)]);
-                    end = first - beside;
-                }
-                if end < hi {
-                    open.push((lo, end, code, halved + 1));
+                let parts = self.between_borders(&code, middle, (lo, hi), BESIDE * scale);
+                if parts.len() > 1 {
+                    open.extend(parts.into_iter().map(|(lo, hi)| (lo, hi, code.clone(), halved + 1)));
                     continue;
                 }
                 if self.kept(&code, &domain, &mut { PIECES }) != 0 {
@@ -114,6 +101,27 @@ impl Prover<'_> {
             open.extend([(cut, hi, code.clone(), halved + 1), (lo, cut, code, halved + 1)]);
         }
         Hit::Miss
+    }
+
+    /// A segment cut at borders at which the field may jump, with a hair `beside` each on both sides: the parts between them and the hairs, the
+    /// farthest first. What is known of each step over the segment stands in `ray_slots`.
+    fn between_borders(&self, code: &Code, middle: f64, (lo, hi): (f64, f64), beside: f64) -> Vec<(f64, f64)> {
+        let inside = Interval { lo: lo + 2.0 * beside, hi: hi - 2.0 * beside };
+        let mut borders = jumps::borders(code, &self.ray_slots, middle, inside);
+        borders.truncate(CUTS);
+        borders.sort_unstable_by(f64::total_cmp);
+        let mut parts = Vec::new();
+        let mut end = hi;
+        while let Some(last) = borders.pop() {
+            let mut first = last;
+            while let Some(next) = borders.pop_if(|next| *next >= first - 3.0 * beside) {
+                first = next;
+            }
+            parts.extend([(last + beside, end), (first - beside, last + beside)]);
+            end = first - beside;
+        }
+        parts.push((lo, end));
+        parts
     }
 
     /// The sign that the field surely keeps all along a segment across its jumps, or 0. Looks at `left` pieces at most. What is known of each
