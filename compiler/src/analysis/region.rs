@@ -57,14 +57,14 @@ impl Facts {
                 break;
             }
         }
-        let first = self.ran;
         if self.closer < CLOSER_STEPS && region.is_finite() && region.size() > 0.5 * domain.point.size() {
             region = self.sift(graph, node, domain, region, level);
         }
         if self.closer < CLOSER_STEPS && !region.is_empty() && region.is_finite() {
+            let first = self.ran;
             region = self.shave(graph, &tape, domain, region, level);
+            self.closer += self.ran - first;
         }
-        self.closer += self.ran - first;
         self.regions.insert(key, region);
         region
     }
@@ -158,15 +158,20 @@ impl Facts {
     }
 
     /// Drops parts of which a constant of the formula proves that they are empty: the value at the middle is more than the constant times
-    /// the distance to the corners.
-    fn sift(
-        &mut self,
-        graph: &Graph,
-        node: NodeId,
-        domain: &Domain,
-        region: Box3,
-        level: f64,
-    ) -> Box3 {
+    /// the distance to the corners. Domains of all sizes lead to the same box, which is sifted once.
+    fn sift(&mut self, graph: &Graph, node: NodeId, domain: &Domain, region: Box3, level: f64) -> Box3 {
+        let key = (node, domain.at(region).key(), level.to_bits());
+        if let Some(known) = self.sifted.get(&key) {
+            return *known;
+        }
+        let first = self.ran;
+        let sifted = self.sift_anew(graph, node, domain, region, level);
+        self.closer += self.ran - first;
+        self.sifted.insert(key, sifted);
+        sifted
+    }
+
+    fn sift_anew(&mut self, graph: &Graph, node: NodeId, domain: &Domain, region: Box3, level: f64) -> Box3 {
         let exact =
             graph.shapes().any(|(_, s)| s.value == node && s.exactness == Exactness::Exact);
         let constant = if exact {
@@ -324,9 +329,7 @@ impl Facts {
             let mut region = self.contract(graph, &tape, &domain, target);
             let loose = region.size() > 0.5 * domain.point.size();
             if loose && region.is_finite() && self.sifts > 0 && self.closer < CLOSER_STEPS {
-                let first = self.ran;
                 region = self.sift(graph, node, &domain, region, level);
-                self.closer += self.ran - first;
             }
             self.regions.insert(key, region);
             return region;
