@@ -132,6 +132,7 @@ fn run(
         }
     }
     *memory = elaboration.facts.memory;
+    memory.steps += elaboration.facts.ran;
     tidy(&mut outcome.diagnostics);
     outcome
 }

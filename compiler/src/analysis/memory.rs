@@ -20,6 +20,8 @@ pub struct Memory {
     pub searched: u64,
     /// Searches that were not made, because the result was known.
     pub remembered: u64,
+    /// Steps of formulas that compilations ran since the memory began: what they cost, whatever the machine.
+    pub steps: u64,
 }
 
 impl Memory {

@@ -17,7 +17,7 @@ use super::{Exit, Failure, compile_file, print, show_diagnostics};
 use crate::files::FileLoader;
 use serde_json::json;
 use std::time::{Duration, Instant};
-use surefoot_compiler::{Loader, MemoryLoader, Options, Outcome, Stage, compile_observed, emit};
+use surefoot_compiler::{Loader, Memory, MemoryLoader, Options, Outcome, Stage, compile_remembering, emit};
 
 /// What to measure.
 #[derive(Debug, clap::Args)]
@@ -89,13 +89,14 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         measure(&loader, path, &mut Vec::new());
     }
     let mut rows = Rows::new();
+    let mut steps = 0;
     for _ in 0..args.runs {
-        measure(&loader, path, &mut rows);
+        steps = measure(&loader, path, &mut rows);
     }
     for (_, times) in &mut rows {
         times.sort_unstable();
     }
-    let text = if args.json.is_some() { in_json(path, args.runs, &rows) } else { table(path, args.runs, &rows) };
+    let text = if args.json.is_some() { in_json(path, args.runs, &rows, steps) } else { table(path, args.runs, &rows, steps) };
     print(text.as_bytes())?;
     Ok(Exit::Fine)
 }
@@ -130,12 +131,14 @@ fn in_memory(outcome: &Outcome) -> MemoryLoader {
     outcome.files.iter().fold(MemoryLoader::new(), read)
 }
 
-/// One run: the time of each stage, of all together, and of naga's validation, which is not a part of compiling.
-fn measure(loader: &dyn Loader, path: &str, rows: &mut Rows) {
+/// One run: the time of each stage, of all together, and of naga's validation, which is not a part of compiling. The answer: how many steps
+/// of formulas the analysis ran, which is the same each time and on each machine.
+fn measure(loader: &dyn Loader, path: &str, rows: &mut Rows) -> u64 {
     let start = Instant::now();
     let mut last = start;
     let mut stages: Vec<(Stage, Duration)> = Vec::new();
-    let outcome = compile_observed(loader, path, &Options::default(), &mut |stage| {
+    let mut memory = Memory::default();
+    let outcome = compile_remembering(loader, path, &Options::default(), &mut memory, &mut |stage| {
         let now = Instant::now();
         stages.push((stage, now - last));
         last = now;
@@ -152,6 +155,7 @@ fn measure(loader: &dyn Loader, path: &str, rows: &mut Rows) {
         add(rows, "naga's check", start.elapsed());
         drop(valid);
     }
+    memory.steps
 }
 
 fn add(rows: &mut Rows, name: &'static str, took: Duration) {
@@ -171,17 +175,18 @@ fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-fn table(path: &str, runs: u32, rows: &Rows) -> String {
+fn table(path: &str, runs: u32, rows: &Rows, steps: u64) -> String {
     let mut text = format!("{path}, {runs} runs{:>13}{:>12}\n", "median", "p95");
     for (name, times) in rows {
         let (median, p95) =
             (milliseconds(percentile(times, 50)), milliseconds(percentile(times, 95)));
         text.push_str(&format!("  {name:<20}{median:>9.3} ms{p95:>9.3} ms\n"));
     }
+    text.push_str(&format!("  {steps} steps of formulas looked at\n"));
     text
 }
 
-fn in_json(path: &str, runs: u32, rows: &Rows) -> String {
+fn in_json(path: &str, runs: u32, rows: &Rows, steps: u64) -> String {
     let stages = rows.iter().map(|(name, times)| {
         json!({
             "name": name,
@@ -191,7 +196,7 @@ fn in_json(path: &str, runs: u32, rows: &Rows) -> String {
     });
     format!(
         "{}\n",
-        json!({ "scene": path, "runs": runs, "stages": stages.collect::<Vec<_>>() })
+        json!({ "scene": path, "runs": runs, "stages": stages.collect::<Vec<_>>(), "steps": steps })
     )
 }
 

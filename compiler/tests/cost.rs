@@ -1,0 +1,41 @@
+//! What compiling costs, in steps of formulas that the analysis runs: the same on each machine.
+
+#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing)]
+
+use std::path::Path;
+use surefoot_compiler::{Memory, MemoryLoader, Options, compile_remembering};
+
+/// Steps that examples may cost at most.
+const MOST: [(&str, u64); 2] = [("chess", 15_000), ("colonnade", 1_200_000)];
+/// The same for those that do not stand there.
+const OTHERS: u64 = 250_000;
+
+/// A folder's scenes, by paths from that folder.
+fn read(folder: &Path, under: &str, loader: MemoryLoader) -> MemoryLoader {
+    let files = std::fs::read_dir(folder.join(under)).unwrap().map(|file| file.unwrap().path());
+    files.filter(|path| path.extension().is_some_and(|e| e == "sdf")).fold(loader, |loader, path| {
+        let name = format!("{under}{}", path.file_name().unwrap().to_string_lossy());
+        loader.with(&name, std::fs::read(&path).unwrap())
+    })
+}
+
+#[test]
+fn no_example_costs_more_than_it_did() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    let loader = read(&folder, "parts/", read(&folder, "", MemoryLoader::new()));
+    let mut wrong = Vec::new();
+    for file in std::fs::read_dir(&folder).unwrap().map(|file| file.unwrap().path()) {
+        if file.extension().is_none_or(|e| e != "sdf") {
+            continue;
+        }
+        let name = file.file_stem().unwrap().to_string_lossy().into_owned();
+        let mut memory = Memory::default();
+        let outcome = compile_remembering(&loader, &format!("{name}.sdf"), &Options::default(), &mut memory, &mut |_| {});
+        let most = MOST.iter().find(|(known, _)| *known == name).map_or(OTHERS, |(_, most)| *most);
+        println!("{name}: {} of {most}", memory.steps);
+        if outcome.compiled.is_none() || memory.steps > most || memory.steps == 0 {
+            wrong.push(format!("{name}: {} steps, {most} allowed", memory.steps));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
