@@ -1,10 +1,42 @@
 //! Formulas that jump: a ray stops before the jump and looks again just behind it.
 
-use super::{Builder, Kind, Treatment, HAIR, LONGEST_HAIR};
+use super::{Builder, HAIR, Kind, LONGEST_HAIR, Proof, Treatment};
 use crate::analysis::Domain;
+use crate::analysis::tape::{Step, Tape};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
-use crate::graph::{NodeId, ShapeId};
+use crate::graph::{Claim, Exactness, Node, NodeId, ShapeId};
+
+/// An operation that makes a formula jump.
+struct Site {
+    node: NodeId,
+    op: Op,
+    args: Vec<NodeId>,
+}
+
+/// How far it is at least to where an operation jumps.
+pub(super) enum Jump {
+    /// It does not jump here.
+    Nowhere,
+    /// As far as this node says.
+    From(NodeId),
+    /// Nothing is known of how near it is.
+    Unknown,
+}
+
+/// What of a step makes the formula jump.
+#[derive(Clone, Copy, Default, PartialEq, PartialOrd)]
+enum Blame {
+    #[default]
+    Nothing,
+    /// The shapes that it calls.
+    Calls,
+    /// All that jumps.
+    All,
+}
+
+/// How many nodes opening shapes may make.
+const MOST_OPENED: usize = 200_000;
 
 impl Builder<'_> {
     /// A ray stops before a jump and looks again just behind it.
@@ -20,39 +52,47 @@ impl Builder<'_> {
             Some((region, reach)) => domain.at(region.grow(reach)),
             None => domain.clone(),
         };
-        // The jumps of shapes inside stand in their own formulas: all is laid open.
-        let Some(flat) = self.graph.flatten(&[node], 200_000) else { return value };
-        let tape = crate::analysis::tape::Tape::new(self.graph, &flat);
-        let duals = self.facts.all_duals(self.graph, &tape, &near);
-        let mut sites: Vec<(Op, Vec<NodeId>)> = Vec::new();
-        for (i, step) in tape.steps.iter().enumerate() {
-            let crate::analysis::tape::Step::Op(op, args) = step else { continue };
-            let moving = args.iter().any(|&a| duals.get(a).is_some_and(|d| d.norm > 0.0));
-            let decided = duals.get(i).is_some_and(|d| d.value.is_point());
-            if !moving || decided || !op.row().jumps {
-                continue;
-            }
-            sites.push((*op, args.iter().filter_map(|&a| tape.nodes.get(a).copied()).collect()));
-        }
+        let mut sites = Vec::new();
+        let most = self.graph.len() + MOST_OPENED;
+        self.jump_sites(node, &near, most, &mut sites);
         let span = self.place(shape, node);
-        let at = sites
-            .iter()
-            .flat_map(|(_, args)| args)
-            .find_map(|a| self.graph.location(*a))
-            .unwrap_or(span);
-        self.diagnostics.push(Diagnostic::new(
-            Code::Jump,
-            at,
-            "this formula jumps; rays stop before the jump and look again",
-            "where both sides agree, write it without the jump, for example with `abs`, `min` or `repeat`",
-        ));
-        let mut nearest: Option<NodeId> = None;
-        for (op, args) in sites {
-            let Some(distance) = self.distance_to_jump(op, &args, &near) else { continue };
-            nearest = Some(match nearest {
-                Some(other) => self.graph.op(Op::Min, &[other, distance]),
-                None => distance,
-            });
+        let (mut nearest, mut stops, mut unknown): (Option<NodeId>, _, _) = (None, None, None);
+        for site in sites {
+            let known = |n: &NodeId| self.graph.location(*n);
+            let at = known(&site.node).or_else(|| site.args.iter().find_map(known)).unwrap_or(span);
+            match self.distance_to_jump(site.op, &site.args, &near) {
+                Jump::Nowhere => {}
+                Jump::Unknown => unknown = unknown.or(Some(at)),
+                Jump::From(distance) => {
+                    stops = stops.or(Some(at));
+                    nearest = Some(match nearest {
+                        Some(other) => self.graph.op(Op::Min, &[other, distance]),
+                        None => distance,
+                    });
+                }
+            }
+        }
+        if let Some(at) = stops {
+            self.diagnostics.push(Diagnostic::new(
+                Code::Jump,
+                at,
+                "this formula jumps; rays stop before the jump and look again",
+                "where both sides agree, write it without the jump, for example with `abs`, `min` or `repeat`",
+            ));
+        }
+        if let Some(at) = unknown {
+            let measured = treatment.proof == Proof::Measured;
+            let message = match measured {
+                true => "how near the jump of this formula is can't be known, so rays may pass it and leave holes",
+                false => "how near the jump of this formula is can't be known, so rays creep all along it, and most get nowhere",
+            };
+            let instead = "write it without the jump, or keep what jumps away from where it is steep without end: an angle from its axis, a \
+                           root from zero";
+            self.diagnostics.push(Diagnostic::new(Code::Jump, at, message, instead));
+            // Where no bound is proven anyway, a picture is better than none.
+            if !measured {
+                nearest = Some(self.graph.constant(0.0));
+            }
         }
         let Some(nearest) = nearest else { return value };
         let hair = self.graph.constant((HAIR * near.point.size().max(0.25)).min(LONGEST_HAIR));
@@ -66,10 +106,59 @@ impl Builder<'_> {
         self.graph.op(Op::Select, &[inside, minus, step])
     }
 
+    /// The operations by which a node jumps, in the shapes that it calls too: what is claimed to be continuous is not to blame, nor what jumps
+    /// and comes to the same on both sides.
+    fn jump_sites(&mut self, root: NodeId, near: &Domain, most: usize, sites: &mut Vec<Site>) {
+        let tape = Tape::new(self.graph, &[root]);
+        let duals = self.facts.all_duals(self.graph, &tape, near);
+        let jumps = |i: usize| duals.get(i).is_some_and(|d| d.jumps != 0);
+        let mut blamed = vec![Blame::Nothing; tape.steps.len()];
+        if let (Some(last), true) = (blamed.last_mut(), jumps(tape.steps.len() - 1)) {
+            *last = Blame::All;
+        }
+        let mut opened = Vec::new();
+        for (i, step) in tape.steps.iter().enumerate().rev() {
+            let blame = blamed.get(i).copied().unwrap_or_default();
+            let Some(&node) = tape.nodes.get(i).filter(|_| blame != Blame::Nothing) else { continue };
+            let (args, passed) = match step {
+                Step::Op(op, args) => {
+                    let moving = args.iter().any(|&a| duals.get(a).is_some_and(|d| d.norm > 0.0));
+                    let decided = duals.get(i).is_some_and(|d| d.value.is_point());
+                    let known = sites.iter().any(|s| s.node == node);
+                    if blame == Blame::All && op.row().jumps && moving && !decided && !known {
+                        let args = args.iter().filter_map(|&a| tape.nodes.get(a).copied()).collect();
+                        sites.push(Site { node, op: *op, args });
+                    }
+                    (args.as_slice(), blame)
+                }
+                Step::Call(shape, args) => {
+                    opened.extend(self.graph.shape(*shape).filter(|s| s.exactness != Exactness::Exact).map(|_| node));
+                    (args.as_slice(), blame)
+                }
+                Step::Claim(Claim::Continuous, args) => (args.get(..1).unwrap_or_default(), Blame::Calls),
+                Step::Claim(_, args) => (args.get(1..).unwrap_or_default(), blame),
+                Step::Constant(_) | Step::Leaf(_) => continue,
+            };
+            for &arg in args.iter().filter(|&&a| jumps(a)) {
+                if let Some(slot) = blamed.get_mut(arg)
+                    && *slot < passed
+                {
+                    *slot = passed;
+                }
+            }
+        }
+        for call in opened {
+            let Node::Call(shape, _, args) = self.graph.node(call).clone() else { continue };
+            let Some(value) = self.graph.shape(shape).map(|s| s.value).filter(|_| self.graph.len() < most) else { continue };
+            let inside = self.graph.open(shape, value, &args);
+            self.jump_sites(inside, near, most, sites);
+        }
+    }
+
     /// How far it is at least to where an operation jumps.
-    pub(super) fn distance_to_jump(&mut self, op: Op, args: &[NodeId], near: &Domain) -> Option<NodeId> {
+    pub(super) fn distance_to_jump(&mut self, op: Op, args: &[NodeId], near: &Domain) -> Jump {
         let zero = self.graph.constant(0.0);
-        let a = *args.first()?;
+        let Some(&a) = args.first() else { return Jump::Nowhere };
         let (distance, of) = match op {
             Op::Floor | Op::Ceil | Op::Trunc => {
                 let whole = self.graph.op(Op::Round, &[a]);
@@ -85,7 +174,7 @@ impl Builder<'_> {
                     }
                     // Nothing is known of how near the jump is.
                     if !constant.lipschitz.is_finite() {
-                        return Some(zero);
+                        return Jump::Unknown;
                     }
                     let whole = self.graph.op(Op::Round, &[a]);
                     let from = self.graph.op(Op::Sub, &[a, whole]);
@@ -99,34 +188,34 @@ impl Builder<'_> {
                         None => gap,
                     });
                 }
-                return least;
+                return least.map_or(Jump::Nowhere, Jump::From);
             }
             Op::Sign => (self.graph.op(Op::Abs, &[a]), a),
             Op::Lt | Op::Le | Op::Eq => {
-                let b = *args.get(1)?;
+                let Some(&b) = args.get(1) else { return Jump::Nowhere };
                 let difference = self.graph.op(Op::Sub, &[a, b]);
                 (self.graph.op(Op::Abs, &[difference]), difference)
             }
             Op::Atan2 => {
-                let b = *args.get(1)?;
+                let Some(&b) = args.get(1) else { return Jump::Nowhere };
                 // The cut is the negative half of the second axis.
                 let side = self.graph.op(Op::Abs, &[a]);
                 let ahead = self.graph.op(Op::Max, &[b, zero]);
                 let distance = self.graph.op(Op::Length2, &[side, ahead]);
                 let map = self.facts.map_constant(self.graph, &[a, b], near, 16);
                 if !map.lipschitz.is_finite() {
-                    return Some(zero);
+                    return Jump::Unknown;
                 }
                 let over = self.graph.constant(map.lipschitz.max(1e-9));
-                return Some(self.graph.op(Op::Div, &[distance, over]));
+                return Jump::From(self.graph.op(Op::Div, &[distance, over]));
             }
-            _ => return None,
+            _ => return Jump::Nowhere,
         };
         let constant = self.facts.constant(self.graph, of, near, 16);
         if !constant.lipschitz.is_finite() {
-            return Some(zero);
+            return Jump::Unknown;
         }
         let over = self.graph.constant(constant.lipschitz.max(1e-9));
-        Some(self.graph.op(Op::Div, &[distance, over]))
+        Jump::From(self.graph.op(Op::Div, &[distance, over]))
     }
 }

@@ -212,52 +212,6 @@ impl Graph {
         })
     }
 
-    /// The roots with every call of a field replaced by the formula that it stands for, everywhere.
-    /// Answers `None` where that makes more than `limit` nodes.
-    pub fn flatten(&mut self, roots: &[NodeId], limit: usize) -> Option<Vec<NodeId>> {
-        let mut memo = FxHashMap::default();
-        let start = self.len();
-        roots.iter().map(|&root| self.flatten_one(root, start + limit, &mut memo)).collect()
-    }
-
-    fn flatten_one(
-        &mut self,
-        root: NodeId,
-        limit: usize,
-        memo: &mut FxHashMap<NodeId, NodeId>,
-    ) -> Option<NodeId> {
-        for id in self.reachable(&[root]) {
-            if memo.contains_key(&id) {
-                continue;
-            }
-            if self.len() > limit {
-                return None;
-            }
-            let map = |a: &NodeId| memo.get(a).copied().unwrap_or(*a);
-            let new = match self.node(id).clone() {
-                Node::Op(op, args) => {
-                    let args: Vec<NodeId> = args.iter().map(map).collect();
-                    self.op(op, &args)
-                }
-                Node::Claim(args, _) => args.first().map_or(id, map),
-                Node::Call(shape, Function::Field, args) => {
-                    let args: Vec<NodeId> = args.iter().map(map).collect();
-                    match self.shape(shape).map(|s| s.value) {
-                        Some(value) => {
-                            let opened = self.open(shape, value, &args);
-                            self.flatten_one(opened, limit, memo)?
-                        }
-                        None => id,
-                    }
-                }
-                _ => id,
-            };
-            self.pass_name(id, new);
-            memo.insert(id, new);
-        }
-        memo.get(&root).copied()
-    }
-
     /// Computes the roots over any algebra: reals, intervals, intervals with derivatives, or nodes of a graph.
     /// `leaf` gives the values from outside; `call` those of other shapes.
     pub fn evaluate<A: Algebra>(
