@@ -18,6 +18,7 @@ pub mod unions;
 pub use ahead::{Ahead, Planes};
 pub use ground::{Carry, carry, firm};
 
+use crate::analysis::region::WORLD_SIDE;
 use crate::analysis::search::{Search, Target};
 use crate::analysis::{Box3, Domain, Facts, Key};
 use crate::compiled::SceneBlocks;
@@ -424,12 +425,14 @@ impl Builder<'_> {
             && self.facts.is_nowhere(self.graph, value, &whole_scene(self.extent))
         {
             let span = self.place(self.root, value);
-            self.diagnostics.push(Diagnostic::new(
-                Code::NothingSolid,
-                span,
-                format!("nothing solid lies within the scene's extent of {}", self.extent),
-                "move the scene toward the origin, or set `render { extent: … }` to what it needs",
-            ));
+            let (message, instead) = match self.facts.is_nowhere(self.graph, value, &whole_scene(WORLD_SIDE)) {
+                true => ("nothing of this scene is solid".to_owned(), "look for an `&` of shapes that do not meet, or a `-` that takes all away"),
+                false => (
+                    format!("nothing solid lies within the scene's extent of {}", self.extent),
+                    "move the scene toward the origin, or set `render { extent: … }` to what it needs",
+                ),
+            };
+            self.diagnostics.push(Diagnostic::new(Code::NothingSolid, span, message, instead));
         }
         Summary { nodes: self.graph.reachable(&values).len(), primitives, factor, kind: self.kind }
     }

@@ -245,11 +245,16 @@ impl Elaborator<'_> {
                 (Value::Bool(_), other) | (other, _) => {
                     let found = other.describe(self);
                     let at = if matches!(a, Value::Bool(_)) { spans.2 } else { spans.0 };
+                    let instead = match (other, op) {
+                        (Value::Shape(_), BinaryOp::And) => "what two shapes share is `a & b`, with one sign",
+                        (Value::Shape(_), _) => "two shapes are joined by `a | b`, with one bar",
+                        _ => "compare it with something, for example `a > 0`",
+                    };
                     Err(self.error(
                         Code::TypeMismatch,
                         at,
                         format!("a condition is needed here, and this is {found}"),
-                        "compare it with something, for example `a > 0`",
+                        instead,
                     ))
                 }
             },

@@ -13,6 +13,14 @@ use crate::syntax::ast::{Expr, ExprKind, Type};
 impl Elaborator<'_> {
     /// A colour, `gradient(zenith, horizon)`, `cubemap("folder/")` or `equirect("file")`.
     pub(super) fn sky(&mut self, expr: &Expr, env: &Env, blocks: &mut SceneBlocks) -> Elaborated<()> {
+        if let ExprKind::Str(file) = &expr.kind {
+            return Err(self.error(
+                Code::TypeMismatch,
+                expr.span,
+                "a sky is a colour, a gradient or a picture, and this is a name alone",
+                format!("write `equirect(\"{file}\")` for a picture of all around, or `cubemap(\"{file}\")` for a folder of six"),
+            ));
+        }
         if let ExprKind::Call(callee, args) = &expr.kind
             && let ExprKind::Name(name) = &callee.kind
         {

@@ -277,7 +277,7 @@ impl Elaborator<'_> {
                 span,
                 format!("this shape has {n} dimensions, and the point has {}", point.len()),
                 if n == 2 {
-                    "ask for it at a point of the plane, for example `s.at(p.xy)`"
+                    "ask for it at a point of the plane, for example `s.at(p.xy)`, or make a solid of it with `.extrude(height)` or `.revolve()`"
                 } else {
                     "ask for it at a point of space, for example `s.at((q.x, 0, q.y))`"
                 },

@@ -21,7 +21,7 @@ pub struct Args {
     #[arg(long, default_value = "1280x720", value_parser = size, value_name = "WxH")]
     size: (u32, u32),
     /// Seconds on the scene's clock.
-    #[arg(long, default_value_t = 0.0, value_parser = seconds, value_name = "SECONDS", conflicts_with = "frames")]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 0.0, value_parser = seconds, value_name = "SECONDS", conflicts_with = "frames")]
     time: f64,
     /// Draw these frames; the last number is not among them.
     #[arg(long, value_parser = frames, value_name = "FIRST..END")]

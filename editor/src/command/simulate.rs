@@ -17,10 +17,10 @@ pub struct Args {
     /// The scene.
     scene: String,
     /// How long.
-    #[arg(long, default_value_t = 10.0, value_parser = above_zero, value_name = "SECONDS")]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 10.0, value_parser = above_zero, value_name = "SECONDS")]
     seconds: f64,
     /// Steps a second; each has the parts that `physics { substeps }` says.
-    #[arg(long, default_value_t = 60.0, value_parser = above_zero, value_name = "N")]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 60.0, value_parser = above_zero, value_name = "N")]
     rate: f64,
     /// Write where the balls are at the end: a table (.csv) or points (.ply).
     #[arg(short, long, value_parser = table, value_name = "FILE")]
