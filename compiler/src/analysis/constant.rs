@@ -106,9 +106,12 @@ impl Facts {
                     return None;
                 }
                 let whole = self.found(graph, node, domain, budget);
-                let (first, second) = (self.constant(graph, a, domain, budget), self.constant(graph, b, domain, budget));
-                let lipschitz = (first.lipschitz + second.lipschitz).min(whole.lipschitz);
-                Some(Constant { lipschitz, jumps: first.jumps || second.jumps })
+                // Of a few terms the sums in between are looked at too; of many that would take the square of their number.
+                let all = terms(graph, node);
+                let parts = if all.len() > FEW_TERMS { all } else { vec![a, b] };
+                let parts: Vec<Constant> = parts.into_iter().map(|part| self.constant(graph, part, domain, budget)).collect();
+                let sum: f64 = parts.iter().map(|part| part.lipschitz).sum();
+                Some(Constant { lipschitz: sum.min(whole.lipschitz), jumps: parts.iter().any(|part| part.jumps) })
             }
             _ => None,
         }
@@ -281,6 +284,23 @@ impl Facts {
         Constant { lipschitz: largest.min(first.norm), jumps }
     }
 }
+
+/// What a node adds and takes away, in any order.
+fn terms(graph: &Graph, node: NodeId) -> Vec<NodeId> {
+    let (mut open, mut terms) = (vec![node], Vec::new());
+    while let Some(node) = open.pop() {
+        match graph.node(node) {
+            Node::Op(Op::Add | Op::Sub, args) if terms.len() + open.len() < MOST_TERMS => open.extend(args.iter()),
+            _ => terms.push(node),
+        }
+    }
+    terms
+}
+
+/// More terms of a sum are many.
+const FEW_TERMS: usize = 16;
+/// A sum that shares its parts may have endlessly many terms; more than these are not taken apart.
+const MOST_TERMS: usize = 100_000;
 
 /// How many steps of a formula one constant may cost while a scene is compiled.
 pub(super) const STEPS: usize = 20_000;
