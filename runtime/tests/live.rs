@@ -100,9 +100,14 @@ fn radius(update: &Update) -> Option<f64> {
 
 /// Waits for a scene of this radius; no error may come before it.
 fn expect(live: &LiveScene, want: f64) {
+    expect_unless_held_up(live, want, Duration::ZERO);
+}
+
+/// The same, where the machine took so long to write: a file that is gone for longer than it is doubted is an error.
+fn expect_unless_held_up(live: &LiveScene, want: f64, took: Duration) {
     loop {
         let update = next(live);
-        assert!(update.words.diagnostics.is_empty(), "{:?}", update.words.diagnostics);
+        assert!(took >= DOUBT || update.words.diagnostics.is_empty(), "{:?}", update.words.diagnostics);
         if radius(&update) == Some(want) {
             return;
         }
@@ -198,14 +203,16 @@ fn imports_are_followed_even_before_they_exist() {
     fs::write(folder.join("parts/deep/a.sdf"), "radius 1.5").unwrap();
     expect(&live, 1.5);
     // The whole folder replaced.
+    let start = Instant::now();
     fs::remove_dir_all(folder.join("parts")).unwrap();
     fs::create_dir_all(folder.join("parts/deep")).unwrap();
     fs::write(folder.join("parts/deep/a.sdf"), "radius 1.75").unwrap();
-    expect(&live, 1.75);
+    expect_unless_held_up(&live, 1.75, start.elapsed());
+    let start = Instant::now();
     fs::rename(folder.join("parts"), folder.join("old")).unwrap();
     fs::create_dir_all(folder.join("parts/deep")).unwrap();
     fs::write(folder.join("parts/deep/a.sdf"), "radius 1.25").unwrap();
-    expect(&live, 1.25);
+    expect_unless_held_up(&live, 1.25, start.elapsed());
     // What was followed through the old folder is no longer ours.
     fs::write(folder.join("old/deep/a.sdf"), "radius 2").unwrap();
     fs::write(folder.join("parts/deep/b.sdf"), "radius 2").unwrap();

@@ -219,8 +219,7 @@ impl Worker {
             }
             let now = Instant::now();
             let last = *doubted.get_or_insert(now) + LONGEST_DOUBT;
-            let path = self.shared.lock().path.clone();
-            let hollow = self.record.as_ref().is_some_and(|record| record.is_hollow(&path));
+            let hollow = self.record.as_ref().is_some_and(Recorder::is_hollow);
             let doubt = if hollow { LONGER_DOUBT } else { DOUBT };
             if !self.changes_before(last.min(now + doubt)) {
                 return None;
