@@ -29,6 +29,8 @@ pub struct Explained {
     /// How steep the formula is at most places: what is as steep everywhere takes no more steps for its factor. For a map of points 1: what
     /// is moved is a distance.
     pub typical: f64,
+    /// Whether rays go by more than the factor where it says little: see [`Functions::gentle`].
+    pub gentle: bool,
     /// How it is known.
     pub proof: Proof,
     /// What it comes from: the name of what is called there, or `formula`.
@@ -189,6 +191,7 @@ fn one(compiled: &Compiled, sources: &Sources, live: &Live, index: u32, factor: 
         factor: factor.lipschitz,
         live: live.factor(&compiled.graph, index),
         typical: search.filter(|s| matches!(s.target, Target::Value(_))).map_or(1.0, |s| s.quantile(&compiled.graph, TYPICAL, 0.5)),
+        gentle: compiled.functions.gentle.contains(&index),
         proof: factor.proof,
         form: form(sources, &operation, &text, factor.lipschitz, corners, search.and_then(|s| s.domain.tube)),
         operation,
@@ -369,6 +372,7 @@ impl Explained {
         let together = if self.depth > 0 { format!("; {} times with those around it", rough(self.product)) } else { String::new() };
         let cost = self.factor / self.typical;
         match cost {
+            _ if self.gentle => format!("few more steps: near its surface rays go by how steep it is there{together}"),
             _ if self.factor <= 1.0 => format!("no more steps: the formula is flatter than a distance{together}"),
             _ if cost < 1.05 && self.factor > 1.5 => format!("no more steps: the formula is as steep nearly everywhere{together}"),
             _ if cost < 1.05 => format!("hardly more steps near it{together}"),

@@ -22,8 +22,30 @@ impl Loader for Disk {
 /// How far over the true distance the estimate may be.
 const OVER: f64 = 1.05;
 /// Where more is allowed: of so many points in a thousand the estimate may be over, and this much. Deep in a tube that is sheared to half its
-/// width the surface is far nearer than two looks along the gradient say.
-const STEEPENS: [(&str, usize, f64); 1] = [("(box((2.4, 0.3, 0.3)) | torus(0.8, 0.1)).shear(y, x, 1.5)", 120, 2.6)];
+/// width the surface is far nearer than two looks along the gradient say; and so it is where the gradient vanishes on the surface itself, along the
+/// widest ring of the heart and at the double points of the sextic.
+const STEEPENS: [(&str, usize, f64); 3] = [
+    ("(box((2.4, 0.3, 0.3)) | torus(0.8, 0.1)).shear(y, x, 1.5)", 120, 2.6),
+    ("heart.within(box(3.2))", 30, 3.5),
+    ("sextic.within(sphere(1.7))", 10, 1.2),
+];
+/// Formulas that are gentle at their surface and hundreds of times as steep elsewhere; the slope of the last jumps at the origin.
+const STEEP: &str = "
+field heart = {
+  let a = p.x * p.x + 2.25 * p.z * p.z + p.y * p.y - 1;
+  a * a * a - (p.x * p.x + 0.1125 * p.z * p.z) * p.y * p.y * p.y
+}
+field tangle = p.x * p.x * (p.x * p.x - 5) + p.y * p.y * (p.y * p.y - 5) + p.z * p.z * (p.z * p.z - 5) + 11.8
+field sextic = {
+  let t = 2.618034;
+  let r = dot(p, p) - 1;
+  4.236068 * r * r - 4 * (t * p.x * p.x - p.y * p.y) * (t * p.y * p.y - p.z * p.z) * (t * p.z * p.z - p.x * p.x)
+}
+field pebble = {
+  let a = length(p) - 1;
+  20 * a * a * a * a * a + 4 * a * p.y * p.y * p.x * p.x - 0.1
+}
+";
 /// How close the certified distance is settled, and the boxes that it may cost.
 const CLOSE: f64 = 0.005;
 const BOXES: usize = 4000;
@@ -82,8 +104,12 @@ fn the_estimate_is_hardly_over_the_distance() {
         "(box((2, 0.1, 2)) | sphere(0.4).translate(0.9, 0.3, 0)).twist(y, 2)",
         "(box((2.4, 0.3, 0.3)) | box((0.3, 0.3, 2)) - cylinder(0.1, 3)).shear(y, x, 1.5)",
         "(box((2.4, 0.3, 0.3)) | torus(0.8, 0.1)).shear(y, x, 1.5)",
+        "heart.within(box(3.2))",
+        "tangle.within(box(6))",
+        "sextic.within(sphere(1.7))",
+        "pebble.within(box(3.2))",
     ] {
-        let loader = MemoryLoader::new().with("main.sdf", format!("scene = {text}\n"));
+        let loader = MemoryLoader::new().with("main.sdf", format!("{STEEP}scene = {text}\n"));
         match compile(&loader, "main.sdf", &Options::default()) {
             outcome if outcome.compiled.is_some() => scenes.push((text.to_owned(), outcome.compiled.unwrap())),
             outcome => panic!("{text}: {:?}", outcome.diagnostics),
@@ -137,7 +163,8 @@ fn the_estimate_is_hardly_over_the_distance() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Light asks the distance where the bound says that nothing is near, so outside it may not be less.
+/// Light asks the distance where the bound says that nothing is near, so outside it may not be less. About a formula that is cut by a region the
+/// bound knows more, as it need hold for a part of it only: in the coat around its region the estimate is the way to that.
 #[test]
 fn the_estimate_is_no_less_than_the_bound() {
     let mut wrong = Vec::new();
@@ -150,9 +177,13 @@ fn the_estimate_is_no_less_than_the_bound() {
         "box(1).stretched",
         "uneven | plane(y, -1)",
         "smooth_union(sphere(0.6).translate(-0.4, 0, 0), sphere(0.5).translate(0.5, 0.2, 0), 0.4)",
+        "heart.within(box(3.2))",
+        "tangle.within(box(6))",
+        "sextic.within(sphere(1.7))",
     ] {
+        let least_of_all = if text.starts_with("heart") { 0.4 } else { 0.99 };
         let scene = format!(
-            "field flat = 0.1 * (length(p) - 1)\nwarp stretched = p * (1 + 0.5 * sin(p.y))\n\
+            "{STEEP}field flat = 0.1 * (length(p) - 1)\nwarp stretched = p * (1 + 0.5 * sin(p.y))\n\
              field uneven = (length(p) - 1) * (1 + 0.9 * sin(5 * p.y))\nscene = {text}\n"
         );
         let loader = MemoryLoader::new().with("main.sdf", scene);
@@ -169,7 +200,7 @@ fn the_estimate_is_no_less_than_the_bound() {
             }
         });
         println!("{:.4} at {:?} {text}", least.0, least.1);
-        if least.0 < 0.99 {
+        if least.0 < least_of_all {
             wrong.push(format!("{text}: {} of the bound at {:?}", least.0, least.1));
         }
     }

@@ -74,6 +74,11 @@ impl Facts {
         if self.searched > self.most_searched { budget.min(1) } else { budget }
     }
 
+    /// Whether searches have cost less than half of what they may.
+    pub fn has_leisure(&self) -> bool {
+        self.searched < self.most_searched / 2
+    }
+
     /// Of what is a distance from another, a multiple or a sum, over all space: the constants of the terms, each found by itself.
     fn by_terms(&mut self, graph: &Graph, node: NodeId, domain: &Domain, budget: usize) -> Option<Constant> {
         if let Node::Call(shape, Function::Field, args) = graph.node(node) {

@@ -171,6 +171,7 @@ impl Facts {
         sifted
     }
 
+    /// The same, and nothing is remembered. Without a constant over all space each part is looked at for itself.
     fn sift_anew(&mut self, graph: &Graph, node: NodeId, domain: &Domain, region: Box3, level: f64) -> Box3 {
         let exact =
             graph.shapes().any(|(_, s)| s.value == node && s.exactness == Exactness::Exact);
@@ -179,9 +180,7 @@ impl Facts {
         } else {
             self.constant(graph, node, &domain.at(Box3::ALL), 1)
         };
-        if !constant.lipschitz.is_finite() || constant.jumps {
-            return region;
-        }
+        let everywhere = constant.lipschitz.is_finite() && !constant.jumps;
         self.sifts = self.sifts.saturating_sub(1);
         let tape = self.tape(graph, node);
         let smallest = region.size() / 128.0;
@@ -203,8 +202,15 @@ impl Facts {
             let middle = Box3(middle.map(Interval::point));
             self.ranges.clear();
             let value = self.ranges_of(graph, &tape, &domain.at(middle)).last().copied().unwrap_or(Interval::ALL);
-            if value.lo > level + constant.lipschitz * corner * (1.0 + 1e-9) {
+            let is_empty = |lipschitz: f64| value.lo > level + lipschitz * corner * (1.0 + 1e-9);
+            if everywhere && is_empty(constant.lipschitz) {
                 continue;
+            }
+            if !everywhere && value.lo > level {
+                let here = self.all_duals(graph, &tape, &domain.at(part)).last().copied();
+                if here.is_some_and(|here| here.value.lo > level || here.jumps == 0 && is_empty(here.norm)) {
+                    continue;
+                }
             }
             if left == 0 || self.ran - first > SIFTED_STEPS {
                 kept = open.iter().fold(kept.hull(&part), |kept, part| kept.hull(part));

@@ -8,6 +8,8 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Factor, Function, Node, NodeId, Proof, ShapeId, FAR};
 
+/// No formula may be steeper than this, though it is gentle at its surface: 32 bits can't hold what its bound is made of.
+const STEEPEST_OF_ALL: f64 = 1e7;
 /// A measured factor above this may cost a ray more steps than it has.
 const SLOW: f64 = 100.0;
 
@@ -208,12 +210,24 @@ impl Builder<'_> {
                 None if treatment.everywhere => domain.at(Box3::ALL),
                 None => domain.clone(),
             };
+            let uneven = match treatment.proof {
+                Proof::Derived if at.point.is_finite() => self.uneven(node, &at, treatment.constant),
+                _ => None,
+            };
             let known = Known {
                 lipschitz: treatment.constant,
                 proof: treatment.proof,
                 search: (treatment.proof != Proof::Measured).then_some((Target::Value(node), at)),
             };
-            self.scaled(node, known, node, shape)
+            let factor = self.factor(known, node, shape);
+            let way = self.times(node, factor);
+            match uneven {
+                Some(uneven) => {
+                    self.built.gentle.insert(factor);
+                    self.gentler_way(node, way, &uneven)
+                }
+                None => way,
+            }
         };
         if treatment.jumps && !continuous {
             value = self.stop_at_jumps(shape, node, value, domain, &treatment);
@@ -327,7 +341,11 @@ impl Builder<'_> {
         if plain && all.lipschitz <= STEEPEST && (!bounded || constant.lipschitz > 0.85 * all.lipschitz) {
             return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true });
         }
-        if constant.lipschitz > STEEPEST || constant.lipschitz.is_nan() {
+        if constant.lipschitz > STEEPEST_OF_ALL || constant.lipschitz.is_nan() {
+            return None;
+        }
+        // What is gentle at its surface may be steeper elsewhere.
+        if constant.lipschitz > STEEPEST && self.uneven(node, &near, constant.lipschitz).is_none_or(|u| u.gentlest() > STEEPEST) {
             return None;
         }
         if !bounded && !domain.narrowed && !all.lipschitz.is_finite() {
@@ -368,8 +386,19 @@ impl Builder<'_> {
         self.graph.op(Op::Select, &[far, distance, inside])
     }
 
-    /// A value times the multiple of a new factor.
+    /// A value times the multiple of a factor for a constant.
     pub(super) fn scaled(&mut self, value: NodeId, constant: Known, at: NodeId, shape: ShapeId) -> NodeId {
+        let factor = self.factor(constant, at, shape);
+        self.times(value, factor)
+    }
+
+    fn times(&mut self, value: NodeId, factor: u32) -> NodeId {
+        let factor = self.graph.intern(Node::Factor(factor));
+        self.graph.op(Op::Mul, &[value, factor])
+    }
+
+    /// The factor for a constant, which may be there already: its index in the graph.
+    fn factor(&mut self, constant: Known, at: NodeId, shape: ShapeId) -> u32 {
         let span = self.place(shape, at);
         // Found by searching: a little is added for the rounding of the search itself.
         let lipschitz = constant.lipschitz * (1.0 + ROUNDING);
@@ -395,7 +424,6 @@ impl Builder<'_> {
             self.built.searches.push(search);
             self.graph.factors.len() - 1
         });
-        let factor = self.graph.intern(Node::Factor(index as u32));
-        self.graph.op(Op::Mul, &[value, factor])
+        index as u32
     }
 }

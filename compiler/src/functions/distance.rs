@@ -1,11 +1,13 @@
 //! The estimate of the distance, and the gradient: what light, occlusion and contact use. No factor is ever in them.
 
+use super::uneven::Uneven;
 use super::{Builder, BUDGET, STEEPEST, UNIT};
 use crate::analysis::search::{Search, Target, spread};
 use crate::analysis::{Box3, Domain};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, FAR, Function, Leaf, Node, NodeId, Shape, ShapeId, kernel};
 use smallvec::SmallVec;
+use std::rc::Rc;
 
 /// A moved shape of more parts than this is one formula: each part costs its own gradient.
 const PARTS: usize = 16;
@@ -30,20 +32,26 @@ const BEHIND: f64 = 0.02;
 const TIMES: f64 = 3.75;
 const TIMES_GENTLEST: f64 = 1.8;
 
+/// Of what is gentle at its surface and many times as steep elsewhere, an estimate that looks twice may be so many times as much: there the
+/// second look says what is too far.
+const TIMES_NEAR: f64 = 16_777_216.0;
+
 /// At how many values of the parameters a constant is looked for again, and with how many boxes each.
 const GENTLE_VALUES: usize = 4;
 const GENTLE_BOXES: usize = 32;
 
 /// How steep a formula may be: at most, and at the gentlest of a few values of its parameters.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct Steepness {
     constant: f64,
     gentlest: f64,
+    /// What more is known of what is gentle at its surface and many times as steep elsewhere.
+    uneven: Option<Rc<Uneven>>,
 }
 
 impl Steepness {
     fn same(constant: f64) -> Self {
-        Steepness { constant, gentlest: constant }
+        Steepness { constant, gentlest: constant, uneven: None }
     }
 }
 
@@ -94,26 +102,28 @@ impl Builder<'_> {
                 }
                 let whole = self.facts.constant(self.graph, node, &everywhere, 1);
                 if whole.lipschitz <= UNIT {
-                    return self.over_gradient(node, Steepness::same(whole.lipschitz));
+                    return self.over_gradient(node, &Steepness::same(whole.lipschitz));
                 }
                 let Some((region, reach)) = self.region_of(node, domain) else { return node };
                 let near = domain.at(region.grow(reach));
                 let known = whole.lipschitz <= STEEPEST;
                 let constant = if known { whole } else { self.facts.constant(self.graph, node, &near, BUDGET) };
                 let steepness = self.steepness(node, if known { &everywhere } else { &near }, constant.lipschitz);
-                let estimate = self.part_by_part(node, steepness);
+                let estimate = self.part_by_part(node, &steepness);
                 self.no_less_than_to(region, estimate)
             }
             _ => {
                 let Some(treatment) = self.treatment(shape, node, domain, true) else { return node };
                 let near = treatment.region.map(|(region, reach)| domain.at(region.grow(reach)));
-                let steepness = self.steepness(node, near.as_ref().unwrap_or(domain), treatment.constant);
+                let around = near.as_ref().unwrap_or(domain);
+                let uneven = if around.point.is_finite() { self.uneven(node, around, treatment.constant) } else { None };
+                let steepness = Steepness { uneven, ..self.steepness(node, around, treatment.constant) };
                 // Where the bound takes that way; what is flatter than a distance as a whole is divided by its constant.
                 let way = match (treatment.constant - 1.0).abs() <= 1e-6 && treatment.region.is_none() {
                     true => self.convex_way(node, domain),
                     false => None,
                 };
-                let estimate = way.unwrap_or_else(|| self.over_gradient(node, steepness));
+                let estimate = way.unwrap_or_else(|| self.over_gradient(node, &steepness));
                 match treatment.region {
                     Some((region, _)) => self.no_less_than_to(region, estimate),
                     None => estimate,
@@ -140,7 +150,8 @@ impl Builder<'_> {
             values.push(time);
             search.run(self.graph, values.into(), GENTLE_BOXES)
         };
-        Steepness { constant, gentlest: (0..GENTLE_VALUES).map(at).filter(|c| c.is_finite()).fold(constant, f64::min) }
+        let same = Steepness::same(constant);
+        Steepness { gentlest: (0..GENTLE_VALUES).map(at).filter(|c| c.is_finite()).fold(constant, f64::min), ..same }
     }
 
     /// An estimate, or outside of a region the distance to it, if that is more: far from its solid a formula may say anything.
@@ -172,7 +183,7 @@ impl Builder<'_> {
     }
 
     /// Of a moved shape: what it is a union or an intersection of, each over its own gradient, for the nearest need not be the least in value.
-    fn part_by_part(&mut self, node: NodeId, steepness: Steepness) -> NodeId {
+    fn part_by_part(&mut self, node: NodeId, steepness: &Steepness) -> NodeId {
         if steepness.constant <= UNIT || !(2..=PARTS).contains(&self.parts(node, PARTS + 1)) {
             return self.over_gradient(node, steepness);
         }
@@ -253,7 +264,8 @@ impl Builder<'_> {
     }
 
     /// The field over its gradient: right to first order. Close to the surface a second look further on tells how the field goes on.
-    pub(super) fn over_gradient(&mut self, node: NodeId, Steepness { constant, gentlest }: Steepness) -> NodeId {
+    pub(super) fn over_gradient(&mut self, node: NodeId, steepness: &Steepness) -> NodeId {
+        let &Steepness { constant, gentlest, ref uneven } = steepness;
         // What is flatter than a distance everywhere is as much less than one.
         if constant < FLAT && constant > 1e-6 {
             let steepness = self.graph.constant(constant);
@@ -276,8 +288,16 @@ impl Builder<'_> {
         let part = self.graph.add_shape(part);
         let here = self.graph.point();
         let [node, gradient @ ..] = self.seen_from(part, here);
-        let length = self.length_of(gradient, least);
-        let first = self.graph.op(Op::Div, &[node, length]);
+        let slope = self.graph.op(Op::Length3, &gradient);
+        let length = self.graph.op(Op::Max, &[slope, least]);
+        let proven = self.graph.op(Op::Div, &[node, length]);
+        let (mut least, mut length, mut first) = (least, length, proven);
+        if uneven.is_some() {
+            let times = self.graph.constant(1.0 / TIMES_NEAR);
+            least = self.graph.op(Op::Mul, &[least, times]);
+            length = self.graph.op(Op::Max, &[slope, least]);
+            first = self.graph.op(Op::Div, &[node, length]);
+        }
         let near = self.graph.constant(CLOSE * self.extent.min(WIDE));
         let [one, two, end] = [1.0, 2.0, 1.5].map(|c| self.graph.constant(c));
         let away = self.graph.op(Op::Abs, &[first]);
@@ -288,10 +308,19 @@ impl Builder<'_> {
         let weight = self.graph.op(Op::Mul, &[weight, two]);
         let weight = self.graph.op(Op::Min, &[weight, one]);
         let less = self.too_far(part, node, gradient, length, least);
-        let less = self.graph.op(Op::Mul, &[weight, less]);
+        let Some(uneven) = uneven else {
+            let less = self.graph.op(Op::Mul, &[weight, less]);
+            let less = self.graph.op(Op::Mul, &[first, less]);
+            let nearer = self.graph.op(Op::Sub, &[first, less]);
+            return self.graph.op(Op::Select, &[is_near, nearer, first]);
+        };
         let less = self.graph.op(Op::Mul, &[first, less]);
         let nearer = self.graph.op(Op::Sub, &[first, less]);
-        self.graph.op(Op::Select, &[is_near, nearer, first])
+        let more = self.graph.op(Op::Sub, &[nearer, proven]);
+        let more = self.graph.op(Op::Mul, &[weight, more]);
+        let nearer = self.graph.op(Op::Add, &[proven, more]);
+        let estimate = self.graph.op(Op::Select, &[is_near, nearer, proven]);
+        self.gentler_way(node, estimate, uneven)
     }
 
     /// By which part of it the way `node / length` against the gradient is too far. Most of that way further on the tangent plane is as far from here

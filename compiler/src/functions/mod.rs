@@ -13,6 +13,7 @@ mod dress;
 mod ground;
 mod jumps;
 mod surface;
+mod uneven;
 pub mod unions;
 
 pub use ahead::{Ahead, Planes};
@@ -46,6 +47,9 @@ pub struct Functions {
     pub mesh_surfaces: Vec<Option<u32>>,
     /// What each of [`Graph::factors`] was found from; none for one that is measured.
     pub searches: Vec<Option<Search>>,
+    /// Those of [`Graph::factors`] that stand for formulas which are gentle at their surface and many times as steep elsewhere: near it rays go by
+    /// their curvature or their levels.
+    pub gentle: FxHashSet<u32>,
     /// Unions of many operands, by the function that each one is.
     pub unions: FxHashMap<unions::Of, unions::Union>,
     /// What rays find without a search.
@@ -241,6 +245,7 @@ pub struct Builder<'a> {
     /// What is left of an intersection of which one operand cuts nothing off.
     absorbed: FxHashMap<(NodeId, Key), Option<NodeId>>,
     rough: FxHashMap<(NodeId, Key), f64>,
+    unevens: FxHashMap<(NodeId, Key), Option<Rc<uneven::Uneven>>>,
     /// Whether the scene has so many parts that they may be a union of many; found when it is first asked for.
     crowded: Option<bool>,
     built: Functions,
@@ -303,6 +308,7 @@ pub fn build(
         cuts: FxHashMap::default(),
         absorbed: FxHashMap::default(),
         rough: FxHashMap::default(),
+        unevens: FxHashMap::default(),
         crowded: None,
         built: Functions { searches, formulas: with_room(6 * shapes), ..Functions::default() },
         diagnostics: Vec::new(),

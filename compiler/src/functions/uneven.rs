@@ -1,0 +1,205 @@
+//! Formulas that are gentle at their surface and many times as steep elsewhere in their region, as products of polynomials are: over the constant
+//! of all the region a ray would hardly get on. One of two things says more.
+//!
+//! *Levels.* Who comes to the surface passes all values in between, so that of a way from a value of |f| = v on only the part counts where |f| is at
+//! most v: no way is shorter than min(|f|, v) / L(v), L(v) the steepest place at which |f| is at most v.
+//!
+//! *Curvature.* Where no slope changes faster than a constant M of the second derivatives, a value f of slope g is after a way s still at least
+//! |f| - g s - M s²/2 (Taylor's theorem), so a ray may go to where that is zero, 2|f| / (g + √(g² + 2 M |f|)). Near the surface that is f/g, wherever
+//! the region is steepest. Kalra and Barr (1989) bound a slope along a ray in the same way.
+
+use super::domains::STEEP;
+use super::{BUDGET, Builder};
+use crate::analysis::Domain;
+use crate::analysis::search::{ROUNDING, Search, Target};
+use crate::graph::kernel::Op;
+use crate::graph::{Node, NodeId};
+use std::rc::Rc;
+
+/// Such a formula is so many times as steep somewhere as it is in most places.
+const UNEVEN: f64 = 8.0;
+/// A longer formula is not worth a closer look.
+const LONGEST: usize = 200;
+/// How many places say how steep it is, and which share of them is gentler than most.
+const PLACES: usize = 65;
+const SHARE: f64 = 0.25;
+/// How many levels are tried, and which part of the one before each is.
+const LEVELS: usize = 3;
+const PART: f64 = 0.0625;
+/// How many times as many boxes the constant at a level may cost.
+const LONGER: usize = 4;
+/// A level is worth its `min` and `max` where it is gentler by so much than what is known without it.
+const GENTLER: f64 = 0.5;
+/// A slope that changes faster than this says nothing.
+const FASTEST: f64 = 1e8;
+/// No square root is divided by less: of a field of zero the way is zero.
+const LEAST: f64 = 1e-12;
+
+/// What is known of such a formula beside its constant.
+#[derive(Clone, Debug)]
+pub(super) enum Uneven {
+    /// How much its slope changes for each unit of the way at most.
+    Curvature(f64),
+    /// Where its slope jumps or nothing finite is known of how it changes: levels of its magnitude, and how steep it is where it is at most that.
+    Levels(Vec<(f64, f64)>),
+}
+
+impl Uneven {
+    /// How steep it is where it is gentlest, as far as its levels say; with its curvature that need not be known.
+    pub(super) fn gentlest(&self) -> f64 {
+        match self {
+            Uneven::Curvature(_) => 0.0,
+            Uneven::Levels(levels) => levels.iter().map(|(_, steep)| *steep).fold(f64::INFINITY, f64::min),
+        }
+    }
+}
+
+impl Builder<'_> {
+    /// What is known of a formula that is gentle at its surface and as steep as `constant` somewhere in `domain`. None where it is not, or where it
+    /// jumps.
+    pub(super) fn uneven(&mut self, node: NodeId, domain: &Domain, constant: f64) -> Option<Rc<Uneven>> {
+        if constant <= STEEP || self.facts.weight(self.graph, node) > LONGEST || self.graph.reads(node).variables != 0 {
+            return None;
+        }
+        let key = (node, domain.key());
+        if let Some(known) = self.unevens.get(&key) {
+            return known.clone();
+        }
+        let found = self.find_uneven(node, domain, constant).map(Rc::new);
+        self.unevens.insert(key, found.clone());
+        found
+    }
+
+    fn find_uneven(&mut self, node: NodeId, domain: &Domain, constant: f64) -> Option<Uneven> {
+        let target = Target::Value(node);
+        let parameters = self.parameters_of(&target);
+        let usual = Search { target, domain: domain.clone(), parameters }.quantile(self.graph, PLACES, SHARE);
+        if constant < UNEVEN * usual || self.facts.constant(self.graph, node, domain, 1).jumps {
+            return None;
+        }
+        if let Some(curvature) = self.curvature(node, domain) {
+            return Some(Uneven::Curvature(curvature));
+        }
+        // They cost more than all else, and must not be the reason that the next formula gets no search at all.
+        let levels = if self.facts.has_leisure() { self.levels(node, domain, constant) } else { Vec::new() };
+        (!levels.is_empty()).then_some(Uneven::Levels(levels))
+    }
+
+    fn levels(&mut self, node: NodeId, domain: &Domain, constant: f64) -> Vec<(f64, f64)> {
+        let size = self.graph.op(Op::Abs, &[node]);
+        let whole = self.facts.range(self.graph, size, domain).hi;
+        let (mut level, mut least, mut levels) = (whole, constant, Vec::new());
+        for _ in 0..LEVELS {
+            level *= PART;
+            let mut near = domain.clone();
+            near.within.push((size, level));
+            let steep = self.constant_within(node, &near, LONGER).lipschitz * (1.0 + ROUNDING);
+            if steep > 0.0 && steep < GENTLER * least {
+                least = steep;
+                levels.push((level, steep));
+            }
+        }
+        levels
+    }
+
+    fn curvature(&mut self, node: NodeId, domain: &Domain) -> Option<f64> {
+        // A call's gradient is a function of the module, not of the graph.
+        if self.graph.reachable(&[node]).iter().any(|&id| matches!(self.graph.node(id), Node::Call(..))) {
+            return None;
+        }
+        let gradient = self.gradient(node);
+        let found = self.facts.map_constant(self.graph, &gradient, domain, BUDGET);
+        let fastest = found.lipschitz * (1.0 + ROUNDING);
+        (!found.jumps && fastest <= FASTEST).then_some(fastest)
+    }
+
+    /// How far a field may be stepped by: `way`, which its constant says, or what is known beside it, where that is more.
+    pub(super) fn gentler_way(&mut self, node: NodeId, way: NodeId, uneven: &Uneven) -> NodeId {
+        let size = self.graph.op(Op::Abs, &[node]);
+        let further = match uneven {
+            Uneven::Curvature(curvature) => self.by_curvature(node, size, *curvature),
+            Uneven::Levels(levels) => {
+                let ways = levels.iter().map(|&(level, steep)| {
+                    let [level, share] = [level, 1.0 / steep].map(|c| self.graph.constant(c));
+                    let kept = self.graph.op(Op::Min, &[size, level]);
+                    self.graph.op(Op::Mul, &[kept, share])
+                });
+                let ways: Vec<NodeId> = ways.collect();
+                ways.into_iter().reduce(|a, b| self.graph.op(Op::Max, &[a, b])).unwrap_or(way)
+            }
+        };
+        let zero = self.graph.constant(0.0);
+        let back = self.graph.op(Op::Neg, &[further]);
+        let outside = self.graph.op(Op::Max, &[way, further]);
+        let inside = self.graph.op(Op::Min, &[way, back]);
+        let is_outside = self.graph.op(Op::Lt, &[zero, node]);
+        self.graph.op(Op::Select, &[is_outside, outside, inside])
+    }
+
+    /// The way from a field of this size to where its slope, changing as fast as it can, brings it to zero.
+    fn by_curvature(&mut self, node: NodeId, size: NodeId, curvature: f64) -> NodeId {
+        let gradient = self.gradient(node);
+        let slope = self.graph.op(Op::Length3, &gradient);
+        let [two, least, twice] = [2.0, LEAST, 2.0 * curvature].map(|c| self.graph.constant(c));
+        let bend = self.graph.op(Op::Mul, &[twice, size]);
+        let square = self.graph.op(Op::Square, &[slope]);
+        let square = self.graph.op(Op::Add, &[square, bend]);
+        let root = self.graph.op(Op::Sqrt, &[square]);
+        let sum = self.graph.op(Op::Add, &[slope, root]);
+        let sum = self.graph.op(Op::Max, &[sum, least]);
+        let double = self.graph.op(Op::Mul, &[two, size]);
+        self.graph.op(Op::Div, &[double, sum])
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+mod tests {
+    use crate::evaluate::Tape;
+    use crate::graph::Function;
+    use crate::{MemoryLoader, Options, compile};
+
+    /// Of a formula of r, the distance from the origin, that is zero on the unit sphere alone: how much of the way to there the bound and the estimate
+    /// are, at each of some distances from it; and how steep the formula is at most.
+    fn shares(formula: &str, ways: &[f64]) -> (Vec<[f64; 2]>, f64) {
+        let text = format!("field f = {formula}\nscene = f.within(box(6))");
+        let scene = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default()).compiled.unwrap();
+        let roots = [Function::Bound, Function::Distance].map(|f| scene.functions.formulas[&(scene.root, f)]);
+        let tape = Tape::new(&scene.graph, &scene.functions, &roots, &scene.live(), 1_000_000).unwrap();
+        let part = |c: f64, way: f64| c * (1.0 + way) / 3f64.sqrt();
+        let points: Vec<[f64; 3]> = ways.iter().map(|&way| [part(1.0, way), part(-1.0, way), part(1.0, way)]).collect();
+        let mut found = vec![[0.0; 2]; ways.len()];
+        tape.evaluator().at(&points, &[], |i, values| found[i] = [values[0] / ways[i], values[1] / ways[i]]);
+        (found, scene.summary.factor)
+    }
+
+    const WAYS: [f64; 5] = [1e-3, 0.01, 0.1, 0.3, -0.01];
+
+    #[test]
+    fn what_is_gentle_at_its_surface_is_near_there() {
+        // As steep as 6 at its surface, and 2,000 times as steep at the corner of its region.
+        let (found, factor) = shares("{ let q = dot(p, p); (q - 1) * (q * q * q + 2) }", &WAYS);
+        assert!(factor > 100.0, "{factor}");
+        for ([bound, estimate], [least, near]) in found.iter().zip([[0.8, 0.99], [0.5, 0.95], [0.2, 0.7], [0.15, 0.4], [0.5, 0.95]]) {
+            assert!((least..1.0 + 1e-9).contains(bound), "{found:?}");
+            assert!((near..1.0 + 1e-9).contains(estimate) && estimate >= bound, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn what_has_an_edge_goes_by_its_levels() {
+        // The slope jumps at the middle, and where x is zero.
+        let (found, factor) = shares("{ let a = length(p) - 1; a * (1 + a * a * a * a * (20 + abs(p.x))) }", &WAYS);
+        assert!(factor > 100.0, "{factor}");
+        for [bound, estimate] in found {
+            assert!(bound > 3.0 / factor && bound <= 1.0 && estimate <= 1.0 && bound <= estimate + 1e-9, "{bound} {estimate} of {factor}");
+        }
+    }
+
+    #[test]
+    fn what_jumps_keeps_its_constant() {
+        let (found, factor) = shares("{ let q = dot(p, p); (q - 1) * (q * q * q + 2 + fract(p.x)) }", &[0.01]);
+        // No steeper than 7 there, so that no more than this is known of the value.
+        assert!(factor > 100.0 && found[0][0] * factor < 7.5, "{found:?} {factor}");
+    }
+}
