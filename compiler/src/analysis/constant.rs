@@ -3,7 +3,8 @@
 use super::tape::Tape;
 use super::region::shift_along;
 use super::polar::Polar;
-use super::{Box3, Domain, Facts, branches, dual, leaf_dual, period};
+use super::dual::Dual;
+use super::{Box3, Domain, Facts, branches, dual, leaf_dual, leaf_range, period};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Exactness, Function, Graph, Leaf, Node, NodeId, NodeList};
@@ -72,6 +73,17 @@ impl Facts {
     /// How many boxes a search may still have: one, where a scene has cost too much already.
     fn affordable(&self, budget: usize) -> usize {
         if self.searched > self.most_searched { budget.min(1) } else { budget }
+    }
+
+    /// How fast a node changes with one of its variables at most, whatever the point and all else are within the domain.
+    pub fn rate_by(&mut self, graph: &Graph, node: NodeId, variable: u32, domain: &Domain) -> f64 {
+        let tape = self.tape(graph, node);
+        let pinned = self.pinned.clone();
+        let leaf = |leaf| match leaf {
+            Leaf::Variable(v) if v == variable => Dual::coordinate(0, domain.variable(v)),
+            other => Dual::constant(leaf_range(graph, &pinned, other, domain)),
+        };
+        dual::hull_of_pieces(self, graph, &tape, &leaf).0.norm
     }
 
     /// Whether searches have cost less than half of what they may.

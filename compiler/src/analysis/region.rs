@@ -14,6 +14,8 @@ const SLABS: u64 = 160;
 const SIFTED: u32 = 600;
 /// How many steps of formulas the sifting of one region may cost, those of the shapes inside counted in.
 const SIFTED_STEPS: u64 = 1_000_000;
+/// A formula without a constant over all space is sifted where it may be so steep.
+const WILD: f64 = 100.0;
 /// How many steps of formulas the sifting and the cutting of all regions of a scene may cost; then they are only found by carrying back.
 const CLOSER_STEPS: u64 = 4_000_000;
 /// How many shapes inside may be sifted for one region.
@@ -57,9 +59,7 @@ impl Facts {
                 break;
             }
         }
-        if self.closer < CLOSER_STEPS && region.is_finite() && region.size() > 0.5 * domain.point.size() {
-            region = self.sift(graph, node, domain, region, level);
-        }
+        region = self.sift(graph, node, domain, region, level);
         if self.closer < CLOSER_STEPS && !region.is_empty() && region.is_finite() {
             let first = self.ran;
             region = self.shave(graph, &tape, domain, region, level);
@@ -158,8 +158,12 @@ impl Facts {
     }
 
     /// Drops parts of which a constant of the formula proves that they are empty: the value at the middle is more than the constant times
-    /// the distance to the corners. Domains of all sizes lead to the same box, which is sifted once.
+    /// the distance to the corners. Only of a box that is hardly smaller than the domain. Domains of all sizes lead to the same box, which is
+    /// sifted once.
     fn sift(&mut self, graph: &Graph, node: NodeId, domain: &Domain, region: Box3, level: f64) -> Box3 {
+        if self.closer >= CLOSER_STEPS || !region.is_finite() || region.size() <= 0.5 * domain.point.size() {
+            return region;
+        }
         let key = (node, domain.at(region).key(), level.to_bits());
         if let Some(known) = self.sifted.get(&key) {
             return *known;
@@ -181,6 +185,10 @@ impl Facts {
             self.constant(graph, node, &domain.at(Box3::ALL), 1)
         };
         let everywhere = constant.lipschitz.is_finite() && !constant.jumps;
+        // What is gentle all over the box needs no tighter one.
+        if !everywhere && self.constant(graph, node, &domain.at(region), 1).lipschitz < WILD {
+            return region;
+        }
         self.sifts = self.sifts.saturating_sub(1);
         let tape = self.tape(graph, node);
         let smallest = region.size() / 128.0;
@@ -333,8 +341,7 @@ impl Facts {
             }
             let tape = self.tape(graph, node);
             let mut region = self.contract(graph, &tape, &domain, target);
-            let loose = region.size() > 0.5 * domain.point.size();
-            if loose && region.is_finite() && self.sifts > 0 && self.closer < CLOSER_STEPS {
+            if self.sifts > 0 {
                 region = self.sift(graph, node, &domain, region, level);
             }
             self.regions.insert(key, region);

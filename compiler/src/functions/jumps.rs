@@ -8,8 +8,8 @@ use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Node, NodeId, ShapeId};
 
 /// An operation that makes a formula jump.
-struct Site {
-    node: NodeId,
+pub(super) struct Site {
+    pub(super) node: NodeId,
     op: Op,
     args: Vec<NodeId>,
 }
@@ -57,7 +57,7 @@ impl Builder<'_> {
         self.jump_sites(node, &near, most, &mut sites);
         let span = self.place(shape, node);
         let (mut nearest, mut stops, mut unknown): (Option<NodeId>, _, _) = (None, None, None);
-        for site in sites {
+        for site in &sites {
             let known = |n: &NodeId| self.graph.location(*n);
             let at = known(&site.node).or_else(|| site.args.iter().find_map(known)).unwrap_or(span);
             match self.distance_to_jump(site.op, &site.args, &near) {
@@ -99,7 +99,10 @@ impl Builder<'_> {
         let nearest = self.graph.op(Op::Max, &[nearest, hair]);
         let zero = self.graph.constant(0.0);
         let size = self.graph.op(Op::Abs, &[value]);
-        let step = self.graph.op(Op::Min, &[size, nearest]);
+        let mut step = self.graph.op(Op::Min, &[size, nearest]);
+        if let Some(over) = self.over_jumps(node, &sites, &near) {
+            step = self.graph.op(Op::Max, &[step, over]);
+        }
         let minus = self.graph.op(Op::Neg, &[step]);
         let inside = self.graph.op(Op::Lt, &[value, zero]);
         self.kind = self.kind.max(Kind::Bound);
@@ -166,29 +169,24 @@ impl Builder<'_> {
                 (self.graph.op(Op::Abs, &[from]), a)
             }
             Op::Round | Op::Hash => {
-                let mut least: Option<NodeId> = None;
+                let mut least = Jump::Nowhere;
                 for &a in args {
-                    let constant = self.facts.constant(self.graph, a, near, 16);
-                    if constant.lipschitz == 0.0 {
+                    if self.facts.constant(self.graph, a, near, 16).lipschitz == 0.0 {
                         continue;
-                    }
-                    // Nothing is known of how near the jump is.
-                    if !constant.lipschitz.is_finite() {
-                        return Jump::Unknown;
                     }
                     let whole = self.graph.op(Op::Round, &[a]);
                     let from = self.graph.op(Op::Sub, &[a, whole]);
                     let from = self.graph.op(Op::Abs, &[from]);
                     let half = self.graph.constant(0.5);
                     let gap = self.graph.op(Op::Sub, &[half, from]);
-                    let over = self.graph.constant(constant.lipschitz);
-                    let gap = self.graph.op(Op::Div, &[gap, over]);
-                    least = Some(match least {
-                        Some(other) => self.graph.op(Op::Min, &[other, gap]),
-                        None => gap,
-                    });
+                    least = match (least, self.way_across(gap, a, near)) {
+                        (Jump::From(a), Jump::From(b)) => Jump::From(self.graph.op(Op::Min, &[a, b])),
+                        (Jump::Nowhere, way) => way,
+                        // Nothing is known of how near the jump is.
+                        _ => return Jump::Unknown,
+                    };
                 }
-                return least.map_or(Jump::Nowhere, Jump::From);
+                return least;
             }
             Op::Sign => (self.graph.op(Op::Abs, &[a]), a),
             Op::Lt | Op::Le | Op::Eq => {
@@ -211,11 +209,46 @@ impl Builder<'_> {
             }
             _ => return Jump::Nowhere,
         };
-        let constant = self.facts.constant(self.graph, of, near, 16);
-        if !constant.lipschitz.is_finite() {
+        self.way_across(distance, of, near)
+    }
+
+    /// How far it is at least to where a node has changed by `gap`.
+    fn way_across(&mut self, gap: NodeId, node: NodeId, near: &Domain) -> Jump {
+        let constant = self.facts.constant(self.graph, node, near, 16);
+        if constant.lipschitz.is_finite() {
+            let over = self.graph.constant(constant.lipschitz.max(1e-9));
+            return Jump::From(self.graph.op(Op::Div, &[gap, over]));
+        }
+        // An angle is steep without end at its axis alone: from a point at a radius r it is r sin(gap) to a ray at an angle from it, and no nearer
+        // than the axis to one behind.
+        let Some((times, axes)) = self.angle(node) else { return Jump::Unknown };
+        let map = self.facts.map_constant(self.graph, &axes, near, 16);
+        if !map.lipschitz.is_finite() {
             return Jump::Unknown;
         }
-        let over = self.graph.constant(constant.lipschitz.max(1e-9));
-        Jump::From(self.graph.op(Op::Div, &[distance, over]))
+        let [share, quarter] = [1.0 / times.abs(), std::f64::consts::FRAC_PI_2].map(|c| self.graph.constant(c));
+        let angle = self.graph.op(Op::Mul, &[gap, share]);
+        let angle = self.graph.op(Op::Min, &[angle, quarter]);
+        let sine = self.graph.op(Op::Sin, &[angle]);
+        let radius = self.graph.op(Op::Length2, &axes);
+        let across = self.graph.op(Op::Mul, &[radius, sine]);
+        let over = self.graph.constant(map.lipschitz.max(1e-9));
+        Jump::From(self.graph.op(Op::Div, &[across, over]))
+    }
+
+    /// Which multiple of an angle a node is, but for what is added to it, and both axes of the angle.
+    fn angle(&self, node: NodeId) -> Option<(f64, [NodeId; 2])> {
+        let Node::Op(op, args) = self.graph.node(node) else { return None };
+        let (&a, &b) = (args.first()?, args.get(1)?);
+        let times = |factor: f64, of: NodeId| self.angle(of).map(|(times, axes)| (times * factor, axes)).filter(|(times, _)| *times != 0.0);
+        match (op, self.graph.as_constant(a), self.graph.as_constant(b)) {
+            (Op::Atan2, ..) => Some((1.0, [a, b])),
+            (Op::Add | Op::Sub, ..) if self.is_uniform(a) => times(1.0, b),
+            (Op::Add | Op::Sub, ..) if self.is_uniform(b) => times(1.0, a),
+            (Op::Mul, Some(k), _) => times(k, b),
+            (Op::Mul, _, Some(k)) => times(k, a),
+            (Op::Div, _, Some(k)) => times(1.0 / k, a),
+            _ => None,
+        }
     }
 }

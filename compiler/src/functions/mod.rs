@@ -12,6 +12,7 @@ mod domains;
 mod dress;
 mod ground;
 mod jumps;
+mod stairs;
 mod surface;
 mod uneven;
 pub mod unions;

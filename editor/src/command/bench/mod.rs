@@ -63,8 +63,14 @@ pub struct Args {
     json: Option<std::path::PathBuf>,
 }
 
-/// The stages in their order, and what each run took in them.
-type Rows = Vec<(&'static str, Vec<Duration>)>;
+/// What compiling a scene again and again took.
+#[derive(Default)]
+struct Runs {
+    /// The stages in their order, and what each run took in them.
+    stages: Vec<(&'static str, Vec<Duration>)>,
+    /// How many steps of formulas the analysis of one run looked at: the same each time and on each machine.
+    steps: u64,
+}
 
 /// Measures and prints. Files are read once and then kept, so that the disk is not what is measured.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
@@ -86,17 +92,16 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let loader = in_memory(&first);
     // The first runs fill caches and are not counted.
     for _ in 0..args.runs.div_ceil(20) {
-        measure(&loader, path, &mut Vec::new());
+        measure(&loader, path, &mut Runs::default());
     }
-    let mut rows = Rows::new();
-    let mut steps = 0;
+    let mut runs = Runs::default();
     for _ in 0..args.runs {
-        steps = measure(&loader, path, &mut rows);
+        measure(&loader, path, &mut runs);
     }
-    for (_, times) in &mut rows {
+    for (_, times) in &mut runs.stages {
         times.sort_unstable();
     }
-    let text = if args.json.is_some() { in_json(path, args.runs, &rows, steps) } else { table(path, args.runs, &rows, steps) };
+    let text = if args.json.is_some() { in_json(path, args.runs, &runs) } else { table(path, args.runs, &runs) };
     print(text.as_bytes())?;
     Ok(Exit::Fine)
 }
@@ -131,9 +136,8 @@ fn in_memory(outcome: &Outcome) -> MemoryLoader {
     outcome.files.iter().fold(MemoryLoader::new(), read)
 }
 
-/// One run: the time of each stage, of all together, and of naga's validation, which is not a part of compiling. The answer: how many steps
-/// of formulas the analysis ran, which is the same each time and on each machine.
-fn measure(loader: &dyn Loader, path: &str, rows: &mut Rows) -> u64 {
+/// One run: the time of each stage, of all together, and of naga's validation, which is not a part of compiling.
+fn measure(loader: &dyn Loader, path: &str, runs: &mut Runs) {
     let start = Instant::now();
     let mut last = start;
     let mut stages: Vec<(Stage, Duration)> = Vec::new();
@@ -145,23 +149,25 @@ fn measure(loader: &dyn Loader, path: &str, rows: &mut Rows) -> u64 {
     });
     let whole = start.elapsed();
     for (stage, took) in stages {
-        add(rows, stage.name(), took);
+        runs.add(stage.name(), took);
     }
-    add(rows, "all of it", whole);
+    runs.add("all of it", whole);
     if let Some(compiled) = &outcome.compiled {
         let start = Instant::now();
         // Whether it is valid is not asked here.
         let valid = emit::validate(&compiled.module.wgsl);
-        add(rows, "naga's check", start.elapsed());
+        runs.add("naga's check", start.elapsed());
         drop(valid);
     }
-    memory.steps
+    runs.steps = memory.steps;
 }
 
-fn add(rows: &mut Rows, name: &'static str, took: Duration) {
-    match rows.iter_mut().find(|(known, _)| *known == name) {
-        Some((_, times)) => times.push(took),
-        None => rows.push((name, vec![took])),
+impl Runs {
+    fn add(&mut self, name: &'static str, took: Duration) {
+        match self.stages.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, times)) => times.push(took),
+            None => self.stages.push((name, vec![took])),
+        }
     }
 }
 
@@ -175,19 +181,19 @@ fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-fn table(path: &str, runs: u32, rows: &Rows, steps: u64) -> String {
-    let mut text = format!("{path}, {runs} runs{:>13}{:>12}\n", "median", "p95");
-    for (name, times) in rows {
+fn table(path: &str, count: u32, runs: &Runs) -> String {
+    let mut text = format!("{path}, {count} runs{:>13}{:>12}\n", "median", "p95");
+    for (name, times) in &runs.stages {
         let (median, p95) =
             (milliseconds(percentile(times, 50)), milliseconds(percentile(times, 95)));
         text.push_str(&format!("  {name:<20}{median:>9.3} ms{p95:>9.3} ms\n"));
     }
-    text.push_str(&format!("  {steps} steps of formulas looked at\n"));
+    text.push_str(&format!("  {} steps of formulas looked at\n", runs.steps));
     text
 }
 
-fn in_json(path: &str, runs: u32, rows: &Rows, steps: u64) -> String {
-    let stages = rows.iter().map(|(name, times)| {
+fn in_json(path: &str, count: u32, runs: &Runs) -> String {
+    let stages = runs.stages.iter().map(|(name, times)| {
         json!({
             "name": name,
             "median_ms": milliseconds(percentile(times, 50)),
@@ -196,7 +202,7 @@ fn in_json(path: &str, runs: u32, rows: &Rows, steps: u64) -> String {
     });
     format!(
         "{}\n",
-        json!({ "scene": path, "runs": runs, "stages": stages.collect::<Vec<_>>(), "steps": steps })
+        json!({ "scene": path, "runs": count, "stages": stages.collect::<Vec<_>>(), "steps": runs.steps })
     )
 }
 

@@ -1,0 +1,119 @@
+//! Formulas of steps, seen from far away. Whatever `floor` does, it takes away from its argument something between 0 and 1; with that as a free
+//! number u the formula jumps no more. If it is no steeper than A for each u, and changes by no more than B over all of them, then on a way s it
+//! changes by no more than A s + B, so that a ray may go (|f| - B) / A, over as many jumps as there are.
+
+use super::jumps::Site;
+use super::{BUDGET, Builder, STEEPEST};
+use crate::analysis::Domain;
+use crate::analysis::search::ROUNDING;
+use crate::graph::interval::Interval;
+use crate::graph::kernel::Op;
+use crate::graph::{Leaf, Node, NodeId};
+use rustc_hash::FxHashMap;
+
+/// Of more jumps nothing is looked for.
+const MOST: usize = 4;
+
+impl Builder<'_> {
+    /// How far a ray may step at least by a formula that jumps at these operations, over its jumps; less than nothing where that is not known to be
+    /// anything. None where nothing finite is known, or where they stand within other shapes.
+    pub(super) fn over_jumps(&mut self, node: NodeId, sites: &[Site], domain: &Domain) -> Option<NodeId> {
+        if sites.is_empty() || sites.len() > MOST {
+            return None;
+        }
+        let mut free = domain.clone();
+        let smooth = self.without_jumps(node, sites, &mut free)?;
+        let all = self.facts.constant(self.graph, smooth, &free, BUDGET);
+        if all.jumps || all.lipschitz > STEEPEST || all.lipschitz.is_nan() {
+            return None;
+        }
+        let added: Vec<(u32, Interval)> = free.variables.iter().skip(domain.variables.len()).copied().collect();
+        let changes = added.iter().map(|&(v, range)| range.width() * self.facts.rate_by(self.graph, smooth, v, &free));
+        let change = changes.sum::<f64>() * (1.0 + ROUNDING);
+        if !change.is_finite() {
+            return None;
+        }
+        let size = self.graph.op(Op::Abs, &[node]);
+        let [change, share] = [change, 1.0 / (all.lipschitz.max(1e-6) * (1.0 + ROUNDING))].map(|c| self.graph.constant(c));
+        let rest = self.graph.op(Op::Sub, &[size, change]);
+        Some(self.graph.op(Op::Mul, &[rest, share]))
+    }
+
+    /// The formula with a free number in place of what each of its jumps adds to an argument; `free` is told of the numbers and their ranges.
+    fn without_jumps(&mut self, node: NodeId, sites: &[Site], free: &mut Domain) -> Option<NodeId> {
+        let order = self.graph.reachable(&[node]);
+        if !sites.iter().all(|s| order.contains(&s.node)) {
+            return None;
+        }
+        let mut new: FxHashMap<NodeId, NodeId> = FxHashMap::default();
+        for &id in &order {
+            let of = |a: &NodeId| new.get(a).copied().unwrap_or(*a);
+            let args: Vec<NodeId> = self.graph.arguments(id).iter().map(of).collect();
+            let same = args == self.graph.arguments(id);
+            let made = match (self.graph.node(id).clone(), sites.iter().find(|s| s.node == id)) {
+                (Node::Op(op, _), Some(_)) => {
+                    let (low, high, keeps) = match op {
+                        Op::Floor => (-1.0, 0.0, true),
+                        Op::Ceil => (0.0, 1.0, true),
+                        Op::Round => (-0.5, 0.5, true),
+                        Op::Trunc => (-1.0, 1.0, true),
+                        Op::Sign => (-1.0, 1.0, false),
+                        _ => return None,
+                    };
+                    let variable = self.graph.fresh_variable();
+                    free.variables.push((variable, Interval::new(low, high)));
+                    let number = self.graph.intern(Node::Leaf(Leaf::Variable(variable)));
+                    if keeps { self.graph.op(Op::Add, &[*args.first()?, number]) } else { number }
+                }
+                _ if same => id,
+                (Node::Op(op, _), None) => self.graph.op(op, &args),
+                (Node::Call(shape, function, _), None) => self.graph.call(shape, function, &args),
+                // What is claimed of a formula is not claimed of this one.
+                _ => return None,
+            };
+            new.insert(id, made);
+        }
+        new.get(&node).copied()
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+mod tests {
+    use crate::diagnostic::Code;
+    use crate::evaluate::Tape;
+    use crate::graph::Function;
+    use crate::{MemoryLoader, Options, compile};
+
+    /// The bound of a formula at a place, and what is warned of.
+    fn bound(formula: &str, place: [f64; 3]) -> (f64, Vec<String>) {
+        let text = format!("field f = {formula}\nscene = f.within(box(8))");
+        let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
+        let scene = outcome.compiled.unwrap();
+        let root = scene.functions.formulas[&(scene.root, Function::Bound)];
+        let tape = Tape::new(&scene.graph, &scene.functions, &[root], &scene.live(), 1_000_000).unwrap();
+        let mut found = 0.0;
+        tape.evaluator().at(&[place], &[], |_, values| found = values[0]);
+        (found, outcome.diagnostics.into_iter().filter(|d| d.code == Code::Jump).map(|d| d.message).collect())
+    }
+
+    #[test]
+    fn far_from_stairs_a_ray_goes_over_them() {
+        // Three above stairs that rise by one a unit in steps of a quarter; the next jump is a tenth away.
+        let (far, _) = bound("p.y - 0.25 * floor(4 * p.x)", [0.15, 3.0, 0.0]);
+        assert!((far - 2.75 / 2f64.sqrt()).abs() < 1e-3, "{far}");
+        let (near, _) = bound("p.y - 0.25 * floor(4 * p.x)", [0.15, 0.2, 0.0]);
+        assert!(near <= 0.1 + 1e-9, "{near}");
+        let (inside, _) = bound("p.y - 0.25 * floor(4 * p.x)", [0.15, -2.0, 0.0]);
+        assert!((inside + 1.75 / 2f64.sqrt()).abs() < 1e-3, "{inside}");
+    }
+
+    #[test]
+    fn a_jump_of_an_angle_is_as_near_as_its_radius_says() {
+        // Out to 1.4 on one side of the angle of zero, to 1 on the other.
+        let place = [1.3, 0.0, 0.026];
+        let (bound, warned) = bound("length(p) - 1 + 0.4 * floor(6 * atan(p.z, p.x) / tau)", place);
+        assert!(bound <= 0.026 + 1e-9 && bound > 0.99 * 0.026, "{bound}");
+        assert!(warned.len() == 1 && warned[0].contains("look again"), "{warned:?}");
+    }
+}
