@@ -1,12 +1,11 @@
-//! The estimate of the distance, and the gradient: what light, occlusion and contact use. No factor is ever in them.
+//! The estimate of the distance: what light, occlusion and contact use. No factor is ever in it.
 
 use super::uneven::Uneven;
 use super::{Builder, BUDGET, STEEPEST, UNIT};
 use crate::analysis::search::{Search, Target, spread};
 use crate::analysis::{Box3, Domain};
 use crate::graph::kernel::Op;
-use crate::graph::{Claim, Exactness, FAR, Function, Leaf, Node, NodeId, Shape, ShapeId, kernel};
-use smallvec::SmallVec;
+use crate::graph::{Claim, Exactness, FAR, Function, Leaf, Node, NodeId, Shape, ShapeId};
 use std::rc::Rc;
 
 /// A moved shape of more parts than this is one formula: each part costs its own gradient.
@@ -286,6 +285,8 @@ impl Builder<'_> {
         let exactness = Exactness::Formula;
         let part = Shape { name: None, dimensions: 3, value: node, variables: [].into(), exactness, material: None, paints: [].into(), span };
         let part = self.graph.add_shape(part);
+        // No wall is met where a ray only passes one.
+        self.walled.insert(part, false);
         let here = self.graph.point();
         let [node, gradient @ ..] = self.seen_from(part, here);
         let slope = self.graph.op(Op::Length3, &gradient);
@@ -393,97 +394,5 @@ impl Builder<'_> {
     fn length_of(&mut self, gradient: [NodeId; 3], least: NodeId) -> NodeId {
         let length = self.graph.op(Op::Length3, &gradient);
         self.graph.op(Op::Max, &[length, least])
-    }
-
-    /// The gradient of a node by the point of its space, as nodes: forward, by the kernel's partial derivatives.
-    pub fn gradient(&mut self, root: NodeId) -> [NodeId; 3] {
-        let known = |slopes: &[Option<[NodeId; 3]>], id: NodeId| slopes.get(id.0 as usize).copied().flatten();
-        if let Some(known) = known(&self.slopes, root) {
-            return known;
-        }
-        for id in self.graph.reachable_among(&[root], |id| known(&self.slopes, id).is_none()) {
-            let slope = self.slope(id);
-            let at = id.0 as usize;
-            if at >= self.slopes.len() {
-                self.slopes.resize(self.graph.len(), None);
-            }
-            if let Some(slot) = self.slopes.get_mut(at) {
-                *slot = Some(slope);
-            }
-        }
-        known(&self.slopes, root).unwrap_or_default()
-    }
-
-    /// The gradient of a node whose arguments have theirs.
-    fn slope(&mut self, id: NodeId) -> [NodeId; 3] {
-        let zero = self.graph.constant(0.0);
-        let flat = [zero; 3];
-        let of = |builder: &Self, a: &NodeId| builder.slopes.get(a.0 as usize).copied().flatten().unwrap_or(flat);
-        match self.graph.node(id).clone() {
-            Node::Leaf(Leaf::P(i)) => {
-                let mut unit = flat;
-                if let Some(slot) = unit.get_mut(usize::from(i)) {
-                    *slot = self.graph.constant(1.0);
-                }
-                unit
-            }
-            Node::Op(op @ (Op::Min | Op::Max), args) => {
-                let (Some(&a), Some(&b)) = (args.first(), args.get(1)) else { return flat };
-                let (ga, gb) = (of(self, &a), of(self, &b));
-                let first = self.graph.op(Op::Le, &if op == Op::Min { [a, b] } else { [b, a] });
-                self.pick(first, ga, gb)
-            }
-            Node::Op(Op::Select, args) => {
-                let (Some(&c), Some(a), Some(b)) = (args.first(), args.get(1), args.get(2)) else { return flat };
-                self.pick(c, of(self, a), of(self, b))
-            }
-            Node::Op(op, args) => {
-                // A length does not change with what is kept at zero, so it is as steep by the number itself.
-                let length = matches!(op, Op::Length2 | Op::Length3 | Op::Length4);
-                let within = |a: NodeId| match self.graph.node(a) {
-                    Node::Op(Op::Max, sides) if length && sides.get(1) == Some(&zero) => sides.first().copied().unwrap_or(a),
-                    _ => a,
-                };
-                let inner: SmallVec<[[NodeId; 3]; 4]> = args.iter().map(|&a| of(self, &within(a))).collect();
-                if inner.iter().all(|g| *g == flat) {
-                    return flat;
-                }
-                let partials = kernel::partials(self.graph, op, &args, id);
-                self.chain_rule(&partials, &inner)
-            }
-            Node::Call(shape, Function::Field, args) => {
-                let inner: SmallVec<[[NodeId; 3]; 4]> = args.iter().map(|a| of(self, a)).collect();
-                if inner.iter().skip(3).all(|g| *g == flat) {
-                    let partials = [0, 1, 2].map(|i| self.graph.call(shape, Function::Gradient(i), &args));
-                    return self.chain_rule(&partials, &inner);
-                }
-                // A variable moves too: the formula is opened here.
-                let Some(value) = self.graph.shape(shape).map(|s| s.value) else { return flat };
-                let opened = self.graph.open(shape, value, &args);
-                self.gradient(opened)
-            }
-            Node::Claim(args, _) => args.first().map_or(flat, |a| of(self, a)),
-            _ => flat,
-        }
-    }
-
-    pub(super) fn pick(&mut self, condition: NodeId, a: [NodeId; 3], b: [NodeId; 3]) -> [NodeId; 3] {
-        let mut chosen = a;
-        for (slot, other) in chosen.iter_mut().zip(b) {
-            *slot = self.graph.op(Op::Select, &[condition, *slot, other]);
-        }
-        chosen
-    }
-
-    pub(super) fn chain_rule(&mut self, partials: &[NodeId], inner: &[[NodeId; 3]]) -> [NodeId; 3] {
-        let (zero, one) = (self.graph.constant(0.0), self.graph.constant(1.0));
-        let mut total = [zero; 3];
-        for (partial, gradient) in partials.iter().zip(inner) {
-            for (slot, g) in total.iter_mut().zip(gradient).filter(|(_, g)| **g != zero) {
-                let term = if *g == one { *partial } else { self.graph.op(Op::Mul, &[*partial, *g]) };
-                *slot = if *slot == zero { term } else { self.graph.op(Op::Add, &[*slot, term]) };
-            }
-        }
-        total
     }
 }

@@ -10,8 +10,8 @@ use crate::graph::{Claim, Exactness, Node, NodeId, ShapeId};
 /// An operation that makes a formula jump.
 pub(super) struct Site {
     pub(super) node: NodeId,
-    op: Op,
-    args: Vec<NodeId>,
+    pub(super) op: Op,
+    pub(super) args: Vec<NodeId>,
 }
 
 /// How far it is at least to where an operation jumps.
@@ -35,6 +35,11 @@ enum Blame {
     All,
 }
 
+/// How far a ray steps across a jump in a domain.
+pub(super) fn hair(near: &Domain) -> f64 {
+    (HAIR * near.point.size().max(0.25)).min(LONGEST_HAIR)
+}
+
 /// How many nodes opening shapes may make.
 const MOST_OPENED: usize = 200_000;
 
@@ -52,9 +57,7 @@ impl Builder<'_> {
             Some((region, reach)) => domain.at(region.grow(reach)),
             None => domain.clone(),
         };
-        let mut sites = Vec::new();
-        let most = self.graph.len() + MOST_OPENED;
-        self.jump_sites(node, &near, most, &mut sites);
+        let sites = self.sites(node, &near);
         let span = self.place(shape, node);
         let (mut nearest, mut stops, mut unknown): (Option<NodeId>, _, _) = (None, None, None);
         for site in &sites {
@@ -95,18 +98,26 @@ impl Builder<'_> {
             }
         }
         let Some(nearest) = nearest else { return value };
-        let hair = self.graph.constant((HAIR * near.point.size().max(0.25)).min(LONGEST_HAIR));
+        let hair = self.graph.constant(hair(&near));
         let nearest = self.graph.op(Op::Max, &[nearest, hair]);
         let zero = self.graph.constant(0.0);
         let size = self.graph.op(Op::Abs, &[value]);
         let mut step = self.graph.op(Op::Min, &[size, nearest]);
-        if let Some(over) = self.over_jumps(node, &sites, &near) {
+        if let Some(over) = self.over_jumps(node, &sites, &near, treatment.constant) {
             step = self.graph.op(Op::Max, &[step, over]);
         }
         let minus = self.graph.op(Op::Neg, &[step]);
         let inside = self.graph.op(Op::Lt, &[value, zero]);
         self.kind = self.kind.max(Kind::Bound);
         self.graph.op(Op::Select, &[inside, minus, step])
+    }
+
+    /// The operations by which a node jumps.
+    pub(super) fn sites(&mut self, node: NodeId, near: &Domain) -> Vec<Site> {
+        let mut sites = Vec::new();
+        let most = self.graph.len() + MOST_OPENED;
+        self.jump_sites(node, near, most, &mut sites);
+        sites
     }
 
     /// The operations by which a node jumps, in the shapes that it calls too: what is claimed to be continuous is not to blame, nor what jumps

@@ -10,6 +10,7 @@ mod convex;
 mod distance;
 mod domains;
 mod dress;
+mod gradient;
 mod ground;
 mod jumps;
 mod stairs;
@@ -257,7 +258,10 @@ pub struct Builder<'a> {
     /// Whether what can't be proven is an error.
     strict: bool,
     /// Gradients of nodes by the point of their space, as far as they were asked for.
-    slopes: Vec<Option<[NodeId; 3]>>,
+    slopes: gradient::Slopes,
+    /// Jumps of shapes as light sees them, and which shapes have any in or under them.
+    walls: FxHashMap<ShapeId, Rc<[gradient::Wall]>>,
+    walled: FxHashMap<ShapeId, bool>,
     /// Whether a plane may be among the operands of a union.
     planes: FxHashMap<NodeId, bool>,
     surfaces: FxHashMap<NodeId, Option<Look>>,
@@ -316,6 +320,8 @@ pub fn build(
         kind: Kind::Exact,
         strict,
         slopes: Vec::new(),
+        walls: FxHashMap::default(),
+        walled: FxHashMap::default(),
         planes: FxHashMap::default(),
         surfaces: FxHashMap::default(),
         looks: FxHashMap::default(),
@@ -461,7 +467,7 @@ impl Builder<'_> {
                 smallvec![(function, distance)]
             }
             Function::Gradient(_) => {
-                let gradient = self.gradient(value);
+                let gradient = self.gradient_with_walls(shape, value);
                 (0..3).zip(gradient).map(|(i, g)| (Function::Gradient(i), g)).collect()
             }
         }

@@ -17,7 +17,8 @@ const MOST: usize = 4;
 impl Builder<'_> {
     /// How far a ray may step at least by a formula that jumps at these operations, over its jumps; less than nothing where that is not known to be
     /// anything. None where nothing finite is known, or where they stand within other shapes.
-    pub(super) fn over_jumps(&mut self, node: NodeId, sites: &[Site], domain: &Domain) -> Option<NodeId> {
+    /// `constant` is that of the pieces: no bound of theirs changes faster than the way.
+    pub(super) fn over_jumps(&mut self, node: NodeId, sites: &[Site], domain: &Domain, constant: f64) -> Option<NodeId> {
         if sites.is_empty() || sites.len() > MOST {
             return None;
         }
@@ -34,7 +35,7 @@ impl Builder<'_> {
             return None;
         }
         let size = self.graph.op(Op::Abs, &[node]);
-        let [change, share] = [change, 1.0 / (all.lipschitz.max(1e-6) * (1.0 + ROUNDING))].map(|c| self.graph.constant(c));
+        let [change, share] = [change, 1.0 / (all.lipschitz.max(constant) * (1.0 + ROUNDING))].map(|c| self.graph.constant(c));
         let rest = self.graph.op(Op::Sub, &[size, change]);
         Some(self.graph.op(Op::Mul, &[rest, share]))
     }

@@ -1,0 +1,274 @@
+//! The gradient of a formula, as nodes. Where a formula jumps it has none; light and contact see a wall there, so the gradient of a shape's field
+//! stands across a jump that is near enough to be met by a ray.
+
+use super::jumps::{Jump, Site, hair};
+use super::Builder;
+use crate::graph::kernel::Op;
+use crate::graph::{Exactness, Function, Leaf, Node, NodeId, ShapeId, kernel};
+use smallvec::SmallVec;
+use std::rc::Rc;
+
+/// A wall is seen from so many times as far as a ray steps across it.
+const NEAR: f64 = 2.0;
+
+/// Gradients by the index of their node, as far as they are known.
+pub(super) type Slopes = Vec<Option<[NodeId; 3]>>;
+
+/// An operation that makes a shape's field jump.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wall {
+    site: NodeId,
+    /// How steep it counts as: something great beside the wall, zero elsewhere.
+    steep: NodeId,
+}
+
+/// What a gradient is asked for.
+#[derive(Clone, Copy)]
+enum Seen<'a> {
+    /// What formulas change by between their jumps.
+    Pieces,
+    /// That, and these walls of the formula itself; those of other shapes stand in their gradients.
+    Walls(&'a [Wall]),
+}
+
+fn known(slopes: &Slopes, id: NodeId) -> Option<[NodeId; 3]> {
+    slopes.get(id.0 as usize).copied().flatten()
+}
+
+impl Builder<'_> {
+    /// The gradient of a node by the point of its space, as nodes: forward, by the kernel's partial derivatives. Between jumps.
+    pub(super) fn gradient(&mut self, root: NodeId) -> [NodeId; 3] {
+        let mut slopes = std::mem::take(&mut self.slopes);
+        let found = self.gradient_of(root, &mut slopes, Seen::Pieces);
+        self.slopes = slopes;
+        found
+    }
+
+    /// The gradient of a shape's field, with its walls.
+    pub(super) fn gradient_with_walls(&mut self, shape: ShapeId, value: NodeId) -> [NodeId; 3] {
+        if !self.has_walls(shape) {
+            return self.gradient(value);
+        }
+        let walls = self.walls(shape);
+        self.gradient_of(value, &mut Slopes::new(), Seen::Walls(&walls))
+    }
+
+    /// Whether the field of a shape, or of one that it calls, has walls.
+    pub(super) fn has_walls(&mut self, shape: ShapeId) -> bool {
+        if let Some(known) = self.walled.get(&shape) {
+            return *known;
+        }
+        let Some(value) = self.graph.shape(shape).map(|s| s.value) else { return false };
+        let mut nodes = Vec::new();
+        let inner: Vec<ShapeId> = self.calls(&[value], &mut nodes).map(|(inner, _)| inner).collect();
+        let found = !self.walls(shape).is_empty() || inner.into_iter().any(|inner| self.has_walls(inner));
+        self.walled.insert(shape, found);
+        found
+    }
+
+    /// The walls that a shape's own formula makes.
+    fn walls(&mut self, shape: ShapeId) -> Rc<[Wall]> {
+        if let Some(known) = self.walls.get(&shape) {
+            return known.clone();
+        }
+        let walls: Rc<[Wall]> = self.find_walls(shape).into();
+        self.walls.insert(shape, walls.clone());
+        walls
+    }
+
+    fn find_walls(&mut self, shape: ShapeId) -> Vec<Wall> {
+        let Some(value) = self.graph.shape(shape).filter(|s| s.exactness != Exactness::Exact).map(|s| s.value) else { return Vec::new() };
+        let own = self.graph.reachable(&[value]);
+        let jumps = |id: &NodeId| matches!(self.graph.node(*id), Node::Op(op, _) if is_wall(*op));
+        if !own.iter().any(jumps) {
+            return Vec::new();
+        }
+        let near = self.domain(shape);
+        let sites = self.sites(value, &near);
+        let wide = NEAR * hair(&near);
+        let [zero, wide, steep] = [0.0, wide, 1.0 / wide].map(|c| self.graph.constant(c));
+        let mut walls = Vec::new();
+        for Site { node, op, args } in sites {
+            if is_wall(op)
+                && own.binary_search(&node).is_ok()
+                && let Jump::From(distance) = self.distance_to_jump(op, &args, &near)
+            {
+                let beside = self.graph.op(Op::Lt, &[distance, wide]);
+                let steep = self.graph.op(Op::Select, &[beside, steep, zero]);
+                walls.push(Wall { site: node, steep });
+            }
+        }
+        walls
+    }
+
+    fn gradient_of(&mut self, root: NodeId, slopes: &mut Slopes, seen: Seen) -> [NodeId; 3] {
+        if let Some(known) = known(slopes, root) {
+            return known;
+        }
+        for id in self.graph.reachable_among(&[root], |id| known(slopes, id).is_none()) {
+            let slope = self.slope(id, slopes, seen);
+            let at = id.0 as usize;
+            if at >= slopes.len() {
+                slopes.resize(self.graph.len(), None);
+            }
+            if let Some(slot) = slopes.get_mut(at) {
+                *slot = Some(slope);
+            }
+        }
+        known(slopes, root).unwrap_or_default()
+    }
+
+    /// The gradient of a node whose arguments have theirs.
+    fn slope(&mut self, id: NodeId, slopes: &mut Slopes, seen: Seen) -> [NodeId; 3] {
+        let zero = self.graph.constant(0.0);
+        let flat = [zero; 3];
+        let wall = |node: NodeId| match seen {
+            Seen::Walls(walls) => walls.iter().find(|w| w.site == node).map(|w| w.steep),
+            Seen::Pieces => None,
+        };
+        let of = |slopes: &Slopes, a: &NodeId| known(slopes, *a).unwrap_or(flat);
+        match self.graph.node(id).clone() {
+            Node::Leaf(Leaf::P(i)) => {
+                let mut unit = flat;
+                if let Some(slot) = unit.get_mut(usize::from(i)) {
+                    *slot = self.graph.constant(1.0);
+                }
+                unit
+            }
+            Node::Op(op @ (Op::Min | Op::Max), args) => {
+                let (Some(&a), Some(&b)) = (args.first(), args.get(1)) else { return flat };
+                let (ga, gb) = (of(slopes, &a), of(slopes, &b));
+                let first = self.graph.op(Op::Le, &if op == Op::Min { [a, b] } else { [b, a] });
+                self.pick(first, ga, gb)
+            }
+            Node::Op(Op::Select, args) => {
+                let (Some(&c), Some(&a), Some(&b)) = (args.first(), args.get(1), args.get(2)) else { return flat };
+                let picked = self.pick(c, of(slopes, &a), of(slopes, &b));
+                match (wall(c), self.graph.node(c).clone()) {
+                    // From the first to the second as the left side of the comparison grows over the right one.
+                    (Some(steep), Node::Op(Op::Lt | Op::Le, sides)) => {
+                        let (Some(&x), Some(&y)) = (sides.first(), sides.get(1)) else { return picked };
+                        let [one, minus] = [1.0, -1.0].map(|c| self.graph.constant(c));
+                        let across = self.chain_rule(&[one, minus], &[of(slopes, &x), of(slopes, &y)]);
+                        let rise = self.graph.op(Op::Sub, &[b, a]);
+                        let rise = self.graph.op(Op::Mul, &[rise, steep]);
+                        self.chain_rule(&[one, rise], &[picked, across])
+                    }
+                    _ => picked,
+                }
+            }
+            Node::Op(_, args) if let Some(steep) = wall(id) => {
+                let inner = args.first().map_or(flat, |a| of(slopes, a));
+                self.chain_rule(&[steep], &[inner])
+            }
+            Node::Op(op, args) => {
+                // A length does not change with what is kept at zero, so it is as steep by the number itself.
+                let length = matches!(op, Op::Length2 | Op::Length3 | Op::Length4);
+                let within = |a: NodeId| match self.graph.node(a) {
+                    Node::Op(Op::Max, sides) if length && sides.get(1) == Some(&zero) => sides.first().copied().unwrap_or(a),
+                    _ => a,
+                };
+                let inner: SmallVec<[[NodeId; 3]; 4]> = args.iter().map(|&a| of(slopes, &within(a))).collect();
+                if inner.iter().all(|g| *g == flat) {
+                    return flat;
+                }
+                let partials = kernel::partials(self.graph, op, &args, id);
+                self.chain_rule(&partials, &inner)
+            }
+            Node::Call(shape, Function::Field, args) => {
+                let inner: SmallVec<[[NodeId; 3]; 4]> = args.iter().map(|a| of(slopes, a)).collect();
+                // The function of the module shows walls.
+                let as_it_is = matches!(seen, Seen::Walls(_)) || !self.has_walls(shape);
+                if as_it_is && inner.iter().skip(3).all(|g| *g == flat) {
+                    let partials = [0, 1, 2].map(|i| self.graph.call(shape, Function::Gradient(i), &args));
+                    return self.chain_rule(&partials, &inner);
+                }
+                // A variable moves too: the formula is opened here.
+                let Some(value) = self.graph.shape(shape).map(|s| s.value) else { return flat };
+                let opened = self.graph.open(shape, value, &args);
+                self.gradient_of(opened, slopes, seen)
+            }
+            Node::Claim(args, _) => args.first().map_or(flat, |a| of(slopes, a)),
+            _ => flat,
+        }
+    }
+
+    pub(super) fn pick(&mut self, condition: NodeId, a: [NodeId; 3], b: [NodeId; 3]) -> [NodeId; 3] {
+        let mut chosen = a;
+        for (slot, other) in chosen.iter_mut().zip(b) {
+            *slot = self.graph.op(Op::Select, &[condition, *slot, other]);
+        }
+        chosen
+    }
+
+    pub(super) fn chain_rule(&mut self, partials: &[NodeId], inner: &[[NodeId; 3]]) -> [NodeId; 3] {
+        let (zero, one) = (self.graph.constant(0.0), self.graph.constant(1.0));
+        let mut total = [zero; 3];
+        for (partial, gradient) in partials.iter().zip(inner) {
+            for (slot, g) in total.iter_mut().zip(gradient).filter(|(_, g)| **g != zero) {
+                let term = if *g == one { *partial } else { self.graph.op(Op::Mul, &[*partial, *g]) };
+                *slot = if *slot == zero { term } else { self.graph.op(Op::Add, &[*slot, term]) };
+            }
+        }
+        total
+    }
+}
+
+/// Whether a jump of an operation makes a wall that has a direction.
+fn is_wall(op: Op) -> bool {
+    matches!(op, Op::Floor | Op::Ceil | Op::Trunc | Op::Round | Op::Sign | Op::Lt | Op::Le)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+mod tests {
+    use crate::evaluate::Tape;
+    use crate::graph::Function;
+    use crate::{MemoryLoader, Options, compile};
+
+    /// Of a scene at a place: the direction of its gradient, and the estimate of the distance.
+    fn seen(scene: &str, place: [f64; 3]) -> ([f64; 3], f64) {
+        let loader = MemoryLoader::new().with("main.sdf", scene);
+        let scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
+        let functions = [Function::Gradient(0), Function::Gradient(1), Function::Gradient(2), Function::Distance];
+        let roots = functions.map(|f| scene.functions.formulas[&(scene.root, f)]);
+        let tape = Tape::new(&scene.graph, &scene.functions, &roots, &scene.live(), 1_000_000).unwrap();
+        let mut found = [0.0; 4];
+        tape.evaluator().at(&[place], &[], |_, values| found.copy_from_slice(values));
+        let [x, y, z, distance] = found;
+        let length = (x * x + y * y + z * z).sqrt();
+        ([x / length, y / length, z / length], distance)
+    }
+
+    fn assert_near(found: [f64; 3], expected: [f64; 3]) {
+        assert!((0..3).all(|i| (found[i] - expected[i]).abs() < 1e-3), "{found:?}, not {expected:?}");
+    }
+
+    #[test]
+    fn a_wall_faces_away_from_what_is_solid() {
+        let stairs = "field f = p.y - 0.25 * floor(4 * p.x)\nscene = f.within(box(8))";
+        assert_near(seen(stairs, [0.2, 0.1, 0.0]).0, [0.0, 1.0, 0.0]);
+        assert_near(seen(stairs, [0.250_001, 0.1, 0.0]).0, [-1.0, 0.0, 0.0]);
+        let chosen = "field f = if p.x + p.z < 0.5 { length(p) - 1 } else { length(p) - 0.5 }\nscene = f.within(box(8))";
+        let half = 0.5f64.sqrt();
+        assert_near(seen(chosen, [0.25, 0.8, 0.25 + 1e-6]).0, [half, 0.0, half]);
+        // Each axis by itself, and the shape is turned.
+        let blocks = "field f = length(round(4 * p) / 4) - 1\nscene = f.within(box(4)).rotate(z, 90deg)";
+        assert_near(seen(blocks, [0.1, 1.125 - 1e-6, 0.1]).0, [0.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_wall_that_is_only_passed_is_not_near() {
+        let stairs = "field f = p.y - 0.25 * floor(4 * p.x)\nscene = smooth_union(f, sphere(1), 0.1).within(box(8))";
+        let [beside, at] = [0.26, 0.250_001].map(|x| seen(stairs, [x, 2.5, 0.0]).1);
+        assert!((beside - at).abs() < 0.02 && at > 0.5, "{beside} {at}");
+    }
+
+    #[test]
+    fn what_is_claimed_to_be_continuous_has_no_walls() {
+        // A wall of the noise's cells.
+        let waves = "scene = plane(y).displace(0.2 * value_noise(p)).within(box(8))";
+        let [beside, at] = [0.999, 1.0].map(|x| seen(waves, [x, 0.1, 0.3]).0);
+        assert_near(beside.map(|c| (c * 100.0).round() / 100.0), at.map(|c| (c * 100.0).round() / 100.0));
+    }
+}
