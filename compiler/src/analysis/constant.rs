@@ -262,7 +262,9 @@ impl Facts {
         let mut least: f64 = 0.0;
         let before = self.ran;
         let mut open = BinaryHeap::from([Part { norm: first.norm, jumps: first.jumps, region: domain.point }]);
-        let end = self.ran + STEPS_MORE * self.steps as u64;
+        // No search alone may cost much more than what is left for all of them.
+        let left = self.most_searched.saturating_sub(self.searched).max(self.steps as u64);
+        let end = self.ran.saturating_add(left.min(STEPS_MORE * self.steps as u64));
         while used < budget && self.ran < end {
             let Some(worst) = open.pop() else { break };
             // What does not get less steep far away is not searched any longer.

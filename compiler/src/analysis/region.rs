@@ -185,6 +185,7 @@ impl Facts {
             self.constant(graph, node, &domain.at(Box3::ALL), 1)
         };
         let everywhere = constant.lipschitz.is_finite() && !constant.jumps;
+        let most = if everywhere { SIFTED_STEPS } else { SIFTED_STEPS / 10 };
         // What is gentle all over the box needs no tighter one.
         if !everywhere && self.constant(graph, node, &domain.at(region), 1).lipschitz < WILD {
             return region;
@@ -220,7 +221,7 @@ impl Facts {
                     continue;
                 }
             }
-            if left == 0 || self.ran - first > SIFTED_STEPS {
+            if left == 0 || self.ran - first > most {
                 kept = open.iter().fold(kept.hull(&part), |kept, part| kept.hull(part));
                 break;
             }
