@@ -33,6 +33,11 @@ impl Steep {
         }
     }
 
+    /// Whether it has no limit because it grows, and not where something reaches zero.
+    pub fn grows(&self) -> bool {
+        matches!(self.op, Some(Op::Mul | Op::Square | Op::Exp | Op::Add | Op::Sub))
+    }
+
     /// What to write instead.
     pub fn instead(&self) -> &'static str {
         match self.op {

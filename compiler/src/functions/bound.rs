@@ -211,7 +211,7 @@ impl Builder<'_> {
                 None => domain.clone(),
             };
             let uneven = match treatment.proof {
-                Proof::Derived if at.point.is_finite() => self.uneven(node, &at, treatment.constant),
+                Proof::Derived if at.point.is_finite() => self.uneven(node, &at, treatment.constant).filter(|u| !u.is_unknown()),
                 _ => None,
             };
             let known = Known {
@@ -251,6 +251,8 @@ impl Builder<'_> {
             let region = Some((Box3::EMPTY, 0.0));
             return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, everywhere: false });
         };
+        let grows = term.is_none_or(|term| term.grows());
+        let instead = if grows && domain.narrowed { "keep its value small, for example `clamp(f, -1, 1)`: the surface stays where it is" } else { instead };
         let near = domain.at(region.grow(reach).intersect(&Box3::cube(self.extent)));
         let steepest = self.facts.sampled_constant(self.graph, node, &near, SAMPLES);
         // So steep that a ray would not get anywhere.

@@ -108,7 +108,19 @@ impl Builder<'_> {
                 let known = whole.lipschitz <= STEEPEST;
                 let constant = if known { whole } else { self.facts.constant(self.graph, node, &near, BUDGET) };
                 let steepness = self.steepness(node, if known { &everywhere } else { &near }, constant.lipschitz);
-                let estimate = self.part_by_part(node, &steepness);
+                let uneven = self.uneven(node, &near, constant.lipschitz);
+                let is_uneven = uneven.is_some();
+                let steepness = Steepness { uneven, ..steepness };
+                let mut estimate = self.part_by_part(node, &steepness);
+                if is_uneven {
+                    // Far from its surface the shape knows more of itself; nothing is nearer by more than the map stretches.
+                    let point = point.to_vec();
+                    let map = if all.lipschitz <= STEEPEST { all } else { self.facts.map_constant(self.graph, &point, &near, BUDGET) };
+                    let moved = self.graph.call(inner, Function::Distance, &args);
+                    let stretch = self.graph.constant(map.lipschitz.max(1.0));
+                    let moved = self.graph.op(Op::Div, &[moved, stretch]);
+                    estimate = self.further(node, estimate, [moved, moved]);
+                }
                 self.no_less_than_to(region, estimate)
             }
             _ => {
@@ -317,10 +329,16 @@ impl Builder<'_> {
         };
         let less = self.graph.op(Op::Mul, &[first, less]);
         let nearer = self.graph.op(Op::Sub, &[first, less]);
-        let more = self.graph.op(Op::Sub, &[nearer, proven]);
+        // Further away what is proven would darken all light: as much as the second look leaves at least, and no more than where it ends.
+        let left = self.graph.constant((1.0 - MOST) * CLOSE * self.extent.min(WIDE));
+        let kept = self.graph.op(Op::Min, &[away, end]);
+        let kept = self.graph.op(Op::Mul, &[kept, left]);
+        let back = self.graph.op(Op::Neg, &[kept]);
+        let far = self.further(node, proven, [kept, back]);
+        let more = self.graph.op(Op::Sub, &[nearer, far]);
         let more = self.graph.op(Op::Mul, &[weight, more]);
-        let nearer = self.graph.op(Op::Add, &[proven, more]);
-        let estimate = self.graph.op(Op::Select, &[is_near, nearer, proven]);
+        let nearer = self.graph.op(Op::Add, &[far, more]);
+        let estimate = self.graph.op(Op::Select, &[is_near, nearer, far]);
         self.gentler_way(node, estimate, uneven)
     }
 

@@ -80,7 +80,7 @@ impl Builder<'_> {
                 Code::Jump,
                 at,
                 "this formula jumps; rays stop before the jump and look again",
-                "where both sides agree, write it without the jump, for example with `abs`, `min` or `repeat`",
+                "steps that are meant need nothing; where both sides agree, write it without the jump, for example with `abs`, `min` or `repeat`",
             ));
         }
         if let Some(at) = unknown {
@@ -237,7 +237,7 @@ impl Builder<'_> {
         if !map.lipschitz.is_finite() {
             return Jump::Unknown;
         }
-        let [share, quarter] = [1.0 / times.abs(), std::f64::consts::FRAC_PI_2].map(|c| self.graph.constant(c));
+        let [share, quarter] = [1.0 / times, std::f64::consts::FRAC_PI_2].map(|c| self.graph.constant(c));
         let angle = self.graph.op(Op::Mul, &[gap, share]);
         let angle = self.graph.op(Op::Min, &[angle, quarter]);
         let sine = self.graph.op(Op::Sin, &[angle]);
@@ -247,19 +247,34 @@ impl Builder<'_> {
         Jump::From(self.graph.op(Op::Div, &[across, over]))
     }
 
-    /// Which multiple of an angle a node is, but for what is added to it, and both axes of the angle.
-    fn angle(&self, node: NodeId) -> Option<(f64, [NodeId; 2])> {
-        let Node::Op(op, args) = self.graph.node(node) else { return None };
-        let (&a, &b) = (args.first()?, args.get(1)?);
-        let times = |factor: f64, of: NodeId| self.angle(of).map(|(times, axes)| (times * factor, axes)).filter(|(times, _)| *times != 0.0);
-        match (op, self.graph.as_constant(a), self.graph.as_constant(b)) {
-            (Op::Atan2, ..) => Some((1.0, [a, b])),
-            (Op::Add | Op::Sub, ..) if self.is_uniform(a) => times(1.0, b),
-            (Op::Add | Op::Sub, ..) if self.is_uniform(b) => times(1.0, a),
-            (Op::Mul, Some(k), _) => times(k, b),
-            (Op::Mul, _, Some(k)) => times(k, a),
-            (Op::Div, _, Some(k)) => times(1.0 / k, a),
-            _ => None,
+    /// How many times as fast as an angle a node changes at most, between other jumps, and both axes of the angle.
+    fn angle(&mut self, node: NodeId) -> Option<(f64, [NodeId; 2])> {
+        let Node::Op(op, args) = self.graph.node(node).clone() else { return None };
+        let a = *args.first()?;
+        if matches!(op, Op::Sin | Op::Cos | Op::Abs | Op::Neg) {
+            return self.angle(a);
         }
+        let b = *args.get(1)?;
+        if op == Op::Atan2 {
+            return Some((1.0, [a, b]));
+        }
+        // What stays as it is to the next jump.
+        let still = |builder: &Self, node: NodeId| {
+            let steps = matches!(builder.graph.node(node), Node::Op(Op::Floor | Op::Ceil | Op::Trunc | Op::Round | Op::Sign, _));
+            steps || builder.is_uniform(node)
+        };
+        let (inner, factor) = match op {
+            Op::Add | Op::Sub if still(self, b) => (a, 1.0),
+            Op::Add | Op::Sub if still(self, a) => (b, 1.0),
+            Op::Mul if self.is_uniform(b) => (a, self.facts.live_range(self.graph, b).magnitude()),
+            Op::Mul if self.is_uniform(a) => (b, self.facts.live_range(self.graph, a).magnitude()),
+            Op::Div if self.is_uniform(b) => {
+                let by = self.facts.live_range(self.graph, b);
+                (a, 1.0 / if by.contains(0.0) { 0.0 } else { by.lo.abs().min(by.hi.abs()) })
+            }
+            _ => return None,
+        };
+        let (times, axes) = self.angle(inner)?;
+        Some((times * factor, axes)).filter(|(times, _)| *times > 0.0 && times.is_finite())
     }
 }

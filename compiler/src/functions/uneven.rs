@@ -40,11 +40,17 @@ const LEAST: f64 = 1e-12;
 pub(super) enum Uneven {
     /// How much its slope changes for each unit of the way at most.
     Curvature(f64),
-    /// Where its slope jumps or nothing finite is known of how it changes: levels of its magnitude, and how steep it is where it is at most that.
+    /// Where its slope jumps or nothing finite is known of how it changes: levels of its magnitude, and how steep it is where it is at most that. There
+    /// may be none.
     Levels(Vec<(f64, f64)>),
 }
 
 impl Uneven {
+    /// Whether nothing is known but that it is uneven.
+    pub(super) fn is_unknown(&self) -> bool {
+        matches!(self, Uneven::Levels(levels) if levels.is_empty())
+    }
+
     /// How steep it is where it is gentlest, as far as its levels say; with its curvature that need not be known.
     pub(super) fn gentlest(&self) -> f64 {
         match self {
@@ -55,8 +61,7 @@ impl Uneven {
 }
 
 impl Builder<'_> {
-    /// What is known of a formula that is gentle at its surface and as steep as `constant` somewhere in `domain`. None where it is not, or where it
-    /// jumps.
+    /// What is known of a formula that is gentle at its surface and as steep as `constant` somewhere in `domain`. None where it is not.
     pub(super) fn uneven(&mut self, node: NodeId, domain: &Domain, constant: f64) -> Option<Rc<Uneven>> {
         if constant <= STEEP || self.facts.weight(self.graph, node) > LONGEST || self.graph.reads(node).variables != 0 {
             return None;
@@ -74,15 +79,19 @@ impl Builder<'_> {
         let target = Target::Value(node);
         let parameters = self.parameters_of(&target);
         let usual = Search { target, domain: domain.clone(), parameters }.quantile(self.graph, PLACES, SHARE);
-        if constant < UNEVEN * usual || self.facts.constant(self.graph, node, domain, 1).jumps {
+        if constant < UNEVEN * usual {
             return None;
+        }
+        // Over a jump neither holds.
+        if self.facts.constant(self.graph, node, domain, 1).jumps {
+            return Some(Uneven::Levels(Vec::new()));
         }
         if let Some(curvature) = self.curvature(node, domain) {
             return Some(Uneven::Curvature(curvature));
         }
         // They cost more than all else, and must not be the reason that the next formula gets no search at all.
         let levels = if self.facts.has_leisure() { self.levels(node, domain, constant) } else { Vec::new() };
-        (!levels.is_empty()).then_some(Uneven::Levels(levels))
+        Some(Uneven::Levels(levels))
     }
 
     fn levels(&mut self, node: NodeId, domain: &Domain, constant: f64) -> Vec<(f64, f64)> {
@@ -115,6 +124,9 @@ impl Builder<'_> {
 
     /// How far a field may be stepped by: `way`, which its constant says, or what is known beside it, where that is more.
     pub(super) fn gentler_way(&mut self, node: NodeId, way: NodeId, uneven: &Uneven) -> NodeId {
+        if uneven.is_unknown() {
+            return way;
+        }
         let size = self.graph.op(Op::Abs, &[node]);
         let further = match uneven {
             Uneven::Curvature(curvature) => self.by_curvature(node, size, *curvature),
@@ -128,10 +140,16 @@ impl Builder<'_> {
                 ways.into_iter().reduce(|a, b| self.graph.op(Op::Max, &[a, b])).unwrap_or(way)
             }
         };
-        let zero = self.graph.constant(0.0);
         let back = self.graph.op(Op::Neg, &[further]);
-        let outside = self.graph.op(Op::Max, &[way, further]);
-        let inside = self.graph.op(Op::Min, &[way, back]);
+        self.further(node, way, [further, back])
+    }
+
+    /// Of a way and of others outside and inside of a field's surface the longer one.
+    pub(super) fn further(&mut self, node: NodeId, way: NodeId, others: [NodeId; 2]) -> NodeId {
+        let zero = self.graph.constant(0.0);
+        let [outside, inside] = others;
+        let outside = self.graph.op(Op::Max, &[way, outside]);
+        let inside = self.graph.op(Op::Min, &[way, inside]);
         let is_outside = self.graph.op(Op::Lt, &[zero, node]);
         self.graph.op(Op::Select, &[is_outside, outside, inside])
     }
