@@ -14,12 +14,18 @@ pub struct Steep {
     pub node: NodeId,
     /// Its operation; none for what is read from outside.
     pub op: Option<Op>,
+    /// Whether it has no limit because it grows, and not where something reaches zero.
+    pub grows: bool,
 }
+
+/// What to write for what grows.
+const GROWS: &str = "keep the shape within a region with `.within(box(…))`, or clamp what grows";
 
 impl Steep {
     /// Why it has no limit.
     pub fn why(&self) -> &'static str {
         match self.op {
+            _ if self.grows => "it grows without end",
             Some(Op::Div) => "the divisor can reach zero",
             Some(Op::Pow) => "the power is infinitely steep where its base reaches zero, or grows without end",
             Some(Op::Sqrt) => "the root is infinitely steep where its argument reaches zero",
@@ -27,27 +33,24 @@ impl Steep {
             Some(Op::Asin | Op::Acos) => "it is infinitely steep where its argument reaches one",
             Some(Op::Atan2) => "the angle turns infinitely fast where both of its arguments reach zero",
             Some(Op::TurnU | Op::TurnV) => "the turn moves points the faster, the farther they are from its axis",
-            Some(Op::Mul | Op::Square | Op::Exp) => "it grows without end",
             Some(_) => "it grows without a limit that is known",
             None => "nothing is known of how it changes here",
         }
     }
 
-    /// Whether it has no limit because it grows, and not where something reaches zero.
-    pub fn grows(&self) -> bool {
-        matches!(self.op, Some(Op::Mul | Op::Square | Op::Exp | Op::Add | Op::Sub))
-    }
-
-    /// What to write instead.
-    pub fn instead(&self) -> &'static str {
+    /// What to write instead, where the shape is `within` a region already or not.
+    pub fn instead(&self, within: bool) -> &'static str {
         match self.op {
+            Some(Op::Exp) if within => "keep what it is the power of small, for example `exp(min(a, 4))`",
+            _ if self.grows && within => "keep its value small, for example `clamp(f, -1, 1)`: the surface stays where it is",
+            _ if self.grows => GROWS,
             Some(Op::Div) => "keep the divisor away from zero, for example `max(d, 0.01)`, or cut its zero off with `.within(region)`",
             Some(Op::Pow | Op::Sqrt | Op::Log) => {
                 "keep the argument away from zero, for example `max(a, 0.01)`, or cut its zero off with `.within(region)`"
             }
             Some(Op::Asin | Op::Acos) => "keep the argument within -0.99..0.99 with `clamp`",
             Some(Op::Atan2) => "keep the shape within a box that the axis does not meet, with `.within(box(…).translate(…))`; for copies about an axis write `polar`",
-            _ => "keep the shape within a region with `.within(box(…))`, or clamp what grows",
+            _ => GROWS,
         }
     }
 }
@@ -64,16 +67,20 @@ impl Facts {
             }
             let at = tape.nodes.get(i).copied().unwrap_or(node);
             return match step {
-                Step::Op(op, _) => Some(Steep { node: at, op: Some(*op) }),
+                Step::Op(op, args) => {
+                    let power = args.get(1).and_then(|&a| duals.get(a)).is_some_and(|d| d.value.lo >= 1.0);
+                    let grows = matches!(op, Op::Mul | Op::Square | Op::Exp) || *op == Op::Pow && power;
+                    Some(Steep { node: at, op: Some(*op), grows })
+                }
                 Step::Call(shape, args) => {
                     let args: Vec<Interval> =
                         args.iter().map(|&a| duals.get(a).map_or(Interval::ALL, |d| d.value)).collect();
                     let s = graph.shape(*shape)?;
                     let own = super::call_domain(&s.variables, &args);
                     let value = s.value;
-                    self.steep_term(graph, value, &own, limit).or(Some(Steep { node: at, op: None }))
+                    self.steep_term(graph, value, &own, limit).or(Some(Steep { node: at, op: None, grows: false }))
                 }
-                _ => Some(Steep { node: at, op: None }),
+                _ => Some(Steep { node: at, op: None, grows: false }),
             };
         }
         None
@@ -114,3 +121,29 @@ impl Facts {
 
 /// How many steps all of the samples may cost.
 const MOST_STEPS: usize = 1_000_000;
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+mod tests {
+    use crate::diagnostic::Code;
+    use crate::{MemoryLoader, Options, compile};
+
+    /// What is advised where a formula has no bound that is proven.
+    fn advice(formula: &str) -> String {
+        let text = format!("field f = {formula}\nscene = f.within(box(4))");
+        let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
+        let found = outcome.diagnostics.into_iter().find(|d| matches!(d.code, Code::NoBound | Code::Unproven));
+        found.map(|d| d.help).unwrap_or_default()
+    }
+
+    #[test]
+    fn advice_helps() {
+        // What grows is within a region already.
+        assert!(advice("exp(20 * (length(p) - 1)) - 1").contains("exp(min(a, 4))"));
+        assert_eq!(advice("exp(min(20 * (length(p) - 1), 4)) - 1"), "");
+        assert!(advice("pow(abs(p.x), 40) + pow(abs(p.y), 40) - 1").contains("clamp(f, -1, 1)"));
+        assert_eq!(advice("clamp(pow(abs(p.x), 40) + pow(abs(p.y), 40) - 1, -1, 1)"), "");
+        assert!(advice("sqrt(abs(p.x)) + p.y").contains("max(a, 0.01)"));
+        assert_eq!(advice("sqrt(max(abs(p.x), 0.01)) + p.y"), "");
+    }
+}

@@ -244,15 +244,13 @@ impl Builder<'_> {
         let region = self.region_of(node, domain);
         let term = self.facts.steep_term(self.graph, node, domain, STEEPEST);
         let (at, why, instead) = match &term {
-            Some(term) => (self.graph.location(term.node).unwrap_or(span), term.why(), term.instead()),
+            Some(term) => (self.graph.location(term.node).unwrap_or(span), term.why(), term.instead(domain.narrowed)),
             None => (span, "it grows without a limit that is known", "keep the shape within a region with `.within(box(…))`"),
         };
         let Some((region, reach)) = region else {
             let region = Some((Box3::EMPTY, 0.0));
             return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, everywhere: false });
         };
-        let grows = term.is_none_or(|term| term.grows());
-        let instead = if grows && domain.narrowed { "keep its value small, for example `clamp(f, -1, 1)`: the surface stays where it is" } else { instead };
         let near = domain.at(region.grow(reach).intersect(&Box3::cube(self.extent)));
         let steepest = self.facts.sampled_constant(self.graph, node, &near, SAMPLES);
         // So steep that a ray would not get anywhere.
