@@ -342,7 +342,10 @@ pub fn run(
             }
             Step::Op(op, args) => {
                 let (of, n) = few(args);
-                let dual = algebra.op(*op, of.get(..n).unwrap_or(&of));
+                let mut dual = algebra.op(*op, of.get(..n).unwrap_or(&of));
+                if dual.jumps != 0 && super::turns::is_same_after_turns(*op, args, tape, &values) {
+                    dual.jumps = 0;
+                }
                 // The angle has two sides where it turns over.
                 let over = *op == Op::Atan2 && dual.jumps & JUMPS_HERE != 0 && of.first().is_some_and(|y| y.value.contains(0.0));
                 if over && undecided.is_none() && tape.is_kink(i) && branches.is_none_or(|b| b.side(i).is_none()) {

@@ -18,6 +18,7 @@ pub mod search;
 pub mod steep;
 pub mod tape;
 mod turned;
+mod turns;
 
 use crate::graph::algebra::Intervals;
 use crate::graph::interval::Interval;

@@ -1,34 +1,37 @@
 //! The gradient of a formula, as nodes. Where a formula jumps it has none; light and contact see a wall there, so the gradient of a shape's field
 //! stands across a jump that is near enough to be met by a ray.
 
-use super::jumps::{Jump, Site, hair};
+use super::jumps::{Jump, hair};
+use super::sides::Sides;
 use super::Builder;
 use crate::graph::kernel::Op;
 use crate::graph::{Exactness, Function, Leaf, Node, NodeId, ShapeId, kernel};
-use smallvec::SmallVec;
+use smallvec::{SmallVec, smallvec};
 use std::rc::Rc;
 
-/// A wall is seen from so many times as far as a ray steps across it.
-const NEAR: f64 = 2.0;
+/// A wall is seen from so many times as far as a ray steps across it; and from so many times as far where it parts what is solid from what is not, and
+/// the surface of this side is farther away: rays stop before a wall, the earlier the wider a pixel is.
+const NEAR: [f64; 2] = [2.0, 32.0];
 
 /// Gradients by the index of their node, as far as they are known.
 pub(super) type Slopes = Vec<Option<[NodeId; 3]>>;
 
-/// An operation that makes a shape's field jump.
-#[derive(Clone, Copy, Debug)]
+/// The jump of a shape's field that is nearest to a place.
+#[derive(Debug)]
 pub(super) struct Wall {
-    site: NodeId,
-    /// How steep it counts as: something great beside the wall, zero elsewhere.
+    /// How steep it counts as: beside the wall, by how much it jumps over a short way; zero elsewhere.
     steep: NodeId,
+    /// The numbers by which the field may jump, and 1 or -1 with the one by which it does, as it goes up or down across the wall.
+    across: Vec<(NodeId, NodeId)>,
 }
 
 /// What a gradient is asked for.
-#[derive(Clone, Copy)]
-enum Seen<'a> {
+#[derive(Clone, Copy, PartialEq)]
+enum Seen {
     /// What formulas change by between their jumps.
     Pieces,
-    /// That, and these walls of the formula itself; those of other shapes stand in their gradients.
-    Walls(&'a [Wall]),
+    /// That, and the walls of other shapes, which stand in their gradients.
+    Walls,
 }
 
 fn known(slopes: &Slopes, id: NodeId) -> Option<[NodeId; 3]> {
@@ -49,8 +52,17 @@ impl Builder<'_> {
         if !self.has_walls(shape) {
             return self.gradient(value);
         }
-        let walls = self.walls(shape);
-        self.gradient_of(value, &mut Slopes::new(), Seen::Walls(&walls))
+        let mut slopes = Slopes::new();
+        let pieces = self.gradient_of(value, &mut slopes, Seen::Walls);
+        let mut partials: SmallVec<[NodeId; 4]> = smallvec![self.graph.constant(1.0)];
+        let mut inner: SmallVec<[[NodeId; 3]; 4]> = smallvec![pieces];
+        if let Some(wall) = &*self.wall(shape) {
+            for &(number, share) in &wall.across {
+                partials.push(self.graph.op(Op::Mul, &[wall.steep, share]));
+                inner.push(self.gradient_of(number, &mut slopes, Seen::Walls));
+            }
+        }
+        self.chain_rule(&partials, &inner)
     }
 
     /// Whether the field of a shape, or of one that it calls, has walls.
@@ -61,44 +73,50 @@ impl Builder<'_> {
         let Some(value) = self.graph.shape(shape).map(|s| s.value) else { return false };
         let mut nodes = Vec::new();
         let inner: Vec<ShapeId> = self.calls(&[value], &mut nodes).map(|(inner, _)| inner).collect();
-        let found = !self.walls(shape).is_empty() || inner.into_iter().any(|inner| self.has_walls(inner));
+        let found = self.wall(shape).is_some() || inner.into_iter().any(|inner| self.has_walls(inner));
         self.walled.insert(shape, found);
         found
     }
 
-    /// The walls that a shape's own formula makes.
-    fn walls(&mut self, shape: ShapeId) -> Rc<[Wall]> {
+    /// The wall that a shape's own formula makes.
+    fn wall(&mut self, shape: ShapeId) -> Rc<Option<Wall>> {
         if let Some(known) = self.walls.get(&shape) {
             return known.clone();
         }
-        let walls: Rc<[Wall]> = self.find_walls(shape).into();
-        self.walls.insert(shape, walls.clone());
-        walls
+        let wall = Rc::new(self.find_wall(shape));
+        self.walls.insert(shape, wall.clone());
+        wall
     }
 
-    fn find_walls(&mut self, shape: ShapeId) -> Vec<Wall> {
-        let Some(value) = self.graph.shape(shape).filter(|s| s.exactness != Exactness::Exact).map(|s| s.value) else { return Vec::new() };
+    fn find_wall(&mut self, shape: ShapeId) -> Option<Wall> {
+        let value = self.graph.shape(shape).filter(|s| s.exactness != Exactness::Exact)?.value;
         let own = self.graph.reachable(&[value]);
         let jumps = |id: &NodeId| matches!(self.graph.node(*id), Node::Op(op, _) if is_wall(*op));
         if !own.iter().any(jumps) {
-            return Vec::new();
+            return None;
         }
         let near = self.domain(shape);
-        let sites = self.sites(value, &near);
-        let wide = NEAR * hair(&near);
-        let [zero, wide, steep] = [0.0, wide, 1.0 / wide].map(|c| self.graph.constant(c));
-        let mut walls = Vec::new();
-        for Site { node, op, args } in sites {
-            if is_wall(op)
-                && own.binary_search(&node).is_ok()
-                && let Jump::From(distance) = self.distance_to_jump(op, &args, &near)
-            {
-                let beside = self.graph.op(Op::Lt, &[distance, wide]);
-                let steep = self.graph.op(Op::Select, &[beside, steep, zero]);
-                walls.push(Wall { site: node, steep });
-            }
-        }
-        walls
+        let mut sites = self.sites(value, &near);
+        sites.retain(|site| {
+            let mut known = || !matches!(self.distance_to_jump(site.op, &site.args, &near), Jump::Unknown);
+            is_wall(site.op) && own.binary_search(&site.node).is_ok() && known()
+        });
+        let Sides { other, nearest, across, .. } = self.sides(value, &sites, &near)?;
+        let [narrow, wide] = NEAR.map(|times| times * hair(&near));
+        let [zero, narrow, wide, steep] = [0.0, narrow, wide, 1.0 / narrow].map(|c| self.graph.constant(c));
+        let size = self.graph.op(Op::Abs, &[value]);
+        let limit = self.graph.op(Op::Min, &[size, wide]);
+        let [at, near] = [narrow, limit].map(|limit| self.graph.op(Op::Lt, &[nearest, limit]));
+        // One side is solid, and the other is not.
+        let [here, there] = [value, other].map(|side| self.graph.op(Op::Le, &[side, zero]));
+        let [outside, beyond] = [here, there].map(|solid| self.graph.op(Op::Not, &[solid]));
+        let [into, out] = [[outside, there], [here, beyond]].map(|sides| self.graph.op(Op::And, &sides));
+        let apart = self.graph.op(Op::Or, &[into, out]);
+        let near = self.graph.op(Op::And, &[near, apart]);
+        let beside = self.graph.op(Op::Or, &[at, near]);
+        let rise = self.graph.op(Op::Sub, &[other, value]);
+        let steep = self.graph.op(Op::Mul, &[rise, steep]);
+        Some(Wall { steep: self.graph.op(Op::Select, &[beside, steep, zero]), across })
     }
 
     fn gradient_of(&mut self, root: NodeId, slopes: &mut Slopes, seen: Seen) -> [NodeId; 3] {
@@ -122,10 +140,6 @@ impl Builder<'_> {
     fn slope(&mut self, id: NodeId, slopes: &mut Slopes, seen: Seen) -> [NodeId; 3] {
         let zero = self.graph.constant(0.0);
         let flat = [zero; 3];
-        let wall = |node: NodeId| match seen {
-            Seen::Walls(walls) => walls.iter().find(|w| w.site == node).map(|w| w.steep),
-            Seen::Pieces => None,
-        };
         let of = |slopes: &Slopes, a: &NodeId| known(slopes, *a).unwrap_or(flat);
         match self.graph.node(id).clone() {
             Node::Leaf(Leaf::P(i)) => {
@@ -138,28 +152,13 @@ impl Builder<'_> {
             Node::Op(op @ (Op::Min | Op::Max), args) => {
                 let (Some(&a), Some(&b)) = (args.first(), args.get(1)) else { return flat };
                 let (ga, gb) = (of(slopes, &a), of(slopes, &b));
+                let [a, b] = [a, b].map(|side| if seen == Seen::Walls { self.beside_walls(side) } else { side });
                 let first = self.graph.op(Op::Le, &if op == Op::Min { [a, b] } else { [b, a] });
                 self.pick(first, ga, gb)
             }
             Node::Op(Op::Select, args) => {
                 let (Some(&c), Some(&a), Some(&b)) = (args.first(), args.get(1), args.get(2)) else { return flat };
-                let picked = self.pick(c, of(slopes, &a), of(slopes, &b));
-                match (wall(c), self.graph.node(c).clone()) {
-                    // From the first to the second as the left side of the comparison grows over the right one.
-                    (Some(steep), Node::Op(Op::Lt | Op::Le, sides)) => {
-                        let (Some(&x), Some(&y)) = (sides.first(), sides.get(1)) else { return picked };
-                        let [one, minus] = [1.0, -1.0].map(|c| self.graph.constant(c));
-                        let across = self.chain_rule(&[one, minus], &[of(slopes, &x), of(slopes, &y)]);
-                        let rise = self.graph.op(Op::Sub, &[b, a]);
-                        let rise = self.graph.op(Op::Mul, &[rise, steep]);
-                        self.chain_rule(&[one, rise], &[picked, across])
-                    }
-                    _ => picked,
-                }
-            }
-            Node::Op(_, args) if let Some(steep) = wall(id) => {
-                let inner = args.first().map_or(flat, |a| of(slopes, a));
-                self.chain_rule(&[steep], &[inner])
+                self.pick(c, of(slopes, &a), of(slopes, &b))
             }
             Node::Op(op, args) => {
                 // A length does not change with what is kept at zero, so it is as steep by the number itself.
@@ -178,7 +177,7 @@ impl Builder<'_> {
             Node::Call(shape, Function::Field, args) => {
                 let inner: SmallVec<[[NodeId; 3]; 4]> = args.iter().map(|a| of(slopes, a)).collect();
                 // The function of the module shows walls.
-                let as_it_is = matches!(seen, Seen::Walls(_)) || !self.has_walls(shape);
+                let as_it_is = seen == Seen::Walls || !self.has_walls(shape);
                 if as_it_is && inner.iter().skip(3).all(|g| *g == flat) {
                     let partials = [0, 1, 2].map(|i| self.graph.call(shape, Function::Gradient(i), &args));
                     return self.chain_rule(&partials, &inner);
@@ -191,6 +190,24 @@ impl Builder<'_> {
             Node::Claim(args, _) => args.first().map_or(flat, |a| of(slopes, a)),
             _ => flat,
         }
+    }
+
+    /// A field that is as near to zero at a wall as the wall is: where shapes with walls are put together by the least or the greatest of them, what
+    /// is met is found by their bounds.
+    fn beside_walls(&mut self, node: NodeId) -> NodeId {
+        if let Some(known) = self.beside.get(&node) {
+            return *known;
+        }
+        let found = match self.graph.node(node).clone() {
+            Node::Call(shape, Function::Field, args) if self.has_walls(shape) => self.graph.call(shape, Function::Bound, &args),
+            Node::Op(op @ (Op::Min | Op::Max | Op::Neg), args) => {
+                let args: SmallVec<[NodeId; 2]> = args.iter().map(|&a| self.beside_walls(a)).collect();
+                self.graph.op(op, &args)
+            }
+            _ => node,
+        };
+        self.beside.insert(node, found);
+        found
     }
 
     pub(super) fn pick(&mut self, condition: NodeId, a: [NodeId; 3], b: [NodeId; 3]) -> [NodeId; 3] {
@@ -216,7 +233,7 @@ impl Builder<'_> {
 
 /// Whether a jump of an operation makes a wall that has a direction.
 fn is_wall(op: Op) -> bool {
-    matches!(op, Op::Floor | Op::Ceil | Op::Trunc | Op::Round | Op::Sign | Op::Lt | Op::Le)
+    matches!(op, Op::Floor | Op::Ceil | Op::Trunc | Op::Round | Op::Hash | Op::Sign | Op::Lt | Op::Le)
 }
 
 #[cfg(test)]
@@ -270,5 +287,20 @@ mod tests {
         let waves = "scene = plane(y).displace(0.2 * value_noise(p)).within(box(8))";
         let [beside, at] = [0.999, 1.0].map(|x| seen(waves, [x, 0.1, 0.3]).0);
         assert_near(beside.map(|c| (c * 100.0).round() / 100.0), at.map(|c| (c * 100.0).round() / 100.0));
+    }
+
+    #[test]
+    fn walls_of_what_has_no_slope_are_seen() {
+        let city = "field f = p.y - 2 * hash(floor(p.x), floor(p.z))\n";
+        let alone = format!("{city}scene = f.within(box(20))");
+        let heights = [0.5, 1.5].map(|x| -(0..400).map(|i| f64::from(i) * 0.005).find(|&y| seen(&alone, [x, y, 0.5]).1 > 0.0).unwrap());
+        assert!((heights[0] - heights[1]).abs() > 0.05, "{heights:?}");
+        let between = -(heights[0] + heights[1]) / 2.0;
+        let away = if heights[0] < heights[1] { 1.0 } else { -1.0 };
+        assert_near(seen(&alone, [1.0 + 1e-5 * away, between, 0.5]).0, [away, 0.0, 0.0]);
+        // Nearer to another shape than to the ground, yet on the wall.
+        let [x, y] = [1.0 + 0.2 * away, between];
+        let beside = format!("{city}scene = f.within(box(20)) | sphere(0.1).translate({x}, {y}, 0.5)");
+        assert_near(seen(&beside, [1.0 + 1e-5 * away, between, 0.5]).0, [away, 0.0, 0.0]);
     }
 }

@@ -6,6 +6,7 @@ use crate::analysis::tape::{Step, Tape};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Node, NodeId, ShapeId};
+use smallvec::{SmallVec, smallvec};
 
 /// An operation that makes a formula jump.
 pub(super) struct Site {
@@ -102,7 +103,11 @@ impl Builder<'_> {
         let nearest = self.graph.op(Op::Max, &[nearest, hair]);
         let zero = self.graph.constant(0.0);
         let size = self.graph.op(Op::Abs, &[value]);
-        let mut step = self.graph.op(Op::Min, &[size, nearest]);
+        let mut way = nearest;
+        if let Some(past) = self.past_jump(node, &sites, &near, treatment) {
+            way = self.graph.op(Op::Max, &[way, past]);
+        }
+        let mut step = self.graph.op(Op::Min, &[size, way]);
         if let Some(over) = self.over_jumps(node, &sites, &near, treatment.constant) {
             step = self.graph.op(Op::Max, &[step, over]);
         }
@@ -171,60 +176,64 @@ impl Builder<'_> {
 
     /// How far it is at least to where an operation jumps.
     pub(super) fn distance_to_jump(&mut self, op: Op, args: &[NodeId], near: &Domain) -> Jump {
-        let zero = self.graph.constant(0.0);
-        let Some(&a) = args.first() else { return Jump::Nowhere };
-        let (distance, of) = match op {
+        if let (Op::Atan2, &[a, b, ..]) = (op, args) {
+            // The cut is the negative half of the second axis.
+            let zero = self.graph.constant(0.0);
+            let side = self.graph.op(Op::Abs, &[a]);
+            let ahead = self.graph.op(Op::Max, &[b, zero]);
+            let distance = self.graph.op(Op::Length2, &[side, ahead]);
+            let map = self.facts.map_constant(self.graph, &[a, b], near, 16);
+            if !map.lipschitz.is_finite() {
+                return Jump::Unknown;
+            }
+            let over = self.graph.constant(map.lipschitz.max(1e-9));
+            return Jump::From(self.graph.op(Op::Div, &[distance, over]));
+        }
+        let mut least = Jump::Nowhere;
+        for (a, gap) in self.gaps(op, args, near) {
+            least = match (least, self.way_across(gap, a, near)) {
+                (Jump::From(a), Jump::From(b)) => Jump::From(self.graph.op(Op::Min, &[a, b])),
+                (Jump::Nowhere, way) => way,
+                // Nothing is known of how near the jump is.
+                _ => return Jump::Unknown,
+            };
+        }
+        least
+    }
+
+    /// The numbers by which an operation jumps, each with how much it changes before that.
+    pub(super) fn gaps(&mut self, op: Op, args: &[NodeId], near: &Domain) -> SmallVec<[(NodeId, NodeId); 4]> {
+        let Some(&a) = args.first() else { return smallvec![] };
+        match op {
             Op::Floor | Op::Ceil | Op::Trunc => {
                 let whole = self.graph.op(Op::Round, &[a]);
                 let from = self.graph.op(Op::Sub, &[a, whole]);
-                (self.graph.op(Op::Abs, &[from]), a)
+                smallvec![(a, self.graph.op(Op::Abs, &[from]))]
             }
             Op::Round | Op::Hash => {
-                let mut least = Jump::Nowhere;
-                for &a in args {
-                    if self.facts.constant(self.graph, a, near, 16).lipschitz == 0.0 {
-                        continue;
-                    }
+                let moving = args.iter().filter(|a| self.facts.constant(self.graph, **a, near, 16).lipschitz != 0.0);
+                let moving: SmallVec<[NodeId; 4]> = moving.copied().collect();
+                let gap = |&a: &NodeId| {
                     let whole = self.graph.op(Op::Round, &[a]);
                     let from = self.graph.op(Op::Sub, &[a, whole]);
                     let from = self.graph.op(Op::Abs, &[from]);
                     let half = self.graph.constant(0.5);
-                    let gap = self.graph.op(Op::Sub, &[half, from]);
-                    least = match (least, self.way_across(gap, a, near)) {
-                        (Jump::From(a), Jump::From(b)) => Jump::From(self.graph.op(Op::Min, &[a, b])),
-                        (Jump::Nowhere, way) => way,
-                        // Nothing is known of how near the jump is.
-                        _ => return Jump::Unknown,
-                    };
-                }
-                return least;
+                    (a, self.graph.op(Op::Sub, &[half, from]))
+                };
+                moving.iter().map(gap).collect()
             }
-            Op::Sign => (self.graph.op(Op::Abs, &[a]), a),
+            Op::Sign => smallvec![(a, self.graph.op(Op::Abs, &[a]))],
             Op::Lt | Op::Le | Op::Eq => {
-                let Some(&b) = args.get(1) else { return Jump::Nowhere };
+                let Some(&b) = args.get(1) else { return smallvec![] };
                 let difference = self.graph.op(Op::Sub, &[a, b]);
-                (self.graph.op(Op::Abs, &[difference]), difference)
+                smallvec![(difference, self.graph.op(Op::Abs, &[difference]))]
             }
-            Op::Atan2 => {
-                let Some(&b) = args.get(1) else { return Jump::Nowhere };
-                // The cut is the negative half of the second axis.
-                let side = self.graph.op(Op::Abs, &[a]);
-                let ahead = self.graph.op(Op::Max, &[b, zero]);
-                let distance = self.graph.op(Op::Length2, &[side, ahead]);
-                let map = self.facts.map_constant(self.graph, &[a, b], near, 16);
-                if !map.lipschitz.is_finite() {
-                    return Jump::Unknown;
-                }
-                let over = self.graph.constant(map.lipschitz.max(1e-9));
-                return Jump::From(self.graph.op(Op::Div, &[distance, over]));
-            }
-            _ => return Jump::Nowhere,
-        };
-        self.way_across(distance, of, near)
+            _ => smallvec![],
+        }
     }
 
     /// How far it is at least to where a node has changed by `gap`.
-    fn way_across(&mut self, gap: NodeId, node: NodeId, near: &Domain) -> Jump {
+    pub(super) fn way_across(&mut self, gap: NodeId, node: NodeId, near: &Domain) -> Jump {
         let constant = self.facts.constant(self.graph, node, near, 16);
         if constant.lipschitz.is_finite() {
             let over = self.graph.constant(constant.lipschitz.max(1e-9));

@@ -13,6 +13,7 @@ mod dress;
 mod gradient;
 mod ground;
 mod jumps;
+mod sides;
 mod stairs;
 mod surface;
 mod uneven;
@@ -259,9 +260,10 @@ pub struct Builder<'a> {
     strict: bool,
     /// Gradients of nodes by the point of their space, as far as they were asked for.
     slopes: gradient::Slopes,
-    /// Jumps of shapes as light sees them, and which shapes have any in or under them.
-    walls: FxHashMap<ShapeId, Rc<[gradient::Wall]>>,
+    /// Jumps of shapes as light sees them, which shapes have any in or under them, and what fields are by which such shapes are told apart.
+    walls: FxHashMap<ShapeId, Rc<Option<gradient::Wall>>>,
     walled: FxHashMap<ShapeId, bool>,
+    beside: FxHashMap<NodeId, NodeId>,
     /// Whether a plane may be among the operands of a union.
     planes: FxHashMap<NodeId, bool>,
     surfaces: FxHashMap<NodeId, Option<Look>>,
@@ -322,6 +324,7 @@ pub fn build(
         slopes: Vec::new(),
         walls: FxHashMap::default(),
         walled: FxHashMap::default(),
+        beside: FxHashMap::default(),
         planes: FxHashMap::default(),
         surfaces: FxHashMap::default(),
         looks: FxHashMap::default(),

@@ -9,7 +9,6 @@ use crate::analysis::search::ROUNDING;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Leaf, Node, NodeId};
-use rustc_hash::FxHashMap;
 
 /// Of more jumps nothing is looked for.
 const MOST: usize = 4;
@@ -42,39 +41,32 @@ impl Builder<'_> {
 
     /// The formula with a free number in place of what each of its jumps adds to an argument; `free` is told of the numbers and their ranges.
     fn without_jumps(&mut self, node: NodeId, sites: &[Site], free: &mut Domain) -> Option<NodeId> {
-        let order = self.graph.reachable(&[node]);
-        if !sites.iter().all(|s| order.contains(&s.node)) {
+        let own = self.graph.reachable(&[node]);
+        if !sites.iter().all(|s| own.binary_search(&s.node).is_ok()) {
             return None;
         }
-        let mut new: FxHashMap<NodeId, NodeId> = FxHashMap::default();
-        for &id in &order {
-            let of = |a: &NodeId| new.get(a).copied().unwrap_or(*a);
-            let args: Vec<NodeId> = self.graph.arguments(id).iter().map(of).collect();
-            let same = args == self.graph.arguments(id);
-            let made = match (self.graph.node(id).clone(), sites.iter().find(|s| s.node == id)) {
-                (Node::Op(op, _), Some(_)) => {
-                    let (low, high, keeps) = match op {
-                        Op::Floor => (-1.0, 0.0, true),
-                        Op::Ceil => (0.0, 1.0, true),
-                        Op::Round => (-0.5, 0.5, true),
-                        Op::Trunc => (-1.0, 1.0, true),
-                        Op::Sign => (-1.0, 1.0, false),
-                        _ => return None,
-                    };
-                    let variable = self.graph.fresh_variable();
-                    free.variables.push((variable, Interval::new(low, high)));
-                    let number = self.graph.intern(Node::Leaf(Leaf::Variable(variable)));
-                    if keeps { self.graph.op(Op::Add, &[*args.first()?, number]) } else { number }
-                }
-                _ if same => id,
-                (Node::Op(op, _), None) => self.graph.op(op, &args),
-                (Node::Call(shape, function, _), None) => self.graph.call(shape, function, &args),
-                // What is claimed of a formula is not claimed of this one.
+        let mut number = |builder: &mut Self, low: f64, high: f64| {
+            let variable = builder.graph.fresh_variable();
+            free.variables.push((variable, Interval::new(low, high)));
+            builder.graph.intern(Node::Leaf(Leaf::Variable(variable)))
+        };
+        self.rebuilt(node, &mut |builder, id, args| {
+            let Node::Op(op, old) = builder.graph.node(id).clone() else { return Some(None) };
+            let taken = match op {
+                // Of steps it is a number like any other.
+                Op::Hash if args != &old[..] => return Some(Some(number(builder, 0.0, 1.0))),
+                _ if !sites.iter().any(|s| s.node == id) => return Some(None),
+                Op::Floor => (-1.0, 0.0),
+                Op::Ceil => (0.0, 1.0),
+                Op::Round => (-0.5, 0.5),
+                Op::Trunc => (-1.0, 1.0),
+                Op::Sign => return Some(Some(number(builder, -1.0, 1.0))),
+                Op::Hash => return Some(Some(number(builder, 0.0, 1.0))),
                 _ => return None,
             };
-            new.insert(id, made);
-        }
-        new.get(&node).copied()
+            let number = number(builder, taken.0, taken.1);
+            Some(Some(builder.graph.op(Op::Add, &[*args.first()?, number])))
+        })
     }
 }
 

@@ -1,0 +1,281 @@
+//! Both sides of a jump. Within the distance to its second nearest jump a formula is one of two: as it is here, or as it is on the other side of
+//! the nearest. Light sees how it changes from one to the other as a wall, and a ray passes the jump where both are far from zero.
+
+use super::jumps::{Jump, Site};
+use super::{BUDGET, Builder, Proof, STEEPEST, Treatment};
+use crate::analysis::Domain;
+use crate::analysis::search::ROUNDING;
+use crate::graph::interval::Interval;
+use crate::graph::kernel::Op;
+use crate::graph::{FAR, Leaf, Node, NodeId};
+use rustc_hash::FxHashMap;
+
+/// Of more jumps only the distance is known.
+const MOST: usize = 6;
+
+/// A whole turn.
+const TURN: f64 = std::f64::consts::TAU;
+
+/// A formula beside its nearest jump.
+pub(super) struct Sides {
+    /// The formula as it is on the other side.
+    pub(super) other: NodeId,
+    /// How far it is to the nearest jump, at least.
+    pub(super) nearest: NodeId,
+    /// How far it is to the next one, at least; none where there is no other.
+    beyond: Option<NodeId>,
+    /// The arguments by which the formula jumps. With each what is 1 or -1 where the nearest jump is one of it, as the other side lies where the
+    /// argument is greater or less, and 0 where it is not.
+    pub(super) across: Vec<(NodeId, NodeId)>,
+    /// Whether where it jumps follows from another jump.
+    nested: bool,
+}
+
+/// A jump of an operation by one of its arguments.
+struct Side {
+    site: NodeId,
+    op: Op,
+    argument: NodeId,
+    nearest: NodeId,
+    next: Option<NodeId>,
+    /// 1 where the other side lies where the argument is greater, else -1.
+    rising: NodeId,
+    /// The operation's value there.
+    other: NodeId,
+}
+
+impl Builder<'_> {
+    /// The other side of the nearest of these jumps of a formula. None where one of them is not known well enough, or there are many.
+    pub(super) fn sides(&mut self, node: NodeId, sites: &[Site], near: &Domain) -> Option<Sides> {
+        let mut all = Vec::new();
+        for site in sites {
+            self.sides_of(site, near, &mut all)?;
+        }
+        let (first, rest) = all.split_first().filter(|_| all.len() <= MOST)?;
+        let nearest = rest.iter().fold(first.nearest, |nearest, side| self.graph.op(Op::Min, &[nearest, side.nearest]));
+        let zero = self.graph.constant(0.0);
+        // Which of them is the nearest; nothing to ask where there is one.
+        let chosen: Vec<Option<NodeId>> =
+            all.iter().map(|side| (!rest.is_empty()).then(|| self.graph.op(Op::Le, &[side.nearest, nearest]))).collect();
+        let mut beyond: Option<NodeId> = None;
+        let mut across = Vec::new();
+        for (side, chosen) in all.iter().zip(&chosen) {
+            let other = match (*chosen, side.next) {
+                (None, next) => next,
+                (Some(chosen), Some(next)) => Some(self.graph.op(Op::Select, &[chosen, next, side.nearest])),
+                (Some(chosen), None) => {
+                    let far = self.graph.constant(FAR);
+                    Some(self.graph.op(Op::Select, &[chosen, far, side.nearest]))
+                }
+            };
+            beyond = match (beyond, other) {
+                (Some(a), Some(b)) => Some(self.graph.op(Op::Min, &[a, b])),
+                (a, b) => a.or(b),
+            };
+            let share = chosen.map_or(side.rising, |chosen| self.graph.op(Op::Select, &[chosen, side.rising, zero]));
+            across.push((side.argument, share));
+        }
+        let reaches = |node: &NodeId, other: &Side| self.graph.reachable(self.graph.arguments(*node)).binary_search(&other.site).is_ok();
+        let nested = all.iter().any(|side| all.iter().any(|other| other.site != side.site && reaches(&side.site, other)));
+        let other = self.rebuilt(node, &mut |builder, id, args| {
+            let mut mine = all.iter().zip(&chosen).filter(|(side, _)| side.site == id).peekable();
+            let Some((side, _)) = mine.peek() else { return Some(None) };
+            let here = builder.graph.op(side.op, args);
+            Some(Some(mine.fold(here, |here, (side, chosen)| match *chosen {
+                None => side.other,
+                Some(chosen) if matches!(side.op, Op::Lt | Op::Le) => {
+                    let other = builder.graph.op(Op::And, &[chosen, side.other]);
+                    let still = builder.graph.op(Op::Not, &[chosen]);
+                    let here = builder.graph.op(Op::And, &[still, here]);
+                    builder.graph.op(Op::Or, &[other, here])
+                }
+                Some(chosen) => builder.graph.op(Op::Select, &[chosen, side.other, here]),
+            })))
+        })?;
+        Some(Sides { other, nearest, beyond, across, nested })
+    }
+
+    fn sides_of(&mut self, site: &Site, near: &Domain, all: &mut Vec<Side>) -> Option<()> {
+        let [zero, one, minus, half] = [0.0, 1.0, -1.0, 0.5].map(|c| self.graph.constant(c));
+        if let (Op::Atan2, Some(&argument)) = (site.op, site.args.first()) {
+            // Across its cut an angle is a whole turn more or less.
+            let Jump::From(nearest) = self.distance_to_jump(site.op, &site.args, near) else { return None };
+            let below = self.graph.op(Op::Lt, &[site.node, zero]);
+            let rising = self.graph.op(Op::Select, &[below, one, minus]);
+            let turn = self.graph.constant(TURN);
+            let turn = self.graph.op(Op::Mul, &[turn, rising]);
+            let other = self.graph.op(Op::Add, &[site.node, turn]);
+            all.push(Side { site: site.node, op: site.op, argument, nearest, next: None, rising, other });
+            return Some(());
+        }
+        for (argument, gap) in self.gaps(site.op, &site.args, near) {
+            let Jump::From(nearest) = self.way_across(gap, argument, near) else { return None };
+            let toward = |builder: &mut Self, condition: NodeId| builder.graph.op(Op::Select, &[condition, one, minus]);
+            let (rising, other, repeats) = match site.op {
+                Op::Floor | Op::Ceil | Op::Trunc => {
+                    let whole = self.graph.op(Op::Round, &[argument]);
+                    let below = if site.op == Op::Ceil { Op::Le } else { Op::Lt };
+                    let below = self.graph.op(below, &[argument, whole]);
+                    let rising = toward(self, below);
+                    let within = self.graph.op(Op::Mul, &[half, rising]);
+                    let within = self.graph.op(Op::Add, &[whole, within]);
+                    (rising, self.graph.op(site.op, &[within]), true)
+                }
+                Op::Round | Op::Hash => {
+                    let cell = self.graph.op(Op::Round, &[argument]);
+                    let above = self.graph.op(Op::Le, &[cell, argument]);
+                    let rising = toward(self, above);
+                    let next = self.graph.op(Op::Add, &[cell, rising]);
+                    let args: Vec<NodeId> = site.args.iter().map(|&a| if a == argument { next } else { a }).collect();
+                    (rising, if site.op == Op::Round { next } else { self.graph.op(Op::Hash, &args) }, true)
+                }
+                Op::Sign => {
+                    let below = self.graph.op(Op::Lt, &[argument, zero]);
+                    let rising = toward(self, below);
+                    (rising, rising, false)
+                }
+                Op::Lt | Op::Le => (toward(self, site.node), self.graph.op(Op::Not, &[site.node]), false),
+                _ => return None,
+            };
+            let next = match repeats {
+                true => {
+                    let gap = self.graph.op(Op::Sub, &[one, gap]);
+                    let Jump::From(next) = self.way_across(gap, argument, near) else { return None };
+                    Some(next)
+                }
+                false => None,
+            };
+            all.push(Side { site: site.node, op: site.op, argument, nearest, next, rising, other });
+        }
+        Some(())
+    }
+
+    /// How far a ray may step at least by a formula that jumps at these operations, where both sides of the nearest jump are of one sign; less than
+    /// nothing where they are not. None where one of them is not known well enough. No bound of the pieces changes faster than the way.
+    pub(super) fn past_jump(&mut self, node: NodeId, sites: &[Site], near: &Domain, treatment: &Treatment) -> Option<NodeId> {
+        let sides = self.sides(node, sites, near).filter(|sides| !sides.nested)?;
+        let all = match treatment.proof {
+            Proof::Measured => treatment.constant,
+            _ => self.constant_of_sides(node, sites, near)?.max(treatment.constant) * (1.0 + ROUNDING),
+        };
+        let [zero, share] = [0.0, 1.0 / all].map(|c| self.graph.constant(c));
+        let inside = self.graph.op(Op::Lt, &[node, zero]);
+        let minus = self.graph.op(Op::Neg, &[sides.other]);
+        let size = self.graph.op(Op::Select, &[inside, minus, sides.other]);
+        let size = self.graph.op(Op::Mul, &[size, share]);
+        Some(sides.beyond.map_or(size, |beyond| self.graph.op(Op::Min, &[size, beyond])))
+    }
+
+    /// How steep either side of a jump is, as it goes on where the other one is. None where that is not known.
+    fn constant_of_sides(&mut self, node: NodeId, sites: &[Site], near: &Domain) -> Option<f64> {
+        let mut free = near.clone();
+        let either = self.rebuilt(node, &mut |builder, id, args| {
+            let Some(site) = sites.iter().find(|s| s.node == id) else { return Some(None) };
+            let variable = builder.graph.fresh_variable();
+            let most = if site.op == Op::Atan2 { TURN } else { 1.0 };
+            free.variables.push((variable, Interval::new(-most, most)));
+            let number = builder.graph.intern(Node::Leaf(Leaf::Variable(variable)));
+            let here = builder.graph.op(site.op, args);
+            Some(Some(match site.op {
+                Op::Lt | Op::Le => {
+                    let zero = builder.graph.constant(0.0);
+                    builder.graph.op(Op::Lt, &[number, zero])
+                }
+                Op::Sign | Op::Hash => number,
+                _ => builder.graph.op(Op::Add, &[here, number]),
+            }))
+        })?;
+        let found = self.facts.constant(self.graph, either, &free, BUDGET).lipschitz;
+        (found <= STEEPEST).then_some(found)
+    }
+
+    /// A formula made anew, with other nodes where `exchange` answers with one, asked with a node and its new arguments. None where it answers with
+    /// none at all, or where what is claimed of a part does not hold of the new one.
+    pub(super) fn rebuilt(
+        &mut self,
+        root: NodeId,
+        exchange: &mut impl FnMut(&mut Self, NodeId, &[NodeId]) -> Option<Option<NodeId>>,
+    ) -> Option<NodeId> {
+        let mut new: FxHashMap<NodeId, NodeId> = FxHashMap::default();
+        let mut exchanged = Vec::new();
+        for id in self.graph.reachable(&[root]) {
+            let old = self.graph.arguments(id).to_vec();
+            let args: Vec<NodeId> = old.iter().map(|a| new.get(a).copied().unwrap_or(*a)).collect();
+            let made = match (exchange(self, id, &args)?, self.graph.node(id).clone()) {
+                (Some(made), _) => {
+                    exchanged.push(id);
+                    made
+                }
+                (None, _) if args == old => id,
+                (None, Node::Op(op, _)) => self.graph.op(op, &args),
+                (None, Node::Call(shape, function, _)) => self.graph.call(shape, function, &args),
+                // A claim says what a part is by its arguments; of those it is as true when they are others.
+                (None, Node::Claim(_, claim)) => match (old.split_first(), args.get(1..)) {
+                    (Some((_, of)), Some(now)) if of == now => id,
+                    (Some((&value, of)), _) => {
+                        let own = self.graph.reachable_among(&[value], |n| !of.contains(&n));
+                        if exchanged.iter().any(|e| own.binary_search(e).is_ok()) {
+                            return None;
+                        }
+                        self.graph.intern(Node::Claim(args.into(), claim))
+                    }
+                    _ => id,
+                },
+                (None, _) => id,
+            };
+            if made != id {
+                new.insert(id, made);
+            }
+        }
+        Some(new.get(&root).copied().unwrap_or(root))
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+mod tests {
+    use crate::evaluate::Tape;
+    use crate::graph::Function;
+    use crate::{MemoryLoader, Options, compile};
+
+    /// The bound of a scene at a place.
+    fn bound(scene: &str, place: [f64; 3]) -> f64 {
+        let loader = MemoryLoader::new().with("main.sdf", scene);
+        let scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
+        let root = scene.functions.formulas[&(scene.root, Function::Bound)];
+        let tape = Tape::new(&scene.graph, &scene.functions, &[root], &scene.live(), 1_000_000).unwrap();
+        let mut found = 0.0;
+        tape.evaluator().at(&[place], &[], |_, values| found = values[0]);
+        found
+    }
+
+    #[test]
+    fn a_ray_passes_a_jump_above_both_of_its_sides() {
+        // Steps of two that rise by ten, far too steep to be gone over from afar.
+        let stairs = "field f = p.y - 10 * floor(p.x / 2)\nscene = f.within(box(50))";
+        // At the upper end of one of them, 3 above it and 7 below the next; then above both, and half a step from the one after.
+        let beside = bound(stairs, [1.999, 3.0, 0.0]);
+        assert!((beside - 0.001).abs() < 1e-6, "{beside}");
+        let above = bound(stairs, [2.001, 13.0, 0.0]);
+        assert!((above - 1.999).abs() < 1e-6, "{above}");
+        // The other side is the nearer one.
+        let over = bound(stairs, [1.999, 10.5, 0.0]);
+        assert!((over - 0.5).abs() < 1e-6, "{over}");
+    }
+
+    #[test]
+    fn across_its_cut_an_angle_is_a_turn_more() {
+        // A spiral of which the arms are 1 apart; on either side of the cut it is as near as the formula there says.
+        let spiral = "field f = abs(length(p.xz) - 2 - atan(p.z, p.x) / tau) - 0.1\nscene = f.within(box((3, 1, 3)).translate(-2.5, 0, 0))";
+        let cut = bound(spiral, [-2.0, 0.0, 1e-5]);
+        assert!(cut > 0.3 && cut <= 0.4, "{cut}");
+    }
+
+    #[test]
+    fn what_follows_from_another_jump_is_not_passed() {
+        // Every other row of bricks is half a brick further on: as a row ends it is not known where its neighbour's bricks end.
+        let bricks = "field f = p.y - hash(floor(p.x + 0.5 * floor(p.z)))\nscene = f.within(box(50))";
+        let found = bound(bricks, [0.3, 1.2, 0.999]);
+        assert!(found <= 0.2 + 1e-9, "{found}");
+    }
+}
