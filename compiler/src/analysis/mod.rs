@@ -3,6 +3,7 @@
 //! Everything here holds for the whole range of every parameter and for any time.
 
 pub mod atoms;
+mod back;
 pub mod branches;
 mod cells;
 pub mod constant;

@@ -1,6 +1,7 @@
 //! Where a formula can be at or below a level: a box, found by carrying conditions back to the coordinates, and by cutting off slabs that
 //! are proven empty.
 
+use super::back::Turned;
 use super::tape::{Step, Tape};
 use super::{call_domain, Box3, Constant, Domain, Facts};
 use crate::graph::interval::Interval;
@@ -307,7 +308,7 @@ impl Facts {
         let ranges = self.ranges_of(graph, tape, domain);
         let Some(last) = tape.steps.len().checked_sub(1) else { return domain.point };
         let mut visits = VISITS;
-        let mut walk = Walk { facts: self, graph, tape, ranges: &ranges, visits: &mut visits };
+        let mut walk = Walk { facts: self, graph, tape, ranges: &ranges, visits: &mut visits, turned: Vec::new() };
         walk.step(last, target, domain.point)
     }
 
@@ -387,6 +388,8 @@ pub(super) struct Walk<'a> {
     pub(super) tape: &'a Tape,
     ranges: &'a [Interval],
     visits: &'a mut usize,
+    /// Turned points that were met on the way.
+    pub(super) turned: Vec<Turned>,
 }
 
 impl Walk<'_> {
@@ -395,7 +398,7 @@ impl Walk<'_> {
     }
 
     /// The part of `region` in which a step can be within `target`.
-    fn step(&mut self, step: usize, target: Interval, region: Box3) -> Box3 {
+    pub(super) fn step(&mut self, step: usize, target: Interval, region: Box3) -> Box3 {
         let range = self.range(step);
         let mut target = target.intersect(range);
         if target.is_empty() || region.is_empty() {
@@ -428,8 +431,7 @@ impl Walk<'_> {
                     && let Some(level) = self.joined_level(value, [a, b], target.hi)
                 {
                     let below = Interval::new(f64::NEG_INFINITY, level);
-                    let first = self.step(a, below, region);
-                    return first.hull(&self.step(b, below, region));
+                    return self.either(|walk| walk.step(a, below, region), |walk| walk.step(b, below, region));
                 }
                 self.step(value, target, region)
             }
@@ -445,57 +447,6 @@ impl Walk<'_> {
         }
     }
 
-    /// The part of `region` in which the three steps can be a point of `own`.
-    fn point(&mut self, coordinates: &[usize], own: Box3, mut region: Box3) -> Box3 {
-        for (i, &a) in coordinates.iter().enumerate() {
-            let turned = self.partner(coordinates, a).map(|(j, u, v, t)| (own.axis(i), own.axis(j), u, v, t));
-            if let Some((first, second, u, v, t)) = turned {
-                // Turned back by the angle, and never longer than the point is.
-                let (cos, sin) = (self.range(t).cos(), self.range(t).sin());
-                let reach = first.square().add(second.square()).sqrt().hi;
-                let disc = Interval::new(-reach, reach);
-                let back_u = first.mul(cos).add(second.mul(sin)).intersect(disc);
-                let back_v = second.mul(cos).sub(first.mul(sin)).intersect(disc);
-                region = self.step(u, back_u, region);
-                region = self.step(v, back_v, region);
-            }
-            region = self.step(a, own.axis(i), region);
-        }
-        region
-    }
-
-    /// For a first turned coordinate: which coordinate is its second, and what they turn.
-    fn partner(&self, coordinates: &[usize], a: usize) -> Option<(usize, usize, usize, usize)> {
-        let Some(Step::Op(Op::TurnU, first)) = self.tape.steps.get(a) else { return None };
-        let j = coordinates.iter().position(|&b| {
-            matches!(self.tape.steps.get(b), Some(Step::Op(Op::TurnV, second)) if second == first)
-        })?;
-        Some((j, *first.first()?, *first.get(1)?, *first.get(2)?))
-    }
-
-    /// What a step is the lesser of, where that is another step and a number between its ends.
-    fn capped(&self, step: usize) -> Option<(usize, f64)> {
-        let Some(Step::Op(Op::Min, args)) = self.tape.steps.get(step) else { return None };
-        let &[a, b] = args.as_slice() else { return None };
-        let cap = |step: usize| match self.tape.steps.get(step) {
-            Some(Step::Constant(c)) => Some(*c),
-            _ => None,
-        };
-        let (part, cap) = cap(b).map(|c| (a, c)).or_else(|| cap(a).map(|c| (b, c)))?;
-        let range = self.range(part);
-        (range.lo < cap && cap < range.hi).then_some((part, cap))
-    }
-
-    /// The part of `region` in which `other + min(part, cap)` can be within `target`.
-    fn capped_sum(&mut self, other: usize, part: usize, cap: f64, target: Interval, region: Box3) -> Box3 {
-        let low = self.range(part).intersect(Interval::new(f64::NEG_INFINITY, cap));
-        let below = self.step(part, low.intersect(target.sub(self.range(other))), region);
-        let below = self.step(other, target.sub(low), below);
-        let above = self.step(part, Interval::new(cap, f64::INFINITY), region);
-        let above = self.step(other, target.sub(Interval::point(cap)), above);
-        below.hull(&above)
-    }
-
     fn operation(&mut self, op: Op, args: &[usize], target: Interval, region: Box3) -> Box3 {
         let arg = |i: usize| args.get(i).copied().unwrap_or(0);
         let (a, b) = (arg(0), arg(1));
@@ -505,6 +456,10 @@ impl Walk<'_> {
                 // On each side of the kink it is a sum of its own, which says more than the hull of both.
                 (Some((part, cap)), None) => self.capped_sum(b, part, cap, target, region),
                 (None, Some((part, cap))) => self.capped_sum(a, part, cap, target, region),
+                _ if target.lo == f64::NEG_INFINITY && let Some((a, b, slack)) = self.mixed(a, b, target.hi) => {
+                    let target = Interval::new(target.lo, target.hi + slack);
+                    self.either(|walk| walk.step(a, target, region), |walk| walk.step(b, target, region))
+                }
                 _ => {
                     let region = self.step(a, target.sub(rb), region);
                     self.step(b, target.sub(ra), region)
@@ -530,9 +485,7 @@ impl Walk<'_> {
                 let above = Interval::new(target.lo, f64::INFINITY);
                 let region = self.step(a, above, region);
                 let region = self.step(b, above, region);
-                let first = self.step(a, target, region);
-                let second = self.step(b, target, region);
-                first.hull(&second)
+                self.either(|walk| walk.step(a, target, region), |walk| walk.step(b, target, region))
             }
             Op::Max => {
                 let below = Interval::new(f64::NEG_INFINITY, target.hi);
@@ -541,9 +494,7 @@ impl Walk<'_> {
                 if target.lo == f64::NEG_INFINITY {
                     return region;
                 }
-                let first = self.step(a, target, region);
-                let second = self.step(b, target, region);
-                first.hull(&second)
+                self.either(|walk| walk.step(a, target, region), |walk| walk.step(b, target, region))
             }
             Op::Abs => self.step(a, Interval::new(-target.hi, target.hi), region),
             Op::Square => {
@@ -560,19 +511,12 @@ impl Walk<'_> {
                 }
                 region
             }
-            Op::TurnU | Op::TurnV => region,
-            Op::Select => {
-                let first = self.step(b, target, region);
-                let second = self.step(arg(2), target, region);
-                let condition = self.range(a);
-                if condition == Interval::ONE {
-                    first
-                } else if condition == Interval::ZERO {
-                    second
-                } else {
-                    first.hull(&second)
-                }
-            }
+            Op::TurnU | Op::TurnV => self.turned(op, args, target, region),
+            Op::Select => match self.range(a) {
+                Interval::ONE => self.step(b, target, region),
+                Interval::ZERO => self.step(arg(2), target, region),
+                _ => self.either(|walk| walk.step(b, target, region), |walk| walk.step(arg(2), target, region)),
+            },
             _ => region,
         }
     }

@@ -45,8 +45,14 @@ struct Side {
 }
 
 impl Builder<'_> {
-    /// The other side of the nearest of these jumps of a formula. None where one of them is not known well enough, or there are many.
+    /// The other side of the nearest of these jumps of a formula. None where one of them is not known well enough, is another shape's, or there
+    /// are many.
     pub(super) fn sides(&mut self, node: NodeId, sites: &[Site], near: &Domain) -> Option<Sides> {
+        // Those of other shapes stand in formulas of their own.
+        let own = self.graph.reachable(&[node]);
+        if !sites.iter().all(|s| own.binary_search(&s.node).is_ok()) {
+            return None;
+        }
         let mut all = Vec::new();
         for site in sites {
             self.sides_of(site, near, &mut all)?;

@@ -486,17 +486,21 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
         Op::Add | Op::Sub if is(cb, 0.0) => Some(a),
         Op::Add => match turned(graph, a, b).or(turned(graph, b, a)) {
             // v cos t + u sin t
-            Some((v, u, t)) => Some(graph.op(Op::TurnV, &[u, v, t])),
+            Some(((v, u, t), false)) => Some(graph.op(Op::TurnV, &[u, v, t])),
+            // v cos t - u sin t
+            Some(((v, u, t), true)) => Some(graph.op(Op::TurnU, &[v, u, t])),
             None => negated(graph, b).map(|n| graph.op(Op::Sub, &[a, n])),
         },
         Op::Sub if is(ca, 0.0) => Some(graph.op(Op::Neg, &[b])),
         Op::Sub if a == b => Some(graph.constant(0.0)),
         Op::Sub => match (turned(graph, a, b), turned(graph, b, a)) {
             // u cos t - v sin t
-            (Some((u, v, t)), _) => Some(graph.op(Op::TurnU, &[u, v, t])),
-            (None, Some((v, u, t))) => {
-                // u sin t - v cos t
-                let turned = graph.op(Op::TurnU, &[v, u, t]);
+            (Some(((u, v, t), false)), _) => Some(graph.op(Op::TurnU, &[u, v, t])),
+            // u cos t + v sin t
+            (Some(((u, v, t), true)), _) => Some(graph.op(Op::TurnV, &[v, u, t])),
+            (None, Some(((v, u, t), negative))) => {
+                // u sin t - v cos t, or -u sin t - v cos t
+                let turned = if negative { graph.op(Op::TurnV, &[u, v, t]) } else { graph.op(Op::TurnU, &[v, u, t]) };
                 Some(graph.op(Op::Neg, &[turned]))
             }
             _ => negated(graph, b).map(|n| graph.op(Op::Add, &[a, n])),
@@ -657,8 +661,8 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
     }
 }
 
-/// Of `x cos t` and `y sin t`: x, y and t.
-fn turned<T: Terms>(graph: &T, a: T::Id, b: T::Id) -> Option<(T::Id, T::Id, T::Id)> {
+/// Of `x cos t` and `y sin t`: x, y and t; and whether it is `-y sin t`.
+fn turned<T: Terms>(graph: &T, a: T::Id, b: T::Id) -> Option<((T::Id, T::Id, T::Id), bool)> {
     if !graph.gathers() {
         return None;
     }
@@ -670,11 +674,14 @@ fn turned<T: Terms>(graph: &T, a: T::Id, b: T::Id) -> Option<(T::Id, T::Id, T::I
         (found, &[t]) if found == op => Some(t),
         _ => None,
     };
-    let (first, second) = (product(a)?, product(b)?);
-    let (c, x) = first.into_iter().find(|(c, _)| angle(*c, Op::Cos).is_some())?;
+    let (c, x) = product(a)?.into_iter().find(|(c, _)| angle(*c, Op::Cos).is_some())?;
     let t = angle(c, Op::Cos)?;
-    let (_, y) = second.into_iter().find(|(s, _)| angle(*s, Op::Sin) == Some(t))?;
-    Some((x, y, t))
+    let (b, outside) = negated(graph, b).map_or((b, false), |b| (b, true));
+    let positive = |id: T::Id| negated(graph, id).map_or((id, false), |id| (id, true));
+    product(b)?.into_iter().find_map(|(s, y)| {
+        let ((s, first), (y, second)) = (positive(s), positive(y));
+        (angle(s, Op::Sin) == Some(t)).then_some(((x, y, t), outside ^ first ^ second))
+    })
 }
 
 /// The square of `x`, where `a` is its cube and `b` is `x`.

@@ -1,0 +1,170 @@
+//! Ways back from what a formula can be to the coordinates, where one operand alone does not tell: turned points, sums with a kink, mixes.
+
+use super::Box3;
+use super::region::Walk;
+use super::tape::Step;
+use crate::graph::interval::Interval;
+use crate::graph::kernel::Op;
+
+impl Walk<'_> {
+    /// The part of `region` in which the three steps can be a point of `own`.
+    pub(super) fn point(&mut self, coordinates: &[usize], own: Box3, mut region: Box3) -> Box3 {
+        for (i, &a) in coordinates.iter().enumerate() {
+            if let Some((j, of)) = self.partner(coordinates, a) {
+                region = self.turned_back(of, own.axis(i), own.axis(j), region);
+            }
+            region = self.step(a, own.axis(i), region);
+        }
+        region
+    }
+
+    /// For a first turned coordinate: which coordinate is its second, and what they turn.
+    fn partner(&self, coordinates: &[usize], a: usize) -> Option<(usize, [usize; 3])> {
+        let Some(Step::Op(Op::TurnU, first)) = self.tape.steps.get(a) else { return None };
+        let j = coordinates.iter().position(|&b| {
+            matches!(self.tape.steps.get(b), Some(Step::Op(Op::TurnV, second)) if second == first)
+        })?;
+        Some((j, first.as_slice().try_into().ok()?))
+    }
+
+    /// What a step is the lesser of, where that is another step and a number between its ends.
+    pub(super) fn capped(&self, step: usize) -> Option<(usize, f64)> {
+        let Some(Step::Op(Op::Min, args)) = self.tape.steps.get(step) else { return None };
+        let &[a, b] = args.as_slice() else { return None };
+        let cap = |step: usize| match self.tape.steps.get(step) {
+            Some(Step::Constant(c)) => Some(*c),
+            _ => None,
+        };
+        let (part, cap) = cap(b).map(|c| (a, c)).or_else(|| cap(a).map(|c| (b, c)))?;
+        let range = self.range(part);
+        (range.lo < cap && cap < range.hi).then_some((part, cap))
+    }
+
+    /// The part of `region` in which `other + min(part, cap)` can be within `target`.
+    pub(super) fn capped_sum(&mut self, other: usize, part: usize, cap: f64, target: Interval, region: Box3) -> Box3 {
+        let low = self.range(part).intersect(Interval::new(f64::NEG_INFINITY, cap));
+        let others = target.sub(self.range(other));
+        let below = |walk: &mut Self| {
+            let below = walk.step(part, low.intersect(others), region);
+            walk.step(other, target.sub(low), below)
+        };
+        let above = |walk: &mut Self| {
+            let above = walk.step(part, Interval::new(cap, f64::INFINITY), region);
+            walk.step(other, target.sub(Interval::point(cap)), above)
+        };
+        self.either(below, above)
+    }
+
+    /// What two operands are of which a sum is a share of each, `a (1 - t) + b t` with t between 0 and 1: it is never less than both of them, but for
+    /// so much where t is rounded. Of a sum that is no more than `level`.
+    pub(super) fn mixed(&self, first: usize, second: usize, level: f64) -> Option<(usize, usize, f64)> {
+        let product = |step: usize| match self.tape.steps.get(step) {
+            Some(Step::Op(Op::Mul, args)) => <[usize; 2]>::try_from(args.as_slice()).ok(),
+            _ => None,
+        };
+        let rest_of = |step: usize| match self.tape.steps.get(step) {
+            Some(Step::Op(Op::Sub, args)) => match *args.as_slice() {
+                [one, rest] if self.range(one) == Interval::ONE => Some(rest),
+                _ => None,
+            },
+            _ => None,
+        };
+        let ([a, b], [c, d]) = (product(first)?, product(second)?);
+        let ways = [(a, b, c, d), (a, b, d, c), (b, a, c, d), (b, a, d, c)];
+        let (a, b, t) = ways.into_iter().find_map(|(a, s, b, t)| {
+            let t = (rest_of(s) == Some(t)).then_some(t).or((rest_of(t) == Some(s)).then_some(s))?;
+            Some((a, b, t))
+        })?;
+        // With t beyond its ends by d the one operand is no more than the level and d times how far they are apart.
+        let beyond = self.range(t).hi.max(1.0 - self.range(t).lo) - 1.0;
+        let apart = self.range(a).magnitude() + self.range(b).magnitude() + level.abs();
+        let slack = if beyond > 0.0 { 2.0 * beyond * apart } else { 0.0 };
+        slack.is_finite().then_some((a, b, slack))
+    }
+
+    /// The part of `region` in which a coordinate of a turned point can be within `target`, with what is known of the other one.
+    pub(super) fn turned(&mut self, op: Op, args: &[usize], target: Interval, region: Box3) -> Box3 {
+        let Ok(of) = <[usize; 3]>::try_from(args) else { return region };
+        let at = self.turned.iter().position(|t| t.of == of).unwrap_or_else(|| {
+            self.turned.push(Turned { of, first: Interval::ALL, second: Interval::ALL });
+            self.turned.len() - 1
+        });
+        let Some(known) = self.turned.get_mut(at) else { return region };
+        let side = if op == Op::TurnU { &mut known.first } else { &mut known.second };
+        *side = side.intersect(target);
+        let (first, second) = (known.first, known.second);
+        if first.is_finite() && second.is_finite() { self.turned_back(of, first, second, region) } else { region }
+    }
+
+    /// The part of `region` in which a point (u, v), turned by t, can be within two intervals. It is never longer than it was.
+    fn turned_back(&mut self, [u, v, t]: [usize; 3], first: Interval, second: Interval, region: Box3) -> Box3 {
+        let (cos, sin) = (self.range(t).cos(), self.range(t).sin());
+        let reach = first.square().add(second.square()).sqrt().hi;
+        let disc = Interval::new(-reach, reach);
+        let back_u = first.mul(cos).add(second.mul(sin)).intersect(disc);
+        let back_v = second.mul(cos).sub(first.mul(sin)).intersect(disc);
+        let region = self.step(u, back_u, region);
+        self.step(v, back_v, region)
+    }
+
+    /// Where one of two ways back leads. What is met on the one is not known on the other.
+    pub(super) fn either(&mut self, first: impl FnOnce(&mut Self) -> Box3, second: impl FnOnce(&mut Self) -> Box3) -> Box3 {
+        let known = self.turned.clone();
+        let first = first(self);
+        self.turned.clone_from(&known);
+        let second = second(self);
+        self.turned = known;
+        first.hull(&second)
+    }
+}
+
+/// A point that is turned, (u, v) by t, and what its coordinates can be.
+#[derive(Clone, Copy)]
+pub struct Turned {
+    of: [usize; 3],
+    first: Interval,
+    second: Interval,
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+mod tests {
+    use crate::functions::bounds;
+    use crate::{MemoryLoader, Options, compile};
+
+    /// The box of a formula within an extent of 100.
+    fn region(formula: &str) -> Option<[[f64; 3]; 2]> {
+        let text = format!("param t = 0.5 in 0..1\nparam u = 0.5 in 0..2\nfield f = {formula}\nscene = f");
+        let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
+        let scene = outcome.compiled.unwrap();
+        bounds(&scene.graph, scene.root, &scene.functions, 100.0)
+    }
+
+    #[test]
+    fn a_mix_is_where_its_parts_are() {
+        let parts = "length(p) - 1, length(p - (1, 0, 0)) - 0.5";
+        for share in ["t", "0.5 + 0.5 * sin(time)", "0.3"] {
+            let [low, high] = region(&format!("mix({parts}, {share})")).unwrap_or_else(|| panic!("{share}"));
+            assert!(low.iter().all(|c| *c >= -1.6 && *c <= -0.5) && high.iter().all(|c| *c >= 0.5 && *c <= 2.0), "{share}: {low:?} {high:?}");
+        }
+        // More than all of the second is away from both.
+        assert!(region(&format!("mix({parts}, u)")).is_none_or(|[low, _]| low[0] < -1.6));
+    }
+
+    #[test]
+    fn a_turned_point_is_as_far_from_the_axis_as_it_was() {
+        // By its coordinates one by one, with the angle's sine and cosine written out, as a matrix and as a turn.
+        for turned in ["(c * p.x - s * p.z, s * p.x + c * p.z)", "mat2(c, -s, s, c) * p.xz", "turn(p.xz, 3 * p.y)"] {
+            let formula = format!(
+                "{{ let c = cos(3 * p.y); let s = sin(3 * p.y); let q = {turned}; max(max(abs(q.x), abs(q.y)) - 1, abs(p.y) - 2) }}"
+            );
+            let [low, high] = region(&formula).unwrap_or_else(|| panic!("{turned}"));
+            let expected = [1.5, 2.1, 1.5];
+            assert!((0..3).all(|i| low[i] >= -expected[i] && high[i] <= expected[i]), "{turned}: {low:?} {high:?}");
+            assert!(high[0] >= 1.0 && high[2] >= 1.0);
+        }
+        // Of either solid, and not of both.
+        let [_, high] = region("min(length(turn(p.xz, p.y) - (3, 0)) + abs(p.y) - 1, abs(turn(p.xz, p.y).x) + abs(turn(p.xz, p.y).y - 8) + abs(p.y) - 1)").unwrap();
+        assert!(high[2] >= 8.0, "{high:?}");
+    }
+}
