@@ -6,6 +6,7 @@ use crate::images::EnvironmentFile;
 use crate::mesh::MeshNodes;
 use crate::physics::{BallsNodes, PhysicsNodes};
 use crate::reference::shade;
+use crate::reference::vector::{length, sub};
 
 /// A point and direction of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,6 +89,10 @@ pub struct Frame {
     /// From where the scene itself is drawn into a cubemap, which stands for what surfaces mirror.
     pub capture: Option<[f64; 3]>,
 }
+
+/// Where a scene does not say how far one sees: so far, or as far as its extent, or so many times as far as a camera is from what it looks at.
+const FAR_ENOUGH: f64 = 100.0;
+const SIGHT: f64 = 2.5;
 
 /// A ray is mirrored at most so often.
 pub const MAX_BOUNCES: u32 = 8;
@@ -210,6 +215,8 @@ impl Compiled {
             Some((zenith, horizon)) => Sky { zenith: three(zenith), horizon: three(horizon) },
             None => shade::PLAIN_SKY,
         };
+        let seen = cameras.iter().map(|(_, c)| length(sub(c.eye, c.target))).fold(0.0, f64::max);
+        let far = blocks.extent.max(SIGHT * seen).max(FAR_ENOUGH);
         Frame {
             cameras,
             lights,
@@ -217,11 +224,30 @@ impl Compiled {
             has_environment: blocks.environment.is_some(),
             ambient_occlusion: blocks.occlusion(&self.graph, live),
             shadows: blocks.shadows.is_none_or(|s| one(s) != 0.0),
-            max_distance: blocks.max_distance.map_or(100.0, |d| one(d).max(1e-3)),
+            max_distance: blocks.max_distance.map_or(far, |d| one(d).max(1e-3)),
             extent: blocks.extent,
             exposure: blocks.exposure.map_or(0.0, one),
             capture: blocks.capture.map(|capture| three(&capture.place)),
             reflections: blocks.reflections.map_or(0.0, one).round().clamp(0.0, f64::from(MAX_BOUNCES)) as u32,
         }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+mod tests {
+    use crate::{MemoryLoader, Options, compile};
+
+    #[test]
+    fn one_sees_what_a_camera_looks_at() {
+        let far = |blocks: &str| {
+            let loader = MemoryLoader::new().with("main.sdf", format!("scene = box(1)\n{blocks}"));
+            let scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
+            scene.frame(&scene.live()).max_distance
+        };
+        assert_eq!(far(""), 100.0);
+        assert_eq!(far("camera { eye: (0, 0, 200), target: (0, 0, 20) }"), 450.0);
+        assert_eq!(far("render { extent: 300 }"), 300.0);
+        assert_eq!(far("camera { eye: (0, 0, 200), target: (0, 0, 0) }\nrender { max_distance: 50 }"), 50.0);
     }
 }

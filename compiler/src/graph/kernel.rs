@@ -662,7 +662,9 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
 }
 
 /// Of `x cos t` and `y sin t`: x, y and t; and whether it is `-y sin t`.
-fn turned<T: Terms>(graph: &T, a: T::Id, b: T::Id) -> Option<((T::Id, T::Id, T::Id), bool)> {
+type Turned<Id> = ((Id, Id, Id), bool);
+
+fn turned<T: Terms>(graph: &T, a: T::Id, b: T::Id) -> Option<Turned<T::Id>> {
     if !graph.gathers() {
         return None;
     }

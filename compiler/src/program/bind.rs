@@ -107,7 +107,11 @@ impl Elaborator<'_> {
                         _ => span,
                     };
                     let takes = parameters.len();
-                    let list: Vec<&str> = parameters.iter().map(|p| &*p.name.text).collect();
+                    let mut list: Vec<&str> = parameters.iter().map(|p| &*p.name.text).collect();
+                    // A vector may be written out.
+                    if let Some((at, n)) = vector_index(parameters) {
+                        list.splice(at..=at, ["x", "y", "z", "w"].into_iter().take(n));
+                    }
                     self.error(
                         Code::ExtraArgument,
                         at,

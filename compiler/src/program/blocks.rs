@@ -299,7 +299,12 @@ impl Elaborator<'_> {
                 Code::BadRange,
                 value.span,
                 format!("`{wanted}` is not among the choices"),
-                format!("write one of {}", labels.join(", ")),
+                match labels.as_slice() {
+                    [low, high] if low.parse::<f64>().is_ok() && high.parse::<f64>().is_ok() => {
+                        format!("write one of {low}, {high}; `in {low}..{high}` is a slider between them")
+                    }
+                    _ => format!("write one of {}", labels.join(", ")),
+                },
             ));
         };
         self.parameters.push(Parameter {

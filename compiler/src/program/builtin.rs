@@ -310,12 +310,11 @@ impl Elaborator<'_> {
 
     fn not_material(&mut self, value: &Value, span: Span) -> super::Stop {
         let found = value.describe(self);
-        self.error(
-            Code::TypeMismatch,
-            span,
-            format!("a material is needed here, and this is {found}"),
-            "declare one with `material name { color: #808080 }`, and write its name here",
-        )
+        let help = match value {
+            Value::Vector(v) if v.len() == 3 => "of a colour alone write `swatch(#f00)`; more is declared with `material name { color: #f00, roughness: 0.3 }`",
+            _ => "declare one with `material name { color: #808080 }`, and write its name here",
+        };
+        self.error(Code::TypeMismatch, span, format!("a material is needed here, and this is {found}"), help)
     }
 
     /// The components of a number or vector.

@@ -64,7 +64,7 @@ impl Elaborator<'_> {
                         Code::TypeMismatch,
                         span,
                         "which shape stands here can't depend on the point",
-                        "choose by parameters, `time` or the index of a `for`; inside a formula choose between numbers",
+                        "choose by parameters, `time` or the index of a `for`; in a formula choose between distances, `if p.x > 0 { a.at(p) } else { b.at(p) }`",
                     ));
                 }
                 Ok(Value::Shape(self.make_shape(dimensions, value, span)))

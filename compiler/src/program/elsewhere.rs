@@ -80,9 +80,27 @@ pub fn ours<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     known.iter().find(|k| **k == wanted).copied()
 }
 
+/// What to write instead of a word of other languages that is no name here.
+pub fn instead(word: &str) -> Option<&'static str> {
+    Some(match word {
+        "return" => "write the value alone, without `return`: a block is `{ let a = 1; value }`, and its value stands at its end",
+        "var" | "const" | "auto" | "int" | "uint" | "float" | "bool" | "double" | "half" => {
+            "write `let name = value`: a type need not be said, and a name keeps its value"
+        }
+        "uniform" => "write `param name = 1 in 0..2`, which makes a slider",
+        "rgb" | "rgba" => "write `(r, g, b)` with each of them from 0 to 1, or a colour like `#ff8000`",
+        _ => return None,
+    })
+}
+
+/// Whether a name is one of Quilez' distances, which take the point first.
+pub fn is_of_point(name: &str) -> bool {
+    name.strip_prefix("sd").is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_uppercase()))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{NAMES, ours};
+    use super::{NAMES, instead, ours};
     use crate::diagnostic::Code;
     use crate::{MemoryLoader, Options, compile};
 
@@ -99,6 +117,24 @@ mod tests {
             assert!(is_unknown(theirs), "`{theirs}` is a name of ours");
             assert!(!is_unknown(ours), "`{ours}` is no name of ours");
         }
+    }
+
+    #[test]
+    fn words_of_others_are_free_and_what_is_said_of_them_is_right() {
+        for word in ["return", "var", "const", "uniform", "rgb"] {
+            assert!(is_unknown(word) && instead(word).is_some(), "`{word}`");
+        }
+        let errors = |text: &str| {
+            let loader = MemoryLoader::new().with("scene.sdf", text.to_owned());
+            compile(&loader, "scene.sdf", &Options::default()).diagnostics.into_iter().map(|d| d.help).collect::<Vec<_>>()
+        };
+        assert!(errors("field f = { return length(p) - 1 }\nscene = f\n")[0].contains("without `return`"));
+        assert!(errors("field f = length(p) - 1\nfn g(p: vec3) = 1\nscene = g(p)\n")[0].contains("`field f = …`, and write `f` here"));
+        assert!(errors("field f = { let q = abs(p); sdBox(q, (1, 1, 1)) }\nscene = f\n")[0].contains("`box(…).at(q)`"));
+        assert!(errors("field f = { let q = abs(p); box((2, 2, 2)).at(q) }\nscene = f\n").is_empty());
+        assert!(errors("scene = sphere(1).translate(0, 1)\n")[0].contains("`translate(x, y, z)`"));
+        assert!(errors("scene = sphere(1).material(#f00)\n")[0].contains("`swatch(#f00)`"));
+        assert!(errors("scene = sphere(1).material(swatch(#f00))\n").is_empty());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The value of an expression.
 
 use super::loops::{Joined, LIST_LIMIT};
-use super::elsewhere::ours;
+use super::elsewhere::{instead, is_of_point, ours};
 use super::load::{ItemRef, Resolution};
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
@@ -126,7 +126,7 @@ impl Elaborator<'_> {
                         Code::NoPoint,
                         span,
                         "there is no point `p` here",
-                        "`p` exists in `field`, `warp`, `blend` and `material`, and in arguments that are declared `field`; a `fn` takes what it needs as an argument",
+                        "`p` exists in `field`, `warp`, `blend` and `material`, and in arguments that are declared `field`: declare what reads it as `field f = …`, and write `f` here; a `fn` takes what it needs as an argument",
                     )));
                 }
             },
@@ -237,9 +237,13 @@ impl Elaborator<'_> {
         let near = ours(name, &candidates)
             .or_else(|| nearest(name, candidates.into_iter().chain(locals.iter().map(|n| &**n))))
             .map(str::to_owned);
-        let help = match near {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => format!("declare it, for example `let {name} = …` or `shape {name} = …`"),
+        let help = match (instead(name), near) {
+            (Some(instead), _) => instead.to_owned(),
+            (None, Some(near)) if is_of_point(name) => {
+                format!("did you mean `{near}`? Of a point `q` it is `{near}(…).at(q)`, and sizes are whole ones, not half")
+            }
+            (None, Some(near)) => format!("did you mean `{near}`?"),
+            (None, None) => format!("declare it, for example `let {name} = …` or `shape {name} = …`"),
         };
         self.error(Code::UnknownName, span, format!("nothing is named `{name}`"), help)
     }
