@@ -159,6 +159,10 @@ impl Builder<'_> {
     /// How far a ray may step at least by a formula that jumps at these operations, where both sides of the nearest jump are of one sign; less than
     /// nothing where they are not. None where one of them is not known well enough. No bound of the pieces changes faster than the way.
     pub(super) fn past_jump(&mut self, node: NodeId, sites: &[Site], near: &Domain, treatment: &Treatment) -> Option<NodeId> {
+        // Just where it changes, a sign is neither of its sides.
+        if sites.iter().any(|s| s.op == Op::Sign) {
+            return None;
+        }
         let sides = self.sides(node, sites, near).filter(|sides| !sides.nested)?;
         let all = match treatment.proof {
             Proof::Measured => treatment.constant,
@@ -187,7 +191,7 @@ impl Builder<'_> {
                     let zero = builder.graph.constant(0.0);
                     builder.graph.op(Op::Lt, &[number, zero])
                 }
-                Op::Sign | Op::Hash => number,
+                Op::Hash => number,
                 _ => builder.graph.op(Op::Add, &[here, number]),
             }))
         })?;
@@ -267,6 +271,14 @@ mod tests {
         // The other side is the nearer one.
         let over = bound(stairs, [1.999, 10.5, 0.0]);
         assert!((over - 0.5).abs() < 1e-6, "{over}");
+    }
+
+    #[test]
+    fn just_where_it_changes_a_sign_is_zero() {
+        // A disc without thickness between two points that are away from it.
+        let disc = "field f = length((sign(p.x), p.y, p.z)) - 0.9\nscene = f.within(box(3))";
+        let beside = bound(disc, [0.01, 0.0, 0.0]);
+        assert!(beside <= 0.01 + 1e-9, "{beside}");
     }
 
     #[test]
