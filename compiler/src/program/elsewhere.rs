@@ -128,7 +128,7 @@ mod tests {
             let loader = MemoryLoader::new().with("scene.sdf", text.to_owned());
             compile(&loader, "scene.sdf", &Options::default()).diagnostics.into_iter().map(|d| d.help).collect::<Vec<_>>()
         };
-        assert!(errors("field f = { return length(p) - 1 }\nscene = f\n")[0].contains("without `return`"));
+        assert!(errors("field f = { return (length(p) - 1) }\nscene = f\n")[0].contains("without `return`"));
         assert!(errors("field f = length(p) - 1\nfn g(p: vec3) = 1\nscene = g(p)\n")[0].contains("`field f = …`, and write `f` here"));
         assert!(errors("field f = { let q = abs(p); sdBox(q, (1, 1, 1)) }\nscene = f\n")[0].contains("`box(…).at(q)`"));
         assert!(errors("field f = { let q = abs(p); box((2, 2, 2)).at(q) }\nscene = f\n").is_empty());

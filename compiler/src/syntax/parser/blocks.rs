@@ -9,6 +9,10 @@ use crate::diagnostic::Code;
 const ENTRIES: ListOf = ListOf { plural: "entries", example: "an entry" };
 const UPDATES: ListOf = ListOf { plural: "the new values", example: "a name with its new value" };
 
+/// What other languages write before a name that they declare.
+const TYPES: [&str; 13] =
+    ["float", "int", "uint", "bool", "double", "vec2", "vec3", "vec4", "mat2", "mat3", "var", "const", "auto"];
+
 impl Parser<'_> {
     /// A block where one has to stand.
     pub(super) fn body(&mut self, what: &str, help: &str) -> Expr {
@@ -29,9 +33,14 @@ impl Parser<'_> {
         self.opens.push(TokenKind::BraceOpen);
         let mut lets = Vec::new();
         while self.at_let()
+            || self.at_typed()
             || self.is(TokenKind::Name) && self.next_is(TokenKind::Equals) && !self.is_word("scene")
         {
             self.block_let(&mut lets);
+        }
+        if self.is_word("return") && self.returns() {
+            self.unexpected("a block has no `return`", "write the value alone: a block is `{ let a = 1; value }`");
+            self.bump();
         }
         let value = if self.is(TokenKind::BraceClose) {
             self.unexpected(
@@ -75,9 +84,28 @@ impl Parser<'_> {
         }
     }
 
+    /// Whether what is at hand stands before a value on its line.
+    fn returns(&self) -> bool {
+        let next = self.peek_next();
+        let value = matches!(next.kind, TokenKind::Name | TokenKind::Int | TokenKind::Float);
+        value && !self.text.get(self.peek().end as usize..next.start as usize).is_some_and(|between| between.contains('\n'))
+    }
+
+    /// Whether a name with its type before it is given a value here, as in other languages.
+    fn at_typed(&self) -> bool {
+        TYPES.contains(&self.word_of(self.peek())) && self.next_is(TokenKind::Name) && self.token_at(self.at + 2).kind == TokenKind::Equals
+    }
+
     /// A `let` in a block with the `;` after it.
     fn block_let(&mut self, lets: &mut Vec<Let>) {
-        if !self.is_word("let") {
+        if self.at_typed() {
+            let name = self.word_of(self.peek_next());
+            self.unexpected(
+                format!("`{name}` is given a type before its name"),
+                format!("write `let {name} = …;`: its type is that of its value"),
+            );
+            self.bump();
+        } else if !self.is_word("let") {
             let word = self.word_of(self.peek());
             self.unexpected(
                 format!("`{word}` is given a value without `let`"),
