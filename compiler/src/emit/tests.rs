@@ -258,6 +258,22 @@ fn every_export_alone_and_together() {
 }
 
 #[test]
+fn what_is_asked_for_is_there_in_every_language() {
+    for text in ["scene = plane(y) | sphere(1)", "scene = box(1).rotate(y, time)"] {
+        let loader = crate::MemoryLoader::new().with("main.sdf", text);
+        for export in Export::ALL {
+            let options = Options { exports: vec![export], ..Options::default() };
+            let module = crate::compile(&loader, "main.sdf", &options).compiled.unwrap().module;
+            for target in [Target::Glsl, Target::Hlsl, Target::Msl] {
+                let written = String::from_utf8(translate(&module, "sf_", target).unwrap()).unwrap();
+                let name = format!(" sf_{}(", export.name());
+                assert!(written.contains(&name), "{target:?} without{name} of `{text}`");
+            }
+        }
+    }
+}
+
+#[test]
 fn prefix_group_and_binding() {
     let (b, root) = pair();
     let options = Options { prefix: "blob".into(), group: 2, binding: 7, ..Options::default() };

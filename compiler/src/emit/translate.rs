@@ -103,7 +103,8 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
     }
 }
 
-/// A fragment function that calls something of the module: the tracer where there is one.
+/// A fragment function that calls something of the module: the tracer where there is one. What is written is what reads no more of the outside than
+/// that does, which is all of it, as each of them reads the uniforms.
 fn entry(module: &Module) -> String {
     let has = |export| module.exports.contains(&export);
     if has(Export::Trace) && has(Export::Gradient) {
@@ -114,8 +115,11 @@ fn entry(module: &Module) -> String {
         Export::Bound => Some("sf_bound(p)"),
         Export::Distance => Some("sf_distance(p)"),
         Export::Gradient => Some("sf_gradient(p).w"),
+        Export::Trace => Some("sf_trace(p, vec3f(0.0, 0.0, 1.0), 0.0, 1.0, 0.01).t"),
+        Export::Shadow => Some("sf_shadow(p, vec3f(0.0, 1.0, 0.0), 0.0, 1.0, 8.0)"),
+        Export::Collision => Some("sf_collision(p, 1.0).depth"),
+        Export::Occlusion => Some("sf_occlusion(p, vec3f(0.0, 1.0, 0.0))"),
         Export::Surface => Some("sf_surface(p, vec3f(0.0, 1.0, 0.0)).roughness"),
-        _ => None,
     });
     library::ENTRY_SLICE.replace("VALUE", value.unwrap_or("0.0"))
 }
