@@ -110,16 +110,16 @@ fn entry(module: &Module) -> String {
     if has(Export::Trace) && has(Export::Gradient) {
         return library::ENTRY_TRACE.to_owned();
     }
-    let value = module.exports.iter().find_map(|export| match export {
-        Export::Field => Some("sf_field(p)"),
-        Export::Bound => Some("sf_bound(p)"),
-        Export::Distance => Some("sf_distance(p)"),
-        Export::Gradient => Some("sf_gradient(p).w"),
-        Export::Trace => Some("sf_trace(p, vec3f(0.0, 0.0, 1.0), 0.0, 1.0, 0.01).t"),
-        Export::Shadow => Some("sf_shadow(p, vec3f(0.0, 1.0, 0.0), 0.0, 1.0, 8.0)"),
-        Export::Collision => Some("sf_collision(p, 1.0).depth"),
-        Export::Occlusion => Some("sf_occlusion(p, vec3f(0.0, 1.0, 0.0))"),
-        Export::Surface => Some("sf_surface(p, vec3f(0.0, 1.0, 0.0)).roughness"),
+    let value = module.exports.first().map(|export| match export {
+        Export::Field => "sf_field(p)",
+        Export::Bound => "sf_bound(p)",
+        Export::Distance => "sf_distance(p)",
+        Export::Gradient => "sf_gradient(p).w",
+        Export::Trace => "sf_trace(p, vec3f(0.0, 0.0, 1.0), 0.0, 1.0, 0.01).t",
+        Export::Shadow => "sf_shadow(p, vec3f(0.0, 1.0, 0.0), 0.0, 1.0, 8.0)",
+        Export::Collision => "sf_collision(p, 1.0).depth",
+        Export::Occlusion => "sf_occlusion(p, vec3f(0.0, 1.0, 0.0))",
+        Export::Surface => "sf_surface(p, vec3f(0.0, 1.0, 0.0)).roughness",
     });
     library::ENTRY_SLICE.replace("VALUE", value.unwrap_or("0.0"))
 }
