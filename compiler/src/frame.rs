@@ -1,7 +1,7 @@
 //! The scene around the field: cameras, lights, the sky; as nodes, and at one moment.
 
 use crate::compiled::{Compiled, Live};
-use crate::graph::{Graph, NodeId};
+use crate::graph::{FAR, Graph, NodeId};
 use crate::images::EnvironmentFile;
 use crate::mesh::MeshNodes;
 use crate::physics::{BallsNodes, PhysicsNodes};
@@ -216,7 +216,7 @@ impl Compiled {
             None => shade::PLAIN_SKY,
         };
         let seen = cameras.iter().map(|(_, c)| length(sub(c.eye, c.target))).fold(0.0, f64::max);
-        let far = blocks.extent.max(SIGHT * seen).max(FAR_ENOUGH);
+        let far = blocks.extent.max(SIGHT * seen).clamp(FAR_ENOUGH, FAR);
         Frame {
             cameras,
             lights,
@@ -248,6 +248,8 @@ mod tests {
         assert_eq!(far(""), 100.0);
         assert_eq!(far("camera { eye: (0, 0, 200), target: (0, 0, 20) }"), 450.0);
         assert_eq!(far("render { extent: 300 }"), 300.0);
+        assert_eq!(far("camera { eye: (0, 0, 1e30), target: (0, 0, 0) }"), 1e9);
+        assert_eq!(far("param a = 0 in 0..1\ncamera { eye: (0, 0, 1 / a), target: (0, 0, 0) }"), 100.0);
         assert_eq!(far("camera { eye: (0, 0, 200), target: (0, 0, 0) }\nrender { max_distance: 50 }"), 50.0);
     }
 }

@@ -1,6 +1,6 @@
 //! Boxes, and where formulas are looked at.
 
-use crate::graph::NodeId;
+use crate::graph::{Graph, Leaf, NodeId};
 use crate::graph::interval::Interval;
 use smallvec::SmallVec;
 
@@ -99,6 +99,13 @@ impl Domain {
     /// A box, with nothing known of variables.
     pub fn of(point: Box3) -> Self {
         Self { point, variables: Vec::new(), narrowed: false, tube: None, within: Vec::new() }
+    }
+
+    /// A number of its own that is anywhere in a range.
+    pub fn free_number(&mut self, graph: &mut Graph, range: Interval) -> NodeId {
+        let variable = graph.fresh_variable();
+        self.variables.push((variable, range));
+        graph.leaf(Leaf::Variable(variable))
     }
 
     /// What is known of a variable.

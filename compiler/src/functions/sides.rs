@@ -7,14 +7,12 @@ use crate::analysis::Domain;
 use crate::analysis::search::ROUNDING;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::graph::{FAR, Leaf, Node, NodeId};
+use crate::graph::{FAR, Node, NodeId};
 use rustc_hash::FxHashMap;
+use std::f64::consts::TAU;
 
 /// Of more jumps only the distance is known.
 const MOST: usize = 6;
-
-/// A whole turn.
-const TURN: f64 = std::f64::consts::TAU;
 
 /// A formula beside its nearest jump.
 pub(super) struct Sides {
@@ -102,13 +100,13 @@ impl Builder<'_> {
     }
 
     fn sides_of(&mut self, site: &Site, near: &Domain, all: &mut Vec<Side>) -> Option<()> {
-        let [zero, one, minus, half] = [0.0, 1.0, -1.0, 0.5].map(|c| self.graph.constant(c));
+        let [zero, one, half] = [0.0, 1.0, 0.5].map(|c| self.graph.constant(c));
         if let (Op::Atan2, Some(&argument)) = (site.op, site.args.first()) {
             // Across its cut an angle is a whole turn more or less.
             let Jump::From(nearest) = self.distance_to_jump(site.op, &site.args, near) else { return None };
             let below = self.graph.op(Op::Lt, &[site.node, zero]);
-            let rising = self.graph.op(Op::Select, &[below, one, minus]);
-            let turn = self.graph.constant(TURN);
+            let rising = self.toward(below);
+            let turn = self.graph.constant(TAU);
             let turn = self.graph.op(Op::Mul, &[turn, rising]);
             let other = self.graph.op(Op::Add, &[site.node, turn]);
             all.push(Side { site: site.node, op: site.op, argument, nearest, next: None, rising, other });
@@ -116,13 +114,12 @@ impl Builder<'_> {
         }
         for (argument, gap) in self.gaps(site.op, &site.args, near) {
             let Jump::From(nearest) = self.way_across(gap, argument, near) else { return None };
-            let toward = |builder: &mut Self, condition: NodeId| builder.graph.op(Op::Select, &[condition, one, minus]);
             let (rising, other, repeats) = match site.op {
                 Op::Floor | Op::Ceil | Op::Trunc => {
                     let whole = self.graph.op(Op::Round, &[argument]);
                     let below = if site.op == Op::Ceil { Op::Le } else { Op::Lt };
                     let below = self.graph.op(below, &[argument, whole]);
-                    let rising = toward(self, below);
+                    let rising = self.toward(below);
                     let within = self.graph.op(Op::Mul, &[half, rising]);
                     let within = self.graph.op(Op::Add, &[whole, within]);
                     (rising, self.graph.op(site.op, &[within]), true)
@@ -130,17 +127,17 @@ impl Builder<'_> {
                 Op::Round | Op::Hash => {
                     let cell = self.graph.op(Op::Round, &[argument]);
                     let above = self.graph.op(Op::Le, &[cell, argument]);
-                    let rising = toward(self, above);
+                    let rising = self.toward(above);
                     let next = self.graph.op(Op::Add, &[cell, rising]);
                     let args: Vec<NodeId> = site.args.iter().map(|&a| if a == argument { next } else { a }).collect();
                     (rising, if site.op == Op::Round { next } else { self.graph.op(Op::Hash, &args) }, true)
                 }
                 Op::Sign => {
                     let below = self.graph.op(Op::Lt, &[argument, zero]);
-                    let rising = toward(self, below);
+                    let rising = self.toward(below);
                     (rising, rising, false)
                 }
-                Op::Lt | Op::Le => (toward(self, site.node), self.graph.op(Op::Not, &[site.node]), false),
+                Op::Lt | Op::Le => (self.toward(site.node), self.graph.op(Op::Not, &[site.node]), false),
                 _ => return None,
             };
             let next = match repeats {
@@ -154,6 +151,12 @@ impl Builder<'_> {
             all.push(Side { site: site.node, op: site.op, argument, nearest, next, rising, other });
         }
         Some(())
+    }
+
+    /// 1 where a condition holds, else -1.
+    fn toward(&mut self, condition: NodeId) -> NodeId {
+        let [one, minus] = [1.0, -1.0].map(|c| self.graph.constant(c));
+        self.graph.op(Op::Select, &[condition, one, minus])
     }
 
     /// How far a ray may step at least by a formula that jumps at these operations, where both sides of the nearest jump are of one sign; less than
@@ -181,10 +184,8 @@ impl Builder<'_> {
         let mut free = near.clone();
         let either = self.rebuilt(node, &mut |builder, id, args| {
             let Some(site) = sites.iter().find(|s| s.node == id) else { return Some(None) };
-            let variable = builder.graph.fresh_variable();
-            let most = if site.op == Op::Atan2 { TURN } else { 1.0 };
-            free.variables.push((variable, Interval::new(-most, most)));
-            let number = builder.graph.intern(Node::Leaf(Leaf::Variable(variable)));
+            let most = if site.op == Op::Atan2 { TAU } else { 1.0 };
+            let number = free.free_number(builder.graph, Interval::new(-most, most));
             let here = builder.graph.op(site.op, args);
             Some(Some(match site.op {
                 Op::Lt | Op::Le => {

@@ -8,10 +8,13 @@ use crate::analysis::Domain;
 use crate::analysis::search::ROUNDING;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::graph::{Leaf, Node, NodeId};
+use crate::graph::{Node, NodeId};
 
 /// Of more jumps nothing is looked for.
 const MOST: usize = 4;
+
+/// Nor where more numbers than these stand for what jumps by them.
+const MOST_FREE: usize = 16;
 
 impl Builder<'_> {
     /// How far a ray may step at least by a formula that jumps at these operations, over its jumps; less than nothing where that is not known to be
@@ -45,26 +48,25 @@ impl Builder<'_> {
         if !sites.iter().all(|s| own.binary_search(&s.node).is_ok()) {
             return None;
         }
+        let most = free.variables.len() + MOST_FREE;
         let mut number = |builder: &mut Self, low: f64, high: f64| {
-            let variable = builder.graph.fresh_variable();
-            free.variables.push((variable, Interval::new(low, high)));
-            builder.graph.intern(Node::Leaf(Leaf::Variable(variable)))
+            (free.variables.len() < most).then(|| free.free_number(builder.graph, Interval::new(low, high)))
         };
         self.rebuilt(node, &mut |builder, id, args| {
             let Node::Op(op, old) = builder.graph.node(id).clone() else { return Some(None) };
             let taken = match op {
                 // Of steps it is a number like any other.
-                Op::Hash if args != &old[..] => return Some(Some(number(builder, 0.0, 1.0))),
+                Op::Hash if args != &old[..] => return number(builder, 0.0, 1.0).map(Some),
                 _ if !sites.iter().any(|s| s.node == id) => return Some(None),
                 Op::Floor => (-1.0, 0.0),
                 Op::Ceil => (0.0, 1.0),
                 Op::Round => (-0.5, 0.5),
                 Op::Trunc => (-1.0, 1.0),
-                Op::Sign => return Some(Some(number(builder, -1.0, 1.0))),
-                Op::Hash => return Some(Some(number(builder, 0.0, 1.0))),
+                Op::Sign => return number(builder, -1.0, 1.0).map(Some),
+                Op::Hash => return number(builder, 0.0, 1.0).map(Some),
                 _ => return None,
             };
-            let number = number(builder, taken.0, taken.1);
+            let number = number(builder, taken.0, taken.1)?;
             Some(Some(builder.graph.op(Op::Add, &[*args.first()?, number])))
         })
     }

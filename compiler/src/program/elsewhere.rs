@@ -1,5 +1,7 @@
 //! What is called otherwise in other tools: whoever writes such a name is told ours.
 
+use crate::syntax::words;
+
 /// A name of another tool, and ours. Those that begin like Quilez' (`sd`, `op`) stand without that beginning, in small letters.
 const NAMES: [(&str, &str); 65] = [
     // Shadertoy, Quilez, hg_sdf.
@@ -80,15 +82,17 @@ pub fn ours<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     known.iter().find(|k| **k == wanted).copied()
 }
 
+/// What to write instead of a type before a name.
+const LET: &str = "write `let name = value`: a type need not be said, and a name keeps its value";
+
 /// What to write instead of a word of other languages that is no name here.
 pub fn instead(word: &str) -> Option<&'static str> {
     Some(match word {
-        "return" => "write the value alone, without `return`: a block is `{ let a = 1; value }`, and its value stands at its end",
-        "var" | "const" | "auto" | "int" | "uint" | "float" | "bool" | "double" | "half" => {
-            "write `let name = value`: a type need not be said, and a name keeps its value"
-        }
+        "return" => words::NO_RETURN,
         "uniform" => "write `param name = 1 in 0..2`, which makes a slider",
         "rgb" | "rgba" => "write `(r, g, b)` with each of them from 0 to 1, or a colour like `#ff8000`",
+        "int" | "float" | "bool" => LET,
+        _ if words::TYPES_ELSEWHERE.contains(&word) => LET,
         _ => return None,
     })
 }

@@ -36,6 +36,17 @@ pub const TYPES: &[&str] = &[
     "shape2", "material", "field",
 ];
 
+/// What other languages write where a type stands, and that is none here.
+pub const TYPES_ELSEWHERE: &[&str] = &["uint", "double", "half", "var", "const", "auto"];
+
+/// Whether a word stands before a name that is declared, here or in another language, to say its type.
+pub fn is_type(word: &str) -> bool {
+    TYPES.contains(&word) || TYPES_ELSEWHERE.contains(&word)
+}
+
+/// What to write in place of a `return`.
+pub const NO_RETURN: &str = "write the value alone, without `return`: a block is `{ let a = 1; value }`, and its value stands at its end";
+
 /// Whether a word can't be the name of a value.
 pub fn is_reserved(word: &str) -> bool {
     DECLARATIONS.contains(&word) || EXPRESSIONS.contains(&word)

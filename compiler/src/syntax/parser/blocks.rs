@@ -2,16 +2,13 @@
 
 use super::super::ast::*;
 use super::super::lexer::{Token, TokenKind};
+use super::super::words;
 use super::Parser;
 use super::recovery::ListOf;
 use crate::diagnostic::Code;
 
 const ENTRIES: ListOf = ListOf { plural: "entries", example: "an entry" };
 const UPDATES: ListOf = ListOf { plural: "the new values", example: "a name with its new value" };
-
-/// What other languages write before a name that they declare.
-const TYPES: [&str; 13] =
-    ["float", "int", "uint", "bool", "double", "vec2", "vec3", "vec4", "mat2", "mat3", "var", "const", "auto"];
 
 impl Parser<'_> {
     /// A block where one has to stand.
@@ -39,7 +36,7 @@ impl Parser<'_> {
             self.block_let(&mut lets);
         }
         if self.is_word("return") && self.returns() {
-            self.unexpected("a block has no `return`", "write the value alone: a block is `{ let a = 1; value }`");
+            self.unexpected("a block has no `return`", words::NO_RETURN);
             self.bump();
         }
         let value = if self.is(TokenKind::BraceClose) {
@@ -93,7 +90,8 @@ impl Parser<'_> {
 
     /// Whether a name with its type before it is given a value here, as in other languages.
     fn at_typed(&self) -> bool {
-        TYPES.contains(&self.word_of(self.peek())) && self.next_is(TokenKind::Name) && self.token_at(self.at + 2).kind == TokenKind::Equals
+        let word = self.word_of(self.peek());
+        words::is_type(word) && !words::is_reserved(word) && self.next_is(TokenKind::Name) && self.token_at(self.at + 2).kind == TokenKind::Equals
     }
 
     /// A `let` in a block with the `;` after it.

@@ -81,14 +81,14 @@ impl Parser<'_> {
             return self.declaration(meant);
         }
         let third = self.token_at(self.at + 2).kind;
-        if words::TYPES.contains(&word) && next == TokenKind::Name && third == TokenKind::ParenOpen
+        if words::is_type(word) && next == TokenKind::Name && third == TokenKind::ParenOpen
         {
             let help = "write `fn name(a: float) = …` for numbers, `field name(a: float) = …` for a formula in `p`";
             self.unexpected(format!("a function does not start with its type `{word}`"), help);
             self.skip_to_declaration();
             return None;
         }
-        if words::TYPES.contains(&word) && next == TokenKind::Name && third == TokenKind::Equals {
+        if words::is_type(word) && next == TokenKind::Name && third == TokenKind::Equals {
             self.unexpected(
                 format!("a value does not start with its type `{word}`"),
                 "write `let` in its place",
