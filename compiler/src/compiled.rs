@@ -243,9 +243,9 @@ pub struct Module {
     pub operations: (usize, usize),
     /// What was left out of the module, and why.
     pub skipped: Vec<String>,
-    /// Whether rounding grows with the distance from the module's own origin alone: all that it reads of the scene's point are ways from
-    /// places far out.
-    pub near: bool,
+    /// The axes along which rounding grows with the distance from the scene's middle. Along the others it grows with that from the module's own origin
+    /// alone: all that is read of the scene's point there are ways from places far out.
+    pub reads_scene: [bool; 3],
     /// More text, for what draws meshes: a function `sf_mesh_0(p: vec3f, normal: vec3f) -> sf_Surface` and so on for each of
     /// [`Functions::meshes`], and `sf_mesh_layers_0` with its struct for one that is layered. `p` is in the mesh's own space.
     pub meshes: String,

@@ -323,22 +323,26 @@ fn both_orders_draw_the_same() {
 #[test]
 fn the_light_is_the_same_far_out() {
     let gpu = gpu();
-    let draw = |far: f64| {
-        let at = |p: Vec3| format!("({}, {}, {})", far + p[0], far + p[1], p[2] - far);
+    let draw = |far: Vec3, shape: &str| {
+        let at = |p: Vec3| format!("({}, {}, {})", far[0] + p[0], far[1] + p[1], far[2] + p[2]);
         let text = format!(
-            "scene = (plane(y) | box(0.6, 2, 0.6).translate(1.4, 1, 0.8)).translate{}\nmesh m \"ball.obj\" {{ translate: {} }}\n\
+            "shape post = box(0.6, 2, 0.6).translate(1.4, 1, 0.8)\nscene = {}\nmesh m \"ball.obj\" {{ translate: {} }}\n\
              light sun {{ direction: (-1, -1.2, -0.5), shadow: soft(12) }}\ncamera {{ eye: {}, target: {} }}\nrender {{ extent: 1e6, max_distance: 100 }}\n",
-            at([0.0; 3]), at([0.0, 0.5, 0.0]), at([-2.0, 4.0, 5.0]), at([0.0, 0.5, 0.0])
+            shape.replace("AWAY", &format!("translate{}", at([0.0; 3]))), at([0.0, 0.5, 0.0]), at([-2.0, 4.0, 5.0]), at([0.0, 0.5, 0.0])
         );
         let (compiled, assets) = scene(&text);
         let mut picture = prepare(&gpu, &compiled, &assets, ViewMode::Shaded);
         let pixels = headless::render_with(&gpu, &mut picture, &compiled, &compiled.live(), &Shot::new(SIZE.0, SIZE.1)).unwrap();
-        save(&format!("far-{far}"), &pixels);
+        save(&format!("far-{}-{}", far[0], far[1]), &pixels);
         pixels
     };
-    let (near, far) = (draw(0.0), draw(1e5));
+    let near = draw([0.0; 3], "plane(y) | post");
     let apart = |(a, b): &(&[u8], &[u8])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 3);
-    let differ = near.rgba.chunks_exact(4).zip(far.rgba.chunks_exact(4)).filter(apart).count();
-    println!("{differ} pixels differ");
-    assert!(differ * 100 < (SIZE.0 * SIZE.1) as usize, "{differ} pixels differ");
+    // All of it far out, and what is far out over a floor that is not.
+    for (far, shape) in [([1e5, 1e5, -1e5], "(plane(y) | post).AWAY"), ([1e4, 0.0, -1e4], "plane(y) | post.AWAY")] {
+        let away = draw(far, shape);
+        let differ = near.rgba.chunks_exact(4).zip(away.rgba.chunks_exact(4)).filter(apart).count();
+        println!("{differ} pixels differ");
+        assert!(differ * 100 < (SIZE.0 * SIZE.1) as usize, "{shape}: {differ} pixels differ");
+    }
 }

@@ -252,6 +252,9 @@ pub const STRUCTURES: [&str; 3] = ["Hit", "Contact", "Surface"];
 /// The texts of `sf_trace` and `sf_shadow` by [`Ways`], each made when it is first asked for.
 static FOLLOW: [OnceLock<[String; 2]>; 8] = [const { OnceLock::new() }; 8];
 
+/// Stands in the text of a function for the coordinates with which rounding grows there.
+pub const COORDINATES: &str = "COORDINATES";
+
 /// The text of an exported function that is the same for every scene with the same ways.
 pub fn function(export: Export, ways: Ways) -> Option<Cow<'static, str>> {
     let place = usize::from(ways.one) + 2 * usize::from(ways.planes) + 4 * usize::from(ways.region);
@@ -278,7 +281,7 @@ pub fn function(export: Export, ways: Ways) -> Option<Cow<'static, str>> {
 const SHADOW_OF_ONE: &str = "\
 fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: f32) -> f32 {
   let span = sf_clip(origin, direction, t_min, t_max);
-  let size = length(origin + sf_uniforms.origin) + 1.0;
+  let size = length(COORDINATES) + 1.0;
   let sharpness = select(1e18, softness, softness > 0.0);
   var lit = 1.0;
   var t = span.x;
@@ -308,7 +311,7 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
 const SHADOW: &str = "\
 fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: f32) -> f32 {
   let span = sf_clip(origin, direction, t_min, t_max);
-  let size = length(origin + sf_uniforms.origin) + 1.0;
+  let size = length(COORDINATES) + 1.0;
   let sharpness = select(1e18, softness, softness > 0.0);
   var lit = 1.0;
   var t = span.x;

@@ -147,7 +147,7 @@ pub fn emit(
         helpers: Helpers::default(),
         numbers: FxHashMap::default(),
         room: Room::default(),
-        reads_scene: false,
+        reads_scene: [false; 3],
         tables: &tables,
         facing: "normal",
     };
@@ -164,6 +164,7 @@ pub fn emit(
     };
     let roots = Roots { root, targets: &roots, surface: surface.as_ref(), rest, ways };
     let operations = export_functions(&mut context, &exports, &roots, &mut body, &mut texts)?;
+    let reads_scene = context.reads_scene;
     if let Some(plan) = &layers {
         layers_function(&mut context, root, &functions.surface, plan, &mut body, &mut texts)?;
     }
@@ -215,7 +216,6 @@ pub fn emit(
     };
     declared(false, &mut wgsl);
     wgsl.push_str(&texts);
-    let near = !context.reads_scene;
     let buffered = context.has_tables().then(|| {
         let mut code = String::with_capacity(texts.len() + 4096);
         declared(true, &mut code);
@@ -232,7 +232,7 @@ pub fn emit(
         uniform_size: size,
         operations,
         skipped,
-        near,
+        reads_scene,
         meshes: meshes_text,
         one,
         ways,
@@ -339,9 +339,7 @@ fn export_functions(
     for &export in exports {
         let _ = writeln!(text, "\n// {}", library::purpose(export));
         if let Some(function) = library::function(export, roots.ways) {
-            // Where only ways from places far out are read, rounding grows with the distance from the eye and not from the scene's middle.
-            let (far, near) = ("length(origin + sf_uniforms.origin)", "length(origin)");
-            let function = if context.reads_scene { function } else { function.replace(far, near).into() };
+            let function = function.replace(library::COORDINATES, &coordinates(context.reads_scene));
             text.push_str(&prefixed(&function, prefix));
             continue;
         }
@@ -367,7 +365,13 @@ fn export_functions(
                 }
                 (None, None) => body.constant(0.0),
             };
-            write::write(context, body, result, &["p", "q", "normal"], text)
+            let reads_scene = context.reads_scene;
+            let count = write::write(context, body, result, &["p", "q", "normal"], text);
+            // What is drawn on a surface does not move it.
+            if target.is_none() {
+                context.reads_scene = reads_scene;
+            }
+            count
         };
         text.push_str("}\n");
         if let Some(target) = target {
@@ -376,6 +380,19 @@ fn export_functions(
     }
     let count = |export| written.iter().find(|w| w.1 == export).map_or(0, |w| w.2);
     Ok((count(Export::Field), count(Export::Bound)))
+}
+
+/// The coordinates with which rounding grows where a ray starts at `origin`: those of the scene where it is read as it is, else the way from the
+/// module's own origin.
+fn coordinates(reads_scene: [bool; 3]) -> Cow<'static, str> {
+    match reads_scene {
+        [false, false, false] => "origin".into(),
+        [true, true, true] => "origin + sf_uniforms.origin".into(),
+        axes => {
+            let [x, y, z] = axes.map(|read| if read { "1.0" } else { "0.0" });
+            format!("origin + sf_uniforms.origin * vec3f({x}, {y}, {z})").into()
+        }
+    }
 }
 
 /// Writes the uniform block, structs, constants and helpers. `buffers`: whether tables are buffers, and not text.

@@ -142,7 +142,7 @@ impl Tracer {
             "\
 fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: f32) -> sf_Hit {{
 {head}  // Rounding grows with coordinates, and they are no larger than this and the way.
-  let size = length(origin + sf_uniforms.origin) + 1.0;
+  let size = length(COORDINATES) + 1.0;
   var t = span.x;
   var step = 0u;
   var hit = false;

@@ -40,8 +40,8 @@ pub struct Context<'a> {
     pub numbers: FxHashMap<u32, String>,
     /// Room that each function is written with.
     pub room: Room,
-    /// Whether the point of the scene is read as it is, and not only as the way from a place far out.
-    pub reads_scene: bool,
+    /// The axes of which the point of the scene is read as it is, and not only as the way from a place far out.
+    pub reads_scene: [bool; 3],
     /// The unions that are tables.
     pub tables: &'a Tables,
     /// What the function that is written calls [`crate::graph::Leaf::Normal`].
@@ -173,9 +173,14 @@ pub fn write(
     }
     for &id in order.iter().filter(|_| scene) {
         let (code, args) = (writer.body.code(id), writer.body.arguments(id));
-        let reads = args.iter().any(|&a| writer.of_scene(a).is_some());
-        if reads && !matches!(code, Code::Component(_) | Code::Swizzle(..)) && !writer.is_far_out(code, args) {
-            writer.context.reads_scene = true;
+        if matches!(code, Code::Component(_) | Code::Swizzle(..)) || writer.is_far_out(code, args) {
+            continue;
+        }
+        for &arg in args {
+            let Some((count, order)) = writer.of_scene(arg) else { continue };
+            for (axis, read) in (0..).zip(&mut writer.context.reads_scene) {
+                *read |= count == 0 || (0..count).any(|i| order >> (4 * i) & 3 == axis);
+            }
         }
     }
     writer.block(0, &order, Some(root));

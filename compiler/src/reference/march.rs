@@ -3,7 +3,7 @@
 //!
 //! What a ray meets does not depend on the others: slabs say only when its turn comes and which tape serves it.
 
-use super::vector::{Vec3, along, dot, length};
+use super::vector::{Vec3, along, dot, length, only};
 use crate::analysis::Box3;
 use crate::evaluate::{LANES, Tape, lanes};
 use crate::graph::interval::Interval;
@@ -67,10 +67,10 @@ pub struct Look {
     pub free: f64,
 }
 
-/// What rounding in 32 bits grows with along each ray, beside the way: coordinates are no larger than both. `near`: whether they are the
-/// way itself.
-pub fn sizes(rays: &[Ray], near: bool) -> impl Fn(&Look) -> f64 {
-    let sizes: Vec<f64> = rays.iter().map(|r| 1.0 + if near { 0.0 } else { length(r.origin) }).collect();
+/// What rounding in 32 bits grows with along each ray, beside the way: coordinates are no larger than both. `reads_scene`: the axes along which they
+/// are not the way itself ([`crate::compiled::Module::reads_scene`]).
+pub fn sizes(rays: &[Ray], reads_scene: [bool; 3]) -> impl Fn(&Look) -> f64 {
+    let sizes: Vec<f64> = rays.iter().map(|r| 1.0 + length(only(r.origin, reads_scene))).collect();
     move |look| sizes.get(look.ray).copied().unwrap_or(1.0)
 }
 

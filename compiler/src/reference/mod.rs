@@ -23,7 +23,7 @@ use march::{Look, Ray, Scene, at_points, march, sizes};
 use shade::{Leaving, Seen, Shading, SurfaceValues};
 use std::cell::Cell;
 use std::sync::Arc;
-use vector::{Vec3, add, along, dot, length, mul, scale, sub, unit};
+use vector::{Vec3, add, along, dot, length, mul, only, scale, sub, unit};
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -101,8 +101,8 @@ pub struct Reference {
     /// What lies on the surface, where anything does: [`Surface::layer_nodes`].
     layers: Option<(Surface, Tape)>,
     images: Images,
-    /// Whether rounding grows with the way from the eye alone ([`crate::compiled::Module::near`]).
-    near: bool,
+    /// The axes along which rounding grows with more than the way from the eye ([`crate::compiled::Module::reads_scene`]).
+    reads_scene: [bool; 3],
 }
 
 impl Reference {
@@ -134,7 +134,7 @@ impl Reference {
                 environment: compiled.blocks.environment.as_ref().map(|_| Arc::new(shade::plain_sky())),
                 textures: functions.textures().into_iter().map(|(_, kind)| Arc::new(Texture::missing(kind))).collect(),
             },
-            near: compiled.module.near,
+            reads_scene: compiled.module.reads_scene,
         })
     }
 
@@ -180,7 +180,8 @@ impl Reference {
 
     /// What rounding in 32 bits grows with, at a point so far along a ray.
     fn rounded(&self, point: Vec3, t: f64) -> f64 {
-        1.0 + if self.near { t } else { length(point) }
+        let read = length(only(point, self.reads_scene));
+        1.0 + if self.reads_scene == [true; 3] { read } else { read.hypot(t) }
     }
 
     /// The field's gradients at points that lie close together.
@@ -242,7 +243,7 @@ impl Reference {
             .collect();
         let states = vec![Cell::new(Follow::START); rays.len()];
         let state = |look: &Look| states.get(look.ray).map_or(Follow::START, Cell::get);
-        let size = sizes(rays, self.near);
+        let size = sizes(rays, self.reads_scene);
         let small = |look: &Look| Small { pixel: footprint * look.t, rounding: 4e-7 * (size(look) + look.t) };
         // Only a hit asks for the distance; where it costs next to nothing it comes along.
         let Rest { bound, distance, both } = &self.rest;
@@ -282,7 +283,7 @@ impl Reference {
         let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
         let states = vec![Cell::new(Shadow::START); rays.len()];
         let state = |look: &Look| states.get(look.ray).map_or(Shadow::START, Cell::get);
-        let size = sizes(rays, self.near);
+        let size = sizes(rays, self.reads_scene);
         let tolerance = |look: &Look| 2e-6 * (size(look) + look.t);
         let Rest { bound, distance, both } = &self.rest;
         let scene = match softness > 0.0 {

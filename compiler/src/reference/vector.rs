@@ -23,6 +23,11 @@ pub fn scale(a: Vec3, by: f64) -> Vec3 {
     a.map(|c| c * by)
 }
 
+/// Its part along these axes.
+pub fn only(a: Vec3, axes: [bool; 3]) -> Vec3 {
+    mul(a, axes.map(|kept| f64::from(u8::from(kept))))
+}
+
 /// `origin + direction * t`
 pub fn along(origin: Vec3, direction: Vec3, t: f64) -> Vec3 {
     add(origin, scale(direction, t))

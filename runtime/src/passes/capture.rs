@@ -57,8 +57,8 @@ pub(crate) struct Moment<'a> {
     pub place: Vec3,
     /// The scene's point at which the module's `p` is zero.
     pub origin: Vec3,
-    /// Whether the module loses no digit far from the scene's middle.
-    pub near: bool,
+    /// The axes along which the module loses digits far from the scene's middle.
+    pub reads_scene: [bool; 3],
     /// Group 0: the module's uniforms.
     pub module: &'a wgpu::BindGroup,
     /// Their bytes, the origin zero: what the field depends on.
@@ -157,7 +157,7 @@ impl Capture {
     pub fn update(&mut self, moment: &Moment) -> bool {
         let size = [self.side() as f32; 2];
         let seen = |face: usize, origin: Vec3| {
-            SceneUniforms::seen(moment.frame, moment.place, &face_basis(face), origin, size).rounded_near(moment.near)
+            SceneUniforms::seen(moment.frame, moment.place, &face_basis(face), origin, size).rounded_along(moment.reads_scene)
         };
         let drawn = Drawn {
             // The origin goes with the eye, and changes nothing.

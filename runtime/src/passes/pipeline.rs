@@ -109,7 +109,7 @@ impl ScenePipeline {
         let origin = origin(compiled, view);
         let View { camera, size, corner } = *view;
         let uniforms = SceneUniforms::new(&frame, &camera, origin, size, corner, self.srgb_target)
-            .rounded_near(compiled.module.near);
+            .rounded_along(compiled.module.reads_scene);
         let module = self.module.write(queue, &compiled.uniform_bytes(live, origin));
         let scene = self.scene.write(queue, &uniforms);
         let placed = if self.meshes.is_some() { compiled.meshes(live) } else { Vec::new() };
@@ -130,7 +130,7 @@ impl ScenePipeline {
                 frame: &frame,
                 place,
                 origin,
-                near: compiled.module.near,
+                reads_scene: compiled.module.reads_scene,
                 module: self.module.group(),
                 field: compiled.uniform_bytes(live, [0.0; 3]),
                 shadows: self.shadows.as_ref().map(Shadows::group),

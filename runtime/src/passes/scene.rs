@@ -218,18 +218,21 @@ uniforms! {
         near: f32,
         corner: [f32; 2],
         size: [f32; 2],
+        rounding: [f32; 3],
         srgb_target: u32,
         reflections: u32,
-        rounding: f32,
-        padding: f32,
+        padding: u32,
+        rest: [u32; 2],
         lights: [SceneLight; MAX_LIGHTS],
     }
 }
 
 impl SceneUniforms {
-    /// The same for a module that loses no digit far from the scene's middle, where it is such a one.
-    pub fn rounded_near(self, near: bool) -> Self {
-        Self { rounding: if near { 0.0 } else { 1.0 }, ..self }
+    /// The same for a module that loses digits far from the scene's middle along these axes only ([`Module::reads_scene`]).
+    ///
+    /// [`Module::reads_scene`]: surefoot_compiler::Module::reads_scene
+    pub fn rounded_along(self, axes: [bool; 3]) -> Self {
+        Self { rounding: axes.map(|read| f32::from(u8::from(read))), ..self }
     }
 
     /// Through a camera. `origin` is the scene's point at which the module's `p` is zero; `size` is that of the whole picture and `corner` its upper left
@@ -281,8 +284,9 @@ impl SceneUniforms {
             size,
             srgb_target: 0,
             reflections: frame.reflections,
-            rounding: 1.0,
-            padding: 0.0,
+            rounding: [1.0; 3],
+            padding: 0,
+            rest: [0; 2],
             lights,
         }
     }

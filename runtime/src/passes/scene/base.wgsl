@@ -40,13 +40,14 @@ struct SceneUniforms {
     // The picture's upper left corner on the target, and its size, in pixels.
     corner: vec2f,
     size: vec2f,
+    // Along each axis 1 where rounding grows with the distance from the scene's middle, 0 where with that from the eye alone.
+    rounding: vec3f,
     // 1 where the target itself encodes linear colours as sRGB.
     srgb_target: u32,
     // A mirrored ray is followed at most so often.
     reflections: u32,
-    // 1 where rounding grows with the distance from the scene's middle, 0 where with that from the eye alone.
-    rounding: f32,
-    padding: f32,
+    padding: u32,
+    rest: vec2u,
     lights: array<SceneLight, 16>,
 }
 
