@@ -2,12 +2,13 @@
 
 pub use crate::emit::Formulas;
 pub use crate::emit::table::{ModuleTables, Tables};
-pub use crate::frame::{CAPTURE_SIZES, Camera, CaptureNodes, Frame, Light, LightKind, LightNodes, MAX_BOUNCES, SceneBlocks, Shadow, Sky};
+pub use crate::frame::{CAPTURE_SIZES, Camera, CameraNodes, CaptureNodes, EYE, Frame, Light, LightKind, LightNodes, MAX_BOUNCES, SceneBlocks, Shadow, Sky};
 
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::emit::tracer::Ways;
 use crate::functions::{self, Functions, Summary};
 use crate::graph::algebra::Reals;
+use crate::outlook::outlook;
 use crate::graph::{multiple_of, Graph, Leaf, NodeId, Proof, ShapeId};
 pub use crate::loader::{Loader, MemoryLoader};
 use crate::source::{Sources, Span};
@@ -89,6 +90,8 @@ pub struct Options {
     /// Whether what depends on parameters and time alone is computed in the shader, so that a host need write nothing else into the
     /// uniform block; else it has fields there ([`UniformSource::Formula`]).
     pub live_in_shader: bool,
+    /// Radius about the origin within which a scene is drawn that does not say it: what is given, else 100 or what all that is solid needs.
+    pub extent: Option<f64>,
 }
 
 impl Default for Options {
@@ -102,6 +105,7 @@ impl Default for Options {
             choose: Vec::new(),
             strict: false,
             live_in_shader: false,
+            extent: None,
         }
     }
 }
@@ -309,6 +313,11 @@ impl Outcome {
     /// Whether there is an error among the diagnostics.
     pub fn has_errors(&self) -> bool {
         self.diagnostics.iter().any(|d| d.severity == Severity::Error)
+    }
+
+    /// Adds what is wrong with what the camera sees: that takes a look at the scene, and some milliseconds.
+    pub fn look(&mut self) {
+        self.diagnostics.extend(self.compiled.as_ref().and_then(|scene| outlook(scene, &scene.live(), None)));
     }
 }
 

@@ -205,8 +205,14 @@ codes! {
         "A formula without a bound over all space: it is proven and drawn within the scene's extent, which `render { extent: … }` sets.",
         "";
     NothingSolid, "nothing-solid", Warning,
-        "Nothing solid lies within the scene's extent, so the picture shows the sky alone. Move the scene toward the origin, or set `render { extent: … }`. Shapes that do not meet have no intersection.",
-        "scene = sphere(1).translate(150, 0, 0)";
+        "Nothing solid lies within the scene's extent, so the picture shows the sky alone. Move the scene toward the origin, or set `render { extent: … }` to more. Shapes that do not meet have no intersection.",
+        "scene = sphere(1).translate(150, 0, 0)\nrender { extent: 100 }";
+    InsideSolid, "inside-solid", Warning,
+        "The camera stands inside what is solid, so that the picture is black. Move its `eye` out; where a shape is meant as a room, take its inside away: `box(9) - box(8)`.",
+        "scene = box(4)\ncamera { eye: (0, 0, 1) }";
+    NothingSeen, "nothing-seen", Warning,
+        "Nothing solid is in sight of the camera, so the picture shows the sky alone. Look to where something is, or set `render { max_distance: … }` to how far away it is.",
+        "scene = sphere(1)\ncamera { eye: (0, 0, 5), target: (0, 0, 9) }";
     Jump, "jump", Warning,
         "A formula jumps here; rays stop before it and look again, which takes time. Where both sides of the jump agree, nothing is said.",
         "field f = length(p) - 1 + floor(4 * p.x) / 9\nscene = f";

@@ -6,7 +6,10 @@ use crate::images::EnvironmentFile;
 use crate::mesh::MeshNodes;
 use crate::physics::{BallsNodes, PhysicsNodes};
 use crate::reference::shade;
-use crate::reference::vector::{length, sub};
+use crate::graph::interval::Interval;
+use crate::reference::camera::Basis;
+use crate::reference::vector::{Vec3, add, dot, length, scale, sub};
+use crate::source::Span;
 
 /// A point and direction of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,6 +97,17 @@ pub struct Frame {
 const FAR_ENOUGH: f64 = 100.0;
 const SIGHT: f64 = 2.5;
 
+/// Where a camera stands of which nothing is said.
+pub const EYE: Vec3 = [4.0, 3.0, 6.0];
+/// What is smaller than this is not gone nearer to.
+const SMALLEST: f64 = 1e-3;
+/// What fills less of the picture's height than this is gone nearer to.
+const LEAST_SHARE: f64 = 0.1;
+/// So much farther away than it would fill the picture from, all that is solid is looked at.
+const MARGIN: f64 = 1.1;
+/// So wide a picture is taken to be, for its height.
+const WIDE: f64 = 1.3;
+
 /// A ray is mirrored at most so often.
 pub const MAX_BOUNCES: u32 = 8;
 
@@ -112,8 +126,8 @@ pub const CAPTURE_SIZES: [u32; 7] = [16, 32, 64, 128, 256, 512, 1024];
 /// Entries of the scene's blocks, as nodes over parameters and time.
 #[derive(Clone, Debug, Default)]
 pub struct SceneBlocks {
-    /// Name, eye, target, field of view.
-    pub cameras: Vec<(String, [NodeId; 3], [NodeId; 3], NodeId)>,
+    /// Cameras in the order of the text.
+    pub cameras: Vec<CameraNodes>,
     /// Lights.
     pub lights: Vec<LightNodes>,
     /// Zenith and horizon.
@@ -132,6 +146,8 @@ pub struct SceneBlocks {
     pub max_distance: Option<NodeId>,
     /// Radius about the origin; constant.
     pub extent: f64,
+    /// Whether the text says it.
+    pub says_extent: bool,
     /// Stops.
     pub exposure: Option<NodeId>,
     /// How balls move, where the text says.
@@ -149,6 +165,21 @@ impl SceneBlocks {
         let value = |node| live.values(graph, &[node]).first().copied().unwrap_or(0.0);
         (value(reach).max(0.0), value(strength).clamp(0.0, 1.0))
     }
+}
+
+/// A camera's entries as nodes.
+#[derive(Clone, Debug)]
+pub struct CameraNodes {
+    /// Its name; empty where it has none.
+    pub name: String,
+    /// Where the eye is, where that is said.
+    pub eye: Option<[NodeId; 3]>,
+    /// What it looks at, where that is said.
+    pub target: Option<[NodeId; 3]>,
+    /// Vertical angle of view.
+    pub fov: NodeId,
+    /// The word `camera`.
+    pub span: Span,
 }
 
 /// A light's entries as nodes.
@@ -180,14 +211,13 @@ impl Compiled {
         let mut cameras: Vec<(String, Camera)> = blocks
             .cameras
             .iter()
-            .map(|(name, eye, target, fov)| {
-                let camera = Camera { eye: three(eye), target: three(target), fov: one(*fov) };
-                (name.clone(), camera)
+            .map(|nodes| {
+                let said = [nodes.eye.as_ref().map(three), nodes.target.as_ref().map(three)];
+                (nodes.name.clone(), self.camera(said, one(nodes.fov)))
             })
             .collect();
         if cameras.is_empty() {
-            let camera = Camera { eye: [4.0, 3.0, 6.0], target: [0.0; 3], fov: 0.7 };
-            cameras.push((String::new(), camera));
+            cameras.push((String::new(), self.camera([None; 2], 0.7)));
         }
         let lights = blocks
             .lights
@@ -231,11 +261,37 @@ impl Compiled {
             reflections: blocks.reflections.map_or(0.0, one).round().clamp(0.0, f64::from(MAX_BOUNCES)) as u32,
         }
     }
+
+    /// A camera of which eye and target are given or not. Where neither is it stands as usual if all that is solid is well seen from there, else so
+    /// far away from that, in the same direction, that it is.
+    fn camera(&self, [eye, target]: [Option<Vec3>; 2], fov: f64) -> Camera {
+        let usual = Camera { eye: eye.unwrap_or(EYE), target: target.unwrap_or([0.0; 3]), fov };
+        let Some(region) = self.functions.ahead.solid().filter(|r| eye.or(target).is_none() && r.size() > SMALLEST) else {
+            return usual;
+        };
+        let (middle, sides) = (region.0.map(Interval::middle), region.0.map(|side| side.width()));
+        let radius = 0.5 * length(sides);
+        let basis = Basis::of(&usual);
+        let is_seen = |corner: u32| {
+            let of = |i: u32, side: Interval| if corner >> i & 1 == 0 { side.lo } else { side.hi };
+            let [x, y, z] = region.0;
+            let way = sub([of(0, x), of(1, y), of(2, z)], EYE);
+            let reach = basis.tan_half_fov * dot(way, basis.forward);
+            dot(way, basis.up).abs() < reach && dot(way, basis.right).abs() < WIDE * reach
+        };
+        let is_large = radius > LEAST_SHARE * length(EYE) * basis.tan_half_fov;
+        if is_large && (0..8).all(is_seen) {
+            return usual;
+        }
+        let away = scale(EYE, MARGIN * radius / basis.tan_half_fov / length(EYE));
+        Camera { eye: add(middle, away), target: middle, fov }
+    }
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 mod tests {
+    use crate::reference::vector::{length, sub};
     use crate::{MemoryLoader, Options, compile};
 
     #[test]
@@ -251,5 +307,35 @@ mod tests {
         assert_eq!(far("camera { eye: (0, 0, 1e30), target: (0, 0, 0) }"), 1e9);
         assert_eq!(far("param a = 0 in 0..1\ncamera { eye: (0, 0, 1 / a), target: (0, 0, 0) }"), 100.0);
         assert_eq!(far("camera { eye: (0, 0, 200), target: (0, 0, 0) }\nrender { max_distance: 50 }"), 50.0);
+    }
+
+    #[test]
+    fn a_scene_without_a_camera_is_seen_whole() {
+        let seen = |text: &str| {
+            let scene = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default()).compiled.unwrap();
+            let frame = scene.frame(&scene.live());
+            (frame.cameras[0].1, frame.extent)
+        };
+        // What is well seen from the usual place is seen from there.
+        for usual in ["scene = sphere(1)", "scene = torus(1.5, 0.5) | plane(y, -1)", "scene = box(2)\ncamera { fov: 40deg }"] {
+            let (camera, extent) = seen(usual);
+            assert_eq!((camera.eye, camera.target, extent), ([4.0, 3.0, 6.0], [0.0; 3], 100.0), "{usual}");
+        }
+        for other in ["scene = box(20)", "scene = sphere(0.01)", "scene = sphere(1).translate(0, 0, 30)", "scene = sphere(400) | plane(y, -400)"] {
+            let (camera, extent) = seen(other);
+            let away = length(sub(camera.eye, camera.target));
+            let (middle, radius) = match other {
+                o if o.contains("0.01") => ([0.0; 3], 0.01),
+                o if o.contains("30)") => ([0.0, 0.0, 30.0], 1.0),
+                o if o.contains("400") => ([0.0; 3], 400.0),
+                _ => ([0.0; 3], 10.0),
+            };
+            assert!(length(sub(camera.target, middle)) < 0.1 * radius, "{other}: {camera:?}");
+            assert!(away > 2.5 * radius && away < 8.0 * radius, "{other}: {camera:?}");
+            assert!(extent > 1.4 * radius, "{other}: {extent}");
+        }
+        // Who says where the camera stands has it there.
+        let (camera, extent) = seen("scene = box(20)\ncamera { eye: (0, 0, 50) }\nrender { extent: 30 }");
+        assert_eq!((camera.eye, extent), ([0.0, 0.0, 50.0], 30.0));
     }
 }

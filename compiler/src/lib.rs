@@ -14,6 +14,7 @@ pub mod graph;
 pub mod images;
 pub mod loader;
 pub mod mesh;
+pub mod outlook;
 pub mod physics;
 pub mod pipeline;
 pub mod program;

@@ -90,6 +90,11 @@ fn run(
         let root = functions::bind_world(&mut graph, root);
         let (functions, summary, found) =
             functions::build(&mut graph, facts, root, &elaboration.blocks, options.strict, Vec::new());
+        if let (Some(reach), None, false) = (functions.ahead.beyond, options.extent, elaboration.blocks.says_extent) {
+            // All is proven within the extent, so that with another one it is another scene.
+            *memory = elaboration.facts.memory;
+            return run(loader, path, &Options { extent: Some(reach), ..options.clone() }, memory, finished);
+        }
         outcome.diagnostics.extend(found);
         finished(Stage::Analyse);
         if !outcome.has_errors() {

@@ -53,7 +53,9 @@ fn programs(folder: &Path) -> Vec<String> {
 }
 
 fn compile(folder: &Path, name: &str) -> Outcome {
-    surefoot_compiler::compile(&Folder(folder.to_path_buf()), name, &Options::default())
+    let mut outcome = surefoot_compiler::compile(&Folder(folder.to_path_buf()), name, &Options::default());
+    outcome.look();
+    outcome
 }
 
 /// What a program's comments say of it.
@@ -237,7 +239,8 @@ impl Loader for Edited<'_> {
 fn the_table_of_codes_is_right() {
     for row in CODES.iter().filter(|row| !row.program.is_empty() && !row.program.contains('…')) {
         let loader = MemoryLoader::new().with("main.sdf", row.program);
-        let outcome = surefoot_compiler::compile(&loader, "main.sdf", &Options::default());
+        let mut outcome = surefoot_compiler::compile(&loader, "main.sdf", &Options::default());
+        outcome.look();
         let codes: Vec<_> = outcome.diagnostics.iter().map(|d| d.code).collect();
         assert!(codes.contains(&row.code), "{}: {codes:?}\n{}", row.name, row.program);
     }

@@ -22,7 +22,7 @@ fn number(declarations: &str, expression: &str) -> f64 {
     let scene = scene(&format!(
         "{declarations}\nscene = sphere(1)\ncamera {{ eye: ({expression}, 1e6, 0) }}"
     ));
-    scene.values(&scene.live(), &[scene.blocks.cameras[0].1[0]])[0]
+    scene.values(&scene.live(), &[scene.blocks.cameras[0].eye.unwrap()[0]])[0]
 }
 
 /// The field of a scene at a point.
@@ -131,7 +131,7 @@ fn every_form_of_a_parameter() {
         param angle = 30deg in 0deg..90deg\nparam plain = 3";
     let text = format!("{given}\nscene = sphere(plain)\ncamera {{ eye: (n + spot.y + tint.r + style + sin(angle) + if on {{ 1 }} else {{ 0 }}, 9, 9) }}");
     let scene = scene(&text);
-    let eye = scene.blocks.cameras[0].1[0];
+    let eye = scene.blocks.cameras[0].eye.unwrap()[0];
     let mut live = scene.live();
     near(scene.values(&live, &[eye])[0], 13.5);
     assert_eq!(scene.parameters.len(), 7);

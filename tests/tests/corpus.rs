@@ -37,7 +37,8 @@ fn module(path: &str) -> String {
 fn every_example_is_free_of_errors_and_warnings() {
     let mut wrong = String::new();
     for (_, path) in examples() {
-        let outcome = compile(&Disk, &path, &Options::default());
+        let mut outcome = compile(&Disk, &path, &Options::default());
+        outcome.look();
         wrong += &diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
     }
     assert!(wrong.is_empty(), "{wrong}");

@@ -7,6 +7,7 @@
 use super::Builder;
 use crate::analysis::Box3;
 use crate::analysis::region::WORLD_SIDE;
+use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{FAR, Function, Leaf, Node, NodeId};
 
@@ -17,6 +18,15 @@ pub struct Ahead {
     pub planes: Option<Planes>,
     /// A box that holds all that is solid but the planes; none where that is not known, or larger than the extent.
     pub region: Option<Box3>,
+    /// The extent that what is solid but the planes should have, where that is known and more than it has.
+    pub beyond: Option<f64>,
+}
+
+impl Ahead {
+    /// The box of [`Ahead::region`], where there is anything solid in it.
+    pub fn solid(&self) -> Option<Box3> {
+        self.region.filter(|region| *region != Box3::cube(ROOM))
+    }
 }
 
 /// The planes that a scene is the union of, with what is left without them.
@@ -37,6 +47,10 @@ const LEVEL: f64 = 1e-9;
 
 /// So many operands are looked at for planes.
 const MOST_PARTS: usize = 512;
+/// Near the ends of the scene everything goes over into the sky: so many times as far as what is solid the extent has to reach…
+const LEAST: f64 = 1.5;
+/// …and so many times does one that is made for it, as there may be a floor.
+const AMPLE: f64 = 5.0;
 /// A box is wider than what is solid by so much of its widest side, so that a ray has looked twice before it is there.
 const ROOM: f64 = 0.01;
 
@@ -53,8 +67,8 @@ impl Builder<'_> {
             planes.retain(|plane| known.contains(plane));
         }
         let solid = if planes.is_empty() { Some(field) } else { self.without(field, &planes) };
-        let region = self.region_of_rest(solid);
-        let Some(&first) = planes.first() else { return Ahead { planes: None, region } };
+        let (region, beyond) = self.region_of_rest(solid);
+        let Some(&first) = planes.first() else { return Ahead { planes: None, region, beyond } };
         let (rest_bound, rest_distance) = (self.without(bound, &planes), self.without(distance, &planes));
         let mut distance = first;
         let mut way = self.way_to(first);
@@ -66,7 +80,7 @@ impl Builder<'_> {
         let far = self.graph.constant(FAR);
         let rest = |node: Option<NodeId>| node.unwrap_or(far);
         let planes = Planes { distance, way, rest_bound: rest(rest_bound), rest_distance: rest(rest_distance) };
-        Ahead { planes: Some(planes), region }
+        Ahead { planes: Some(planes), region, beyond }
     }
 
     /// The planes that a formula in the scene's space is the least of, each once; none where they are many, or stand among very much.
@@ -145,14 +159,20 @@ impl Builder<'_> {
         self.graph.op(Op::Select, &[is_met, way, far])
     }
 
-    fn region_of_rest(&mut self, solid: Option<NodeId>) -> Option<Box3> {
-        let Some(solid) = solid else { return Some(Box3::cube(ROOM)) };
+    /// The box about what is solid, and how far from the origin that reaches, where it is beyond the extent.
+    fn region_of_rest(&mut self, solid: Option<NodeId>) -> (Option<Box3>, Option<f64>) {
+        let Some(solid) = solid else { return (Some(Box3::cube(ROOM)), None) };
         if self.extent > WORLD_SIDE {
-            return None;
+            return (None, None);
         }
         let region = self.facts.outline(self.graph, solid);
-        let within = !region.is_empty() && region.0.iter().all(|i| i.lo > -self.extent && i.hi < self.extent);
+        if region.is_empty() {
+            return (None, None);
+        }
         let widest = region.0.iter().map(|side| side.width()).fold(0.0, f64::max);
-        within.then_some(region.grow(ROOM * widest))
+        let [x, y, z] = region.0.map(Interval::magnitude);
+        let reach = x.hypot(y).hypot(z);
+        let within = [x, y, z].iter().all(|c| *c < self.extent);
+        (within.then_some(region.grow(ROOM * widest)), (LEAST * reach > self.extent && AMPLE * reach < WORLD_SIDE).then_some(AMPLE * reach))
     }
 }

@@ -3,7 +3,7 @@
 use super::load::ItemRef;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
-use crate::compiled::{LightNodes, Parameter, SceneBlocks, Shadow};
+use crate::compiled::{CameraNodes, EYE, LightNodes, Parameter, SceneBlocks, Shadow};
 use crate::diagnostic::Code;
 use crate::graph::kernel::Op;
 use crate::graph::{Leaf, NodeId, ParameterComponent};
@@ -20,9 +20,9 @@ impl SceneBlocks {
     /// Every node of the blocks.
     pub fn nodes(&self) -> Vec<NodeId> {
         let mut nodes = Vec::new();
-        for (_, eye, target, fov) in &self.cameras {
-            nodes.extend(eye.iter().chain(target));
-            nodes.push(*fov);
+        for camera in &self.cameras {
+            nodes.extend(camera.eye.iter().chain(&camera.target).flatten());
+            nodes.push(camera.fov);
         }
         for light in &self.lights {
             nodes.extend(light.vector.iter().chain(&light.color));
@@ -345,7 +345,7 @@ impl Elaborator<'_> {
 
     /// The blocks of a text.
     pub fn blocks(&mut self, module: usize) -> SceneBlocks {
-        let mut blocks = SceneBlocks { extent: DEFAULT_EXTENT, ..SceneBlocks::default() };
+        let mut blocks = SceneBlocks { extent: self.options.extent.unwrap_or(DEFAULT_EXTENT), ..SceneBlocks::default() };
         let modules = self.modules;
         // The extent first: repetitions need it.
         for (_, item) in modules.items(module) {
@@ -400,14 +400,16 @@ impl Elaborator<'_> {
         let name_text = name.map_or(String::new(), |n| n.text.to_string());
         match kind {
             BlockKind::Camera => {
-                let eye = self.vec3_entry(entry("eye"), &env, [4.0, 3.0, 6.0]);
-                let target = self.vec3_entry(entry("target"), &env, [0.0; 3]);
+                let mut place = |key| entry(key).map(|given| self.vec3_entry(Some(given), &env, [0.0; 3])).transpose();
+                let (eye, target) = (place("eye"), place("target"));
                 let fov = self.number_entry(entry("fov"), &env, 40f64.to_radians(), Some((0.01, 3.0)), "an angle between 1deg and 170deg");
                 let (eye, target) = (eye?, target?);
-                let gap = |(a, b): (&NodeId, &NodeId)| {
-                    Some((self.graph.as_constant(*a)? - self.graph.as_constant(*b)?).abs())
+                let constants = |given: Option<[NodeId; 3]>, usual: [f64; 3]| match given {
+                    Some(nodes) => nodes.map(|node| self.graph.as_constant(node).unwrap_or(f64::NAN)),
+                    None => usual,
                 };
-                if eye.iter().zip(&target).all(|pair| gap(pair).is_some_and(|gap| gap < 1e-9)) {
+                let (from, to) = (constants(eye, EYE), constants(target, [0.0; 3]));
+                if from.iter().zip(&to).all(|(a, b)| (a - b).abs() < 1e-9) {
                     return Err(self.error(
                         Code::BadValue,
                         entry("target").or(entry("eye")).map_or(kind_span, |e| e.span),
@@ -415,7 +417,7 @@ impl Elaborator<'_> {
                         "write another `target`: the point that shall be in the middle of the picture",
                     ));
                 }
-                blocks.cameras.push((name_text, eye, target, fov?));
+                blocks.cameras.push(CameraNodes { name: name_text, eye, target, fov: fov?, span: kind_span });
             }
             BlockKind::Light => {
                 let position = entry("position");
@@ -546,7 +548,7 @@ impl Elaborator<'_> {
                 .number_entry(Some(expr), env, DEFAULT_EXTENT, Some((1e-6, 1e7)), "a number between 1e-6 and 1e7")
                 .and_then(|n| self.to_constant(&Value::number(n), expr.span));
             match constant {
-                Ok(extent) => blocks.extent = extent,
+                Ok(extent) => (blocks.extent, blocks.says_extent) = (extent, true),
                 Err(Stop) => ok = false,
             }
         }

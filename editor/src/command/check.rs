@@ -37,6 +37,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     for scene in &args.scenes {
         let readable = files::read(Path::new(scene));
         let mut outcome = surefoot_compiler::compile(&FileLoader, scene, &options);
+        outcome.look();
         let broken = outcome.compiled.as_ref().map_or_else(Vec::new, crate::picture::broken_meshes);
         outcome.diagnostics.extend(broken);
         if args.json {

@@ -134,11 +134,15 @@ fn colored(stream: &impl IsTerminal) -> bool {
     stream.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
-/// Shows diagnostics on stderr.
+/// Shows what a compilation found on stderr.
 fn show_diagnostics(outcome: &Outcome) {
-    if !outcome.diagnostics.is_empty() {
-        let color = colored(&std::io::stderr());
-        eprint!("{}", diagnostic::render(&outcome.sources, &outcome.diagnostics, color));
+    show_found(outcome, &outcome.diagnostics);
+}
+
+/// Shows diagnostics of a compilation on stderr.
+fn show_found(outcome: &Outcome, found: &[Diagnostic]) {
+    if !found.is_empty() {
+        eprint!("{}", diagnostic::render(&outcome.sources, found, colored(&std::io::stderr())));
     }
 }
 
@@ -147,7 +151,7 @@ fn show_broken(outcome: &Outcome, broken: &[Diagnostic]) -> Exit {
     if broken.is_empty() {
         return Exit::Fine;
     }
-    eprint!("{}", diagnostic::render(&outcome.sources, broken, colored(&std::io::stderr())));
+    show_found(outcome, broken);
     Exit::Errors
 }
 

@@ -2,12 +2,14 @@
 
 use super::bar::LateBar;
 use super::values::{self, Setting};
-use super::{Exit, Failure, compile_file, print, show_broken, show_diagnostics};
+use super::{Exit, Failure, compile_file, print, show_broken, show_diagnostics, show_found};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use surefoot_compiler::Options;
 use surefoot_compiler::compiled::{Camera, Frame};
+use surefoot_compiler::diagnostic::Diagnostic;
+use surefoot_compiler::outlook::outlook;
 
 /// What to draw, and how.
 #[derive(Debug, clap::Args)]
@@ -98,6 +100,9 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     }
     // A wrong name is said before anything slow is done.
     camera(&compiled.frame(&live), args.camera.as_deref())?;
+    live.time = args.time;
+    let unseen: Vec<Diagnostic> = outlook(compiled, &live, args.camera.as_deref()).into_iter().collect();
+    show_found(&outcome, &unseen);
 
     let (mut painter, note) =
         Painter::new(args.device, compiled, args.view, args.samples).map_err(|why| match why {

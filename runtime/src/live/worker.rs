@@ -17,6 +17,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::{Compiled, Outcome};
 use surefoot_compiler::diagnostic::Diagnostic;
+use surefoot_compiler::outlook::outlook;
 use surefoot_compiler::source::Sources;
 
 /// Events that follow each other faster than this belong to one save…
@@ -243,13 +244,14 @@ impl Worker {
             Ok(outcome) => (outcome, None),
             Err(panic) => (nothing(&path), Some(broken("the compiler", panic.as_ref()))),
         };
-        let Outcome { sources, diagnostics, mut files, compiled } = outcome;
+        let Outcome { sources, mut diagnostics, mut files, compiled } = outcome;
         for file in recorder.files() {
             if !files.contains(&file) {
                 files.push(file);
             }
         }
         let compile = start.elapsed();
+        diagnostics.extend(compiled.as_ref().and_then(look));
         self.record = Some(recorder);
         self.newest.words = Arc::new(Words { sources, diagnostics, files });
         self.newest.failure = failure;
@@ -368,6 +370,11 @@ fn wait<'a>(
     time: Duration,
 ) -> MutexGuard<'a, State> {
     shared.changed.wait_timeout(state, time).unwrap_or_else(PoisonError::into_inner).0
+}
+
+/// What is wrong with what a scene's camera sees.
+fn look(compiled: &Compiled) -> Option<Diagnostic> {
+    catch_unwind(AssertUnwindSafe(|| outlook(compiled, &compiled.live(), None))).ok().flatten()
 }
 
 /// The outcome of a compiler that did not come to its end.

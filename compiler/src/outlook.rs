@@ -1,0 +1,128 @@
+//! What a scene's camera sees before anything is drawn: of a picture that would be black or empty a person is told why.
+
+use crate::analysis::Box3;
+use crate::compiled::{Camera, CameraNodes, Compiled, EYE, Frame, Live};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::graph::FAR;
+use crate::reference::camera::Basis;
+use crate::reference::march::{Ray, at_points};
+use crate::reference::vector::{Vec3, add, length, scale, sub, unit};
+use crate::reference::Reference;
+use crate::source::{FileId, Span};
+
+/// Pictures through which is looked, coarse ones first, in pixels.
+const PICTURES: [(u32, u32); 3] = [(5, 3), (20, 12), (60, 36)];
+/// Most operations that a look at all pixels of a picture may take, once.
+const MOST: usize = 3_000_000;
+/// So many times farther away than it is wide one sees something well.
+const AWAY: f64 = 2.5;
+/// So many other cameras are looked through.
+const MOST_TRIED: usize = 6;
+
+/// What is wrong with what a camera sees at one moment, if anything: that of this name, or the first.
+pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<Diagnostic> {
+    let frame = compiled.frame(live);
+    let which = frame.cameras.iter().position(|(known, _)| name.is_none_or(|name| name == known))?;
+    let (camera, nodes) = (frame.cameras.get(which)?.1, compiled.blocks.cameras.get(which));
+    let reference = Reference::new(compiled, live).ok()?;
+    let field = |place: Vec3| {
+        let mut found = f64::NAN;
+        at_points(reference.field(), &[place], &[], |_, values| found = values.first().copied().unwrap_or(f64::NAN));
+        found
+    };
+    let region = compiled.functions.ahead.solid();
+    let empty = compiled.graph.shape(compiled.root).is_some_and(|s| compiled.graph.as_constant(s.value).is_some());
+    // Another camera that sees something.
+    let better = || {
+        let places = outside(&camera, region).filter(|place| field(*place) > 0.0);
+        let cameras = places.map(|eye| Camera { eye, target: ahead(eye, target(&camera, region)), fov: camera.fov });
+        let mut some = cameras.take(MOST_TRIED).filter(|_| !empty);
+        some.find(|other| sees(compiled, &reference, other, &frame, FAR) == Some(true)).map(|other| written(nodes, &other))
+    };
+    if field(camera.eye) < 0.0 && length(camera.eye) < frame.extent {
+        let message = "the camera stands inside the solid, where everything is black";
+        let help = better().unwrap_or_else(|| "move its `eye` to where the field is above zero".to_owned());
+        return Some(Diagnostic::new(Code::InsideSolid, place(compiled, nodes), message, help));
+    }
+    // Whoever writes `nothing` means it where there are meshes or balls.
+    let has_others = !compiled.blocks.meshes.is_empty() || compiled.has_balls();
+    if has_others || sees(compiled, &reference, &camera, &frame, frame.max_distance)? {
+        return None;
+    }
+    let help = if empty {
+        "write a shape as the scene, for example `scene = sphere(1)`".to_owned()
+    } else if sees(compiled, &reference, &camera, &frame, FAR)? {
+        format!("it is farther away than `max_distance`, which is {}: set `render {{ max_distance: … }}` to more", short(frame.max_distance))
+    } else {
+        better().unwrap_or_else(|| "look for an `&` of shapes that do not meet, a `-` that takes all away, or a formula that is nowhere below zero".to_owned())
+    };
+    Some(Diagnostic::new(Code::NothingSeen, place(compiled, nodes), "nothing solid is in sight of the camera", help))
+}
+
+/// Whether anything solid is in sight, up to so far away. None where that takes too long to tell.
+fn sees(compiled: &Compiled, reference: &Reference, camera: &Camera, frame: &Frame, far: f64) -> Option<bool> {
+    let basis = Basis::of(camera);
+    for (width, height) in PICTURES {
+        if (width * height) as usize * compiled.module.operations.1.max(1) > MOST {
+            return None;
+        }
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
+        let ray = |at| Ray { origin: camera.eye, direction: basis.direction(at, (width, height)), t_min: 0.0, t_max: far };
+        let rays: Vec<Ray> = pixels.map(ray).collect();
+        if reference.trace(&rays, basis.footprint(height), frame.extent).iter().any(|hit| hit.hit) {
+            return Some(true);
+        }
+    }
+    Some(false)
+}
+
+/// The camera's block, or where there is none the scene.
+fn place(compiled: &Compiled, nodes: Option<&CameraNodes>) -> Span {
+    let scene = || {
+        let shape = compiled.graph.shape(compiled.root);
+        shape.map(|s| compiled.graph.location(s.value).unwrap_or(s.span))
+    };
+    nodes.map(|n| n.span).or_else(scene).unwrap_or(Span::new(FileId(0), 0, 0))
+}
+
+/// Places from which a camera may see what is solid, the best first.
+fn outside(camera: &Camera, region: Option<Box3>) -> impl Iterator<Item = Vec3> {
+    let middle = target(camera, region);
+    let away = unit(sub(camera.eye, middle)).or(unit(EYE)).unwrap_or([0.0, 1.0, 0.0]);
+    let wide = region.map_or(0.0, |region| region.0.iter().map(|side| side.width()).fold(0.0, f64::max));
+    let far = (AWAY * wide).max(length(sub(camera.eye, middle)));
+    let ways = [away, [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], scale(away, -1.0)];
+    let places = ways.into_iter().flat_map(move |way| [1.0, 2.0, 4.0].map(|times| add(middle, scale(way, far * times))));
+    // Of what is hollow one sees most from within.
+    places.chain([middle, [0.0; 3]]).map(|place| place.map(rounded))
+}
+
+/// What a better camera looks at.
+fn target(camera: &Camera, region: Option<Box3>) -> Vec3 {
+    region.map_or(camera.target, |region| region.0.map(|side| rounded(side.middle())))
+}
+
+/// The target of an eye that may stand just there.
+fn ahead(eye: Vec3, target: Vec3) -> Vec3 {
+    if length(sub(eye, target)) < 1e-6 { sub(eye, [0.0, 0.0, 1.0]) } else { target }
+}
+
+/// With three digits, as one writes it.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
+
+fn short(value: f64) -> String {
+    // Without the sign of a zero.
+    format!("{}", rounded(value) + 0.0)
+}
+
+/// What to write for a camera.
+fn written(nodes: Option<&CameraNodes>, camera: &Camera) -> String {
+    let text = |p: Vec3| p.map(short).join(", ");
+    let entries = format!("eye: ({}), target: ({})", text(camera.eye), text(camera.target));
+    match nodes {
+        Some(_) => format!("write `{entries}` in it, or other places from where something is seen"),
+        None => format!("write `camera {{ {entries} }}`, or other places from where something is seen"),
+    }
+}
