@@ -100,7 +100,7 @@ const SIGHT: f64 = 2.5;
 /// Where a camera stands of which nothing is said.
 pub const EYE: Vec3 = [4.0, 3.0, 6.0];
 /// What is smaller than this is not gone nearer to.
-const SMALLEST: f64 = 1e-3;
+pub const SMALLEST: f64 = 1e-3;
 /// What fills less of the picture's height than this is gone nearer to.
 const LEAST_SHARE: f64 = 0.1;
 /// So much farther away than it would fill the picture from, all that is solid is looked at.
@@ -266,7 +266,7 @@ impl Compiled {
     /// far away from that, in the same direction, that it is.
     fn camera(&self, [eye, target]: [Option<Vec3>; 2], fov: f64) -> Camera {
         let usual = Camera { eye: eye.unwrap_or(EYE), target: target.unwrap_or([0.0; 3]), fov };
-        let Some(region) = self.functions.ahead.solid().filter(|r| eye.or(target).is_none() && r.size() > SMALLEST) else {
+        let Some(region) = self.functions.ahead.home.filter(|r| eye.or(target).is_none() && r.size() > SMALLEST) else {
             return usual;
         };
         let (middle, sides) = (region.0.map(Interval::middle), region.0.map(|side| side.width()));
@@ -321,7 +321,7 @@ mod tests {
             let (camera, extent) = seen(usual);
             assert_eq!((camera.eye, camera.target, extent), ([4.0, 3.0, 6.0], [0.0; 3], 100.0), "{usual}");
         }
-        for other in ["scene = box(20)", "scene = sphere(0.01)", "scene = sphere(1).translate(0, 0, 30)", "scene = sphere(400) | plane(y, -400)"] {
+        for other in ["scene = box(20)", "scene = sphere(0.01)", "scene = sphere(1).translate(0, 0, 30)", "scene = sphere(400) | plane(y, -400)", "param r = 10 in 1..1000\nscene = box(2 * r)"] {
             let (camera, extent) = seen(other);
             let away = length(sub(camera.eye, camera.target));
             let (middle, radius) = match other {

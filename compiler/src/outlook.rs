@@ -2,6 +2,7 @@
 
 use crate::analysis::Box3;
 use crate::compiled::{Camera, CameraNodes, Compiled, EYE, Frame, Live};
+use crate::frame::SMALLEST;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::FAR;
 use crate::reference::camera::Basis;
@@ -30,7 +31,8 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
         at_points(reference.field(), &[place], &[], |_, values| found = values.first().copied().unwrap_or(f64::NAN));
         found
     };
-    let region = compiled.functions.ahead.solid();
+    let known = compiled.functions.ahead;
+    let region = known.home.or(known.region).filter(|region| region.size() > SMALLEST);
     let empty = compiled.graph.shape(compiled.root).is_some_and(|s| compiled.graph.as_constant(s.value).is_some());
     // Another camera that sees something.
     let better = || {

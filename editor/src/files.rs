@@ -57,6 +57,9 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     if known.as_ref().is_ok_and(|known| !known.is_file()) {
         return std::fs::write(&target, bytes).map_err(|error| words(&error));
     }
+    if known.as_ref().is_ok_and(|known| known.permissions().readonly()) {
+        return Err("the file is write-protected".to_owned());
+    }
     let beside = beside(&target);
     let done = std::fs::write(&beside, bytes)
         .and_then(|()| match &known {
@@ -64,11 +67,14 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
             Err(_) => Ok(()),
         })
         .and_then(|()| std::fs::rename(&beside, &target));
-    done.map_err(|error| {
-        // Nothing more can be done about a file that can't be removed either.
-        std::fs::remove_file(&beside).ok();
-        words(&error)
-    })
+    let Err(error) = done else { return Ok(()) };
+    // Nothing more can be done about a file that can't be removed either.
+    std::fs::remove_file(&beside).ok();
+    match error.kind() {
+        // A folder that takes no new files may hold one that takes new bytes.
+        ErrorKind::PermissionDenied if known.is_ok() => std::fs::write(&target, bytes).map_err(|error| words(&error)),
+        _ => Err(words(&error)),
+    }
 }
 
 /// A name for the new bytes in the same folder, so that renaming stays within one file system.
@@ -122,6 +128,11 @@ mod tests {
         assert_eq!(read(&path), Ok(b"two".to_vec()));
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
         assert!(write(&folder.join("no/such/folder.txt"), b"").is_err());
+        let mut locked = std::fs::metadata(&path).unwrap().permissions();
+        locked.set_readonly(true);
+        std::fs::set_permissions(&path, locked).unwrap();
+        assert_eq!(write(&path, b"three"), Err("the file is write-protected".to_owned()));
+        assert_eq!(read(&path), Ok(b"two".to_vec()));
         std::fs::remove_dir_all(folder).unwrap();
     }
 }

@@ -120,6 +120,11 @@ impl Facts {
         Self { memory, ..Self::default() }
     }
 
+    /// Nothing known yet; these parameters stand at one value.
+    pub fn at(pinned: Pinned) -> Self {
+        Self { pinned, ..Self::default() }
+    }
+
     /// No facts, but boxes that hold all points at which nodes are at most zero.
     pub fn knowing(solids: FxHashMap<NodeId, Box3>) -> Self {
         Self { solids, ..Self::default() }

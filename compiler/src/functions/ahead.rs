@@ -5,7 +5,7 @@
 //! ray follows the bound of the rest alone.
 
 use super::Builder;
-use crate::analysis::Box3;
+use crate::analysis::{Box3, Facts};
 use crate::analysis::region::WORLD_SIDE;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -18,15 +18,10 @@ pub struct Ahead {
     pub planes: Option<Planes>,
     /// A box that holds all that is solid but the planes; none where that is not known, or larger than the extent.
     pub region: Option<Box3>,
+    /// The same box where all parameters are as the text gives them, for a camera of which the text says nothing; none where there is no such camera.
+    pub home: Option<Box3>,
     /// The extent that what is solid but the planes should have, where that is known and more than it has.
     pub beyond: Option<f64>,
-}
-
-impl Ahead {
-    /// The box of [`Ahead::region`], where there is anything solid in it.
-    pub fn solid(&self) -> Option<Box3> {
-        self.region.filter(|region| *region != Box3::cube(ROOM))
-    }
 }
 
 /// The planes that a scene is the union of, with what is left without them.
@@ -68,7 +63,8 @@ impl Builder<'_> {
         }
         let solid = if planes.is_empty() { Some(field) } else { self.without(field, &planes) };
         let (region, beyond) = self.region_of_rest(solid);
-        let Some(&first) = planes.first() else { return Ahead { planes: None, region, beyond } };
+        let home = solid.filter(|_| self.framed && region.is_some()).map(|solid| self.home(solid));
+        let Some(&first) = planes.first() else { return Ahead { planes: None, region, home, beyond } };
         let (rest_bound, rest_distance) = (self.without(bound, &planes), self.without(distance, &planes));
         let mut distance = first;
         let mut way = self.way_to(first);
@@ -80,7 +76,7 @@ impl Builder<'_> {
         let far = self.graph.constant(FAR);
         let rest = |node: Option<NodeId>| node.unwrap_or(far);
         let planes = Planes { distance, way, rest_bound: rest(rest_bound), rest_distance: rest(rest_distance) };
-        Ahead { planes: Some(planes), region, beyond }
+        Ahead { planes: Some(planes), region, home, beyond }
     }
 
     /// The planes that a formula in the scene's space is the least of, each once; none where they are many, or stand among very much.
@@ -157,6 +153,15 @@ impl Builder<'_> {
         let least = self.graph.op(Op::Min, &[plane, slope]);
         let is_met = self.graph.op(Op::Lt, &[least, zero]);
         self.graph.op(Op::Select, &[is_met, way, far])
+    }
+
+    /// The box about what is solid where all parameters are as the text gives them.
+    fn home(&mut self, solid: NodeId) -> Box3 {
+        if self.graph.parameters.is_empty() {
+            return self.facts.outline(self.graph, solid);
+        }
+        let pinned = self.graph.parameters.iter().map(|p| p.default).collect();
+        Facts::at(pinned).outline(self.graph, solid)
     }
 
     /// The box about what is solid, and how far from the origin that reaches, where it is beyond the extent.

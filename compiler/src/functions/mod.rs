@@ -241,6 +241,8 @@ pub struct Builder<'a> {
     facts: &'a mut Facts,
     root: ShapeId,
     extent: f64,
+    /// Whether there is a camera that frames what is solid.
+    framed: bool,
     domains: FxHashMap<ShapeId, Domain>,
     treatments: FxHashMap<(ShapeId, NodeId, Key, bool), Option<Treatment>>,
     regions: FxHashMap<(NodeId, Key, bool), Option<Narrowed>>,
@@ -309,6 +311,7 @@ pub fn build(
         facts,
         root,
         extent: blocks.extent,
+        framed: blocks.cameras.is_empty() || blocks.cameras.iter().any(|c| c.eye.or(c.target).is_none()),
         domains: with_room(shapes),
         treatments: FxHashMap::default(),
         regions: FxHashMap::default(),

@@ -1,6 +1,6 @@
 //! What a person or the world outside asks of the session, and the one function that does it.
 
-use super::document::{Document, Resolution};
+use super::document::{Disk, Document, Resolution};
 use super::orbit::Orbit;
 use super::panels::balls::DROP;
 use super::session::{Place, Question, Session, factors, problems};
@@ -39,6 +39,10 @@ pub enum Command {
     Jump(Place),
     /// The cursor is where it shall be.
     Jumped,
+    /// The keyboard goes to the text.
+    Focus,
+    /// It is there.
+    Focused,
     /// Give a parameter a value.
     Set(String, Vec<f64>),
     /// Choose for a parameter among its names.
@@ -106,7 +110,7 @@ pub enum Command {
     /// Something came from the compiler.
     Arrived(Box<Update>),
     /// What the disk holds of a file.
-    OnDisk(String, Result<String, String>),
+    OnDisk(String, Disk),
     /// What went wrong when the picture was drawn, if anything.
     Drawn(Option<String>),
 }
@@ -144,6 +148,8 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
             session.documents.jump = Some(place);
         }
         Command::Jumped => session.documents.jump = None,
+        Command::Focus => session.documents.focus = true,
+        Command::Focused => session.documents.focus = false,
         Command::Set(name, value) => {
             session.stage.set(&name, &value);
         }
@@ -198,7 +204,7 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::Answer(answer) => self::answer(session, world, answer),
         Command::Dismiss => session.notice = None,
         Command::Arrived(update) => arrived(session, world, *update),
-        Command::OnDisk(name, text) => on_disk(session, world, &name, text),
+        Command::OnDisk(name, disk) => on_disk(session, world, &name, &disk),
         Command::Drawn(error) => session.said.drawing = error,
     }
 }
@@ -210,8 +216,7 @@ fn save(session: &mut Session, world: &mut World, index: usize) -> bool {
         return true;
     }
     // The disk may have changed a moment ago, and nobody has said so yet.
-    let now = world.read_text(&document.name);
-    document.on_disk(now.as_deref().ok());
+    document.on_disk(&world.read(&document.name));
     if document.has_conflict() {
         session.documents.shown = index;
         return false;
@@ -278,14 +283,18 @@ fn show(session: &mut Session, world: &mut World, file: &str) {
     let own = file.starts_with('<');
     let sources = &session.said.words.sources;
     let known = sources.iter().find(|(_, f)| f.name == file).map(|(_, f)| f.text.clone());
-    let document = match (world.read_text(file), known) {
-        (Ok(text), _) if !own => Document::new(file, &text),
-        (_, Some(text)) => Document::read_only(file, &text),
-        (Err(why), None) => {
+    let document = match (world.read(file), known) {
+        (Disk::Text(text), _) if !own => Document::new(file, &text),
+        (_, Some(text)) if own => Document::read_only(file, &text),
+        (Disk::Unreadable(why), _) => {
             session.notice = Some(format!("{file} can't be read: {why}"));
             return;
         }
-        (Ok(_), None) => return,
+        (Disk::Gone, _) => {
+            session.notice = Some(format!("{file} is not there"));
+            return;
+        }
+        (Disk::Text(_), _) => return,
     };
     if !document.read_only {
         world.follow(file);
@@ -376,8 +385,8 @@ fn throw_ball(session: &mut Session, [right, down]: [f64; 2]) {
 }
 
 fn open(session: &mut Session, world: &mut World, path: &str) {
-    match world.read_text(path) {
-        Ok(text) => {
+    match world.read(path) {
+        Disk::Text(text) => {
             for document in &mut session.documents.all {
                 take_back(document, world);
             }
@@ -388,7 +397,8 @@ fn open(session: &mut Session, world: &mut World, path: &str) {
             session.look.camera = None;
             session.stage.set_time(0.0);
         }
-        Err(why) => session.notice = Some(format!("{path} can't be read: {why}")),
+        Disk::Unreadable(why) => session.notice = Some(format!("{path} can't be read: {why}")),
+        Disk::Gone => session.notice = Some(format!("{path} is not there")),
     }
 }
 
@@ -399,6 +409,11 @@ fn answer(session: &mut Session, world: &mut World, answer: Answer) {
         Answer::Discard => true,
         Answer::Save => (0..session.documents.all.len()).all(|i| save(session, world, i)),
     };
+    session.documents.focus = !go_on;
+    if answer == Answer::Save && !go_on && session.notice.is_none() {
+        let name = session.documents.current().short_name();
+        session.notice = Some(format!("Nothing is closed yet: the disk holds something else of {name}. Decide above its text what is to be kept."));
+    }
     if go_on {
         match question {
             Question::Open(path) => open(session, world, &path),
@@ -438,10 +453,10 @@ fn arrived(session: &mut Session, world: &mut World, update: Update) {
     );
 }
 
-fn on_disk(session: &mut Session, world: &mut World, name: &str, text: Result<String, String>) {
+fn on_disk(session: &mut Session, world: &mut World, name: &str, disk: &Disk) {
     let Some(index) = session.documents.find(name) else { return };
     let Some(document) = session.documents.all.get_mut(index) else { return };
-    if document.on_disk(text.as_deref().ok()) {
+    if document.on_disk(disk) {
         take_back(document, world);
     }
 }

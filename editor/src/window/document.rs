@@ -18,6 +18,8 @@ pub struct Document {
     saved: String,
     /// Whether the file is gone.
     missing: bool,
+    /// Why what the disk holds can't be read, where it can't.
+    unreadable: Option<String>,
     /// What another program has put there while there were unsaved edits. A person decides.
     conflict: Option<String>,
     /// Whether the file's lines end with `\r\n`.
@@ -26,6 +28,17 @@ pub struct Document {
     edited: Option<Instant>,
     /// Whether the compiler has a text from here that is not on the disk.
     pub lent: bool,
+}
+
+/// What the disk holds of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Disk {
+    /// This text.
+    Text(String),
+    /// There is no such file.
+    Gone,
+    /// Something that is no text, or that can't be read, and why.
+    Unreadable(String),
 }
 
 /// Ways out of a conflict.
@@ -46,12 +59,20 @@ impl Document {
             carriage_returns: text.contains("\r\n"),
             saved: text_here.clone(),
             missing: false,
+            unreadable: None,
             text: text_here,
             read_only: false,
             conflict: None,
             edited: None,
             lent: false,
         }
+    }
+
+    /// A file as the disk holds it. One that is no text is not edited, and never written.
+    pub fn of(name: &str, disk: &Disk) -> Self {
+        let mut document = Self::new(name, if let Disk::Text(text) = disk { text } else { "" });
+        document.on_disk(disk);
+        document
     }
 
     /// A text that can't be edited.
@@ -74,18 +95,33 @@ impl Document {
         self.missing
     }
 
+    /// Why what the disk holds can't be read, where it can't. It is not written over unless a person says so.
+    pub fn unreadable(&self) -> Option<&str> {
+        self.unreadable.as_deref()
+    }
+
+    /// Whether the text can be edited.
+    pub fn is_editable(&self) -> bool {
+        !self.read_only && (self.unreadable.is_none() || !self.text.is_empty())
+    }
+
+    /// Whether there is something to save, and nothing to decide before.
+    pub fn can_save(&self) -> bool {
+        self.is_unsaved() && !self.read_only && !self.has_conflict()
+    }
+
     fn has_edits(&self) -> bool {
         self.saved != self.text
     }
 
     /// Whether another program has changed the file under unsaved edits, and nobody has decided yet.
     pub fn has_conflict(&self) -> bool {
-        self.conflict.is_some()
+        self.conflict.is_some() || self.unreadable.is_some()
     }
 
     /// Takes an edit.
     pub fn edit(&mut self, text: String, now: Instant) {
-        if !self.read_only && self.text != text {
+        if self.is_editable() && self.text != text {
             self.text = text;
             self.edited = Some(now);
         }
@@ -105,10 +141,11 @@ impl Document {
         due
     }
 
-    /// Hears what the disk holds now; nothing where the file is gone. Answers whether the text shown became another one.
-    pub fn on_disk(&mut self, text: Option<&str>) -> bool {
-        self.missing = text.is_none();
-        let Some(text) = text else { return false };
+    /// Hears what the disk holds now. Answers whether the text shown became another one.
+    pub fn on_disk(&mut self, disk: &Disk) -> bool {
+        self.missing = *disk == Disk::Gone;
+        self.unreadable = if let Disk::Unreadable(why) = disk { Some(why.clone()) } else { None };
+        let Disk::Text(text) = disk else { return false };
         let new = unix_lines(text);
         if self.text == new || !self.has_edits() {
             let other = self.text != new;
@@ -124,6 +161,10 @@ impl Document {
 
     /// Ends a conflict as a person has decided. Answers whether the text shown became another one.
     pub fn resolve(&mut self, resolution: Resolution) -> bool {
+        if self.unreadable.is_some() && resolution == Resolution::KeepEdits {
+            // Saving writes it anew.
+            (self.unreadable, self.missing) = (None, true);
+        }
         let Some(theirs) = self.conflict.take() else { return false };
         self.saved.clone_from(&theirs);
         if resolution == Resolution::TakeFile {
@@ -147,6 +188,7 @@ impl Document {
     pub fn was_saved(&mut self) {
         self.saved.clone_from(&self.text);
         self.missing = false;
+        self.unreadable = None;
         self.conflict = None;
     }
 }
@@ -159,28 +201,32 @@ fn unix_lines(text: &str) -> String {
 mod tests {
     use super::*;
 
+    fn text(text: &str) -> Disk {
+        Disk::Text(text.to_owned())
+    }
+
     #[test]
     fn without_edits_the_text_follows_the_disk() {
         let mut document = Document::new("a/b.sdf", "one");
         assert_eq!(document.short_name(), "b.sdf");
-        assert!(document.on_disk(Some("two")));
+        assert!(document.on_disk(&text("two")));
         assert_eq!(document.text, "two");
         assert!(!document.is_unsaved());
-        assert!(!document.on_disk(Some("two")));
+        assert!(!document.on_disk(&text("two")));
     }
 
     #[test]
     fn edits_are_never_lost_to_the_disk() {
         let mut document = Document::new("a", "one");
         document.edit("mine".to_owned(), Instant::now());
-        assert!(!document.on_disk(Some("theirs")));
+        assert!(!document.on_disk(&text("theirs")));
         assert_eq!(document.text, "mine");
         assert!(document.has_conflict());
         let mut other = document.clone();
 
         assert!(!document.resolve(Resolution::KeepEdits));
         assert!(document.is_unsaved() && document.text == "mine");
-        assert!(!document.on_disk(Some("theirs")), "what was decided is not asked again");
+        assert!(!document.on_disk(&text("theirs")), "what was decided is not asked again");
         assert!(!document.has_conflict());
 
         assert!(other.resolve(Resolution::TakeFile));
@@ -191,12 +237,12 @@ mod tests {
     fn a_conflict_ends_where_both_become_the_same() {
         let mut document = Document::new("a", "one");
         document.edit("two".to_owned(), Instant::now());
-        document.on_disk(Some("three"));
-        document.on_disk(Some("two"));
+        document.on_disk(&text("three"));
+        document.on_disk(&text("two"));
         assert!(!document.has_conflict() && !document.is_unsaved());
         document.edit("four".to_owned(), Instant::now());
-        document.on_disk(Some("five"));
-        document.on_disk(Some("two"));
+        document.on_disk(&text("five"));
+        document.on_disk(&text("two"));
         assert!(
             !document.has_conflict() && document.is_unsaved(),
             "the disk holds again what was there before"
@@ -206,7 +252,7 @@ mod tests {
     #[test]
     fn a_file_that_is_gone_can_be_saved_again() {
         let mut document = Document::new("a", "one");
-        document.on_disk(None);
+        document.on_disk(&Disk::Gone);
         assert!(document.is_unsaved() && document.is_missing());
         document.was_saved();
         assert!(!document.is_unsaved());
@@ -215,9 +261,28 @@ mod tests {
     #[test]
     fn a_save_that_removes_the_file_first_is_a_save() {
         let mut document = Document::new("a", "one");
-        document.on_disk(None);
-        assert!(document.on_disk(Some("two")));
+        document.on_disk(&Disk::Gone);
+        assert!(document.on_disk(&text("two")));
         assert!(document.text == "two" && !document.is_unsaved());
+    }
+
+    #[test]
+    fn what_is_no_text_is_not_written_over() {
+        let broken = || Disk::Unreadable("the text is not UTF-8".to_owned());
+        let mut opened = Document::of("a", &broken());
+        opened.edit("mine".to_owned(), Instant::now());
+        assert!(opened.text.is_empty() && !opened.is_unsaved() && !opened.can_save() && !opened.is_missing());
+        assert!(opened.on_disk(&text("one")) && opened.is_editable() && opened.text == "one");
+
+        // Another program puts it there, under edits or not.
+        let mut document = Document::new("a", "one");
+        document.on_disk(&broken());
+        document.edit("mine".to_owned(), Instant::now());
+        assert!(document.text == "mine" && !document.can_save() && document.has_conflict());
+        let mut other = document.clone();
+        document.resolve(Resolution::KeepEdits);
+        assert!(document.can_save());
+        assert!(!other.on_disk(&text("one")) && other.can_save(), "what was broken is mended");
     }
 
     #[test]

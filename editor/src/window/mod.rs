@@ -78,8 +78,7 @@ impl App {
         let ctx = cc.egui_ctx.clone();
         let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(move || ctx.request_repaint());
         let gpu = cc.wgpu_render_state.as_ref().map(|render| listen(render, &uncaught));
-        let text = loader.read(scene).unwrap_or_default();
-        let document = Document::new(scene, &String::from_utf8_lossy(&text));
+        let document = Document::of(scene, &world::read(&*loader, scene));
         let mut session = Session::new(document);
         session.options = asked;
         if let Some(gpu) = &gpu {

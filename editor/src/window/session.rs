@@ -44,6 +44,8 @@ pub struct Documents {
     pub shown: usize,
     /// Where the cursor shall go in it.
     pub jump: Option<Place>,
+    /// Whether the keyboard shall go to the text.
+    pub focus: bool,
 }
 
 /// A piece of a text, lines and columns from 1, columns in characters.
@@ -146,7 +148,7 @@ impl Session {
         let mut stage = Stage::new();
         stage.playing = true;
         Self {
-            documents: Documents { all: vec![scene], shown: 0, jump: None },
+            documents: Documents { all: vec![scene], shown: 0, jump: None, focus: false },
             stage,
             said: Said::default(),
             look: Look::default(),
@@ -193,7 +195,9 @@ impl Session {
     pub fn choice<'a>(&'a self, parameter: &'a Parameter) -> Option<&'a str> {
         let asked = self.options.choose.iter().find(|(name, _)| *name == parameter.name);
         let default = || parameter.choices.get(*parameter.default.first()? as usize);
-        asked.map(|(_, choice)| choice).or_else(default).map(String::as_str)
+        // What was chosen may not be there any more.
+        let asked = asked.map(|(_, choice)| choice).filter(|choice| parameter.choices.contains(choice));
+        asked.or_else(default).map(String::as_str)
     }
 
     /// The first error, if there is one: the picture is then that of an older text.
@@ -249,5 +253,8 @@ pub fn problems(words: &Words) -> Vec<Problem> {
             place: place(words, d.span),
         }
     };
-    words.diagnostics.iter().map(problem).collect()
+    let mut problems: Vec<Problem> = words.diagnostics.iter().map(problem).collect();
+    // Errors first: they are why the picture is not that of the text.
+    problems.sort_by_key(|p| p.severity != Severity::Error);
+    problems
 }

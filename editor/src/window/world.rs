@@ -1,9 +1,11 @@
 //! What the session reaches outside of itself: the compiler on its thread, the disk, the log.
 
 use super::command::Command;
+use super::document::Disk;
 use super::log::Log;
 use super::session::Session;
 use serde_json::json;
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use surefoot_compiler::compiled::{Loader, Options, Outcome};
@@ -52,10 +54,9 @@ impl World {
         Ok(world)
     }
 
-    /// A file's text as the disk holds it.
-    pub fn read_text(&self, path: &str) -> Result<String, String> {
-        let bytes = self.loader.read(path)?;
-        String::from_utf8(bytes).map_err(|_| "the text is not UTF-8".to_owned())
+    /// What the disk holds of a file.
+    pub fn read(&self, path: &str) -> Disk {
+        read(&*self.loader, path)
     }
 
     /// Tells of changes of a file from now on. A file that can't be followed is only looked at when it is saved.
@@ -95,7 +96,7 @@ impl World {
         let texts = self.followed.iter().filter_map(|(path, follower)| {
             let update = follower.poll()?;
             let read = update.words.sources.iter().next().map(|(_, file)| file.text.to_string());
-            Some(Command::OnDisk(path.clone(), read.ok_or_else(String::new)))
+            Some(Command::OnDisk(path.clone(), read.map_or_else(|| self.read(path), Disk::Text)))
         });
         texts.chain(updates).collect()
     }
@@ -122,7 +123,15 @@ impl World {
     }
 }
 
-/// An outcome that holds a file's text, or none where it can't be read as text.
+/// What the disk holds of a file.
+pub fn read(loader: &dyn Loader, path: &str) -> Disk {
+    match loader.read(path) {
+        Ok(bytes) => String::from_utf8(bytes).map_or_else(|_| Disk::Unreadable("the text is not UTF-8".to_owned()), Disk::Text),
+        Err(_) if !Path::new(path).exists() => Disk::Gone,
+        Err(why) => Disk::Unreadable(why),
+    }
+}
+
 /// The compiler, with what it found before: an edit costs what it changed.
 fn remembering() -> impl Fn(&dyn Loader, &str, &Options) -> Outcome {
     let memory = Mutex::new(Memory::default());
@@ -132,6 +141,7 @@ fn remembering() -> impl Fn(&dyn Loader, &str, &Options) -> Outcome {
     }
 }
 
+/// An outcome that holds a file's text, or none where it can't be read as text.
 fn only_read(loader: &dyn Loader, path: &str) -> Outcome {
     let mut sources = Sources::default();
     if let Some(text) = loader.read(path).ok().and_then(|bytes| String::from_utf8(bytes).ok()) {

@@ -52,7 +52,7 @@ pub fn sphere_in(wgsl: &str, radius: f64, (min, max): (f64, f64)) -> Compiled {
         skipped: Vec::new(),
         meshes: String::new(),
         tables: None,
-        near: false,
+        reads_scene: [true; 3],
         one: false,
         ways: Default::default(),
     };

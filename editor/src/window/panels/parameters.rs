@@ -56,7 +56,10 @@ fn groups(scene: &Compiled) -> Vec<(&str, Vec<&Parameter>)> {
 fn is_moved(session: &Session, parameter: &Parameter) -> bool {
     match session.stage.value(parameter) {
         Some(value) => value != parameter.default,
-        None => session.options.choose.iter().any(|(name, _)| *name == parameter.name),
+        None => {
+            let default = parameter.default.first().and_then(|i| parameter.choices.get(*i as usize));
+            session.choice(parameter) != default.map(String::as_str)
+        }
     }
 }
 
@@ -67,6 +70,7 @@ fn row(ui: &mut Ui, session: &Session, parameter: &Parameter, commands: &mut Vec
         let color = if moved { theme::ACCENT } else { theme::TEXT };
         let label = egui::Label::new(RichText::new(short.replace('_', " ")).color(color))
             .selectable(false)
+            .truncate()
             .sense(Sense::click());
         let label = ui.add(label).on_hover_text(hover(parameter, moved));
         if label.double_clicked() {
@@ -153,8 +157,12 @@ fn compact(
         (Type::Color, [r, g, b]) => {
             // egui's colours of numbers are linear, as the scene's are.
             let mut color = [*r as f32, *g as f32, *b as f32];
-            if ui.color_edit_button_rgb(&mut color).labelled_by(label).changed() {
-                let value = color.map(f64::from).to_vec();
+            let before = [*r, *g, *b];
+            let changed = ui.color_edit_button_rgb(&mut color).labelled_by(label).changed();
+            let value = color.map(f64::from);
+            // egui turns it into another form and back, which loses digits.
+            if changed && value.iter().zip(before).any(|(new, old)| (new - old).abs() > 1e-3) {
+                let value = value.to_vec();
                 commands.push(Command::Set(parameter.name.clone(), value));
             }
         }
@@ -171,13 +179,23 @@ fn slider(
     // Angles are radians inside and degrees outside.
     let scale = if parameter.degrees { 1f64.to_radians() } else { 1.0 };
     let mut shown = *component / scale;
-    let value_width = 62.0;
+    let decimals = if parameter.ty == Type::Int { 0 } else { decimals((max - min) / scale) };
+    let text = move |value: f64| {
+        let text = format!("{value:.decimals$}");
+        let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+        if short == "-0" { "0".to_owned() } else { short.to_owned() }
+    };
+    // As wide as the longest number, so that nothing moves.
+    let longest = [min / scale, max / scale, shown].map(|value| text(value).len()).into_iter().fold(decimals + 3, usize::max);
+    let digit = ui.fonts_mut(|f| f.glyph_width(&egui::TextStyle::Button.resolve(ui.style()), '0'));
+    let value_width = (longest as f32 + 2.0).mul_add(digit, 2.0 * ui.spacing().button_padding.x).max(62.0);
     ui.spacing_mut().slider_width = (ui.available_width() - value_width - 10.0).max(40.0);
     ui.spacing_mut().interact_size.x = value_width;
     let mut slider = Slider::new(&mut shown, min / scale..=max / scale)
-        .clamping(SliderClamping::Always)
+        // What the text says is not rounded by being shown.
+        .clamping(SliderClamping::Edits)
         .smart_aim(true)
-        .max_decimals(decimals((max - min) / scale));
+        .custom_formatter(move |value, _| text(value));
     if parameter.degrees {
         slider = slider.suffix("°");
     }
@@ -191,9 +209,9 @@ fn slider(
     response
 }
 
-/// So many decimals that a thousandth of the range can be told.
+/// So many decimals that a ten-thousandth of the range can be told.
 fn decimals(range: f64) -> usize {
-    if range > 0.0 { (3.0 - range.log10()).ceil().clamp(0.0, 6.0) as usize } else { 3 }
+    if range > 0.0 { (4.0 - range.log10()).ceil().clamp(1.0, 9.0) as usize } else { 3 }
 }
 
 /// Whether the rail was clicked twice. The slider itself only hears of dragging.

@@ -43,6 +43,11 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
+/// Words that leave the click to their row.
+fn words(ui: &mut Ui, text: RichText) {
+    ui.add(egui::Label::new(text).selectable(false));
+}
+
 fn row(ui: &mut Ui, scene: &str, problem: &Problem, commands: &mut Vec<Command>) {
     let builder = UiBuilder::new().sense(Sense::click()).layout(Layout::top_down(Align::Min));
     let inner = ui.scope_builder(builder, |ui| {
@@ -54,13 +59,13 @@ fn row(ui: &mut Ui, scene: &str, problem: &Problem, commands: &mut Vec<Command>)
             let colon = if file.is_empty() { "" } else { ":" };
             let (line, column) = place.start;
             let at = format!("{file}{colon}{line}:{column}");
-            ui.label(RichText::new(at).color(theme::WEAK).monospace().small());
-            ui.label(&problem.message);
+            words(ui, RichText::new(at).color(theme::WEAK).monospace().small());
+            words(ui, RichText::new(&problem.message));
         });
         if !problem.help.is_empty() {
             ui.horizontal_wrapped(|ui| {
                 ui.add_space(20.0);
-                ui.label(RichText::new(&problem.help).color(theme::WEAK).small());
+                words(ui, RichText::new(&problem.help).color(theme::WEAK).small());
             });
         }
         ui.add_space(2.0);

@@ -22,6 +22,10 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                 Question::Close => "Save them before the window closes?".to_owned(),
                 Question::Open(path) => format!("Save them before {path} is opened?"),
             };
+            // They may have been saved meanwhile.
+            if names.is_empty() {
+                commands.push(Command::Answer(Answer::Stay));
+            }
             ui.label(format!("{}. {before}", names.join(", ")));
             ui.add_space(8.0);
             ui.horizontal(|ui| {
@@ -36,7 +40,9 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                 }
             });
         });
-        if modal.should_close() {
+        if ui.input_mut(|i| i.consume_key(egui::Modifiers::NONE, egui::Key::Enter)) {
+            commands.push(Command::Answer(Answer::Save));
+        } else if modal.should_close() {
             commands.push(Command::Answer(Answer::Stay));
         }
     } else if let Some(notice) = &session.notice {

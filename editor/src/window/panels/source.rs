@@ -9,8 +9,9 @@ use crate::window::theme::{self, code};
 use egui::cache::{ComputerMut, FrameCache};
 use egui::text::{CCursor, CCursorRange, LayoutJob, TextFormat};
 use egui::text_edit::{TextEditOutput, TextEditState};
+use egui::util::undoer::{Settings, Undoer};
 use egui::{
-    Align, Align2, Button, Color32, Frame, Id, Margin, Response, RichText, ScrollArea, Stroke, TextBuffer,
+    Align, Align2, Button, Color32, Frame, Id, Margin, Rect, Response, RichText, ScrollArea, Stroke, TextBuffer,
     TextEdit, Ui, vec2,
 };
 use std::ops::Range;
@@ -23,7 +24,7 @@ use surefoot_compiler::syntax::{TokenClass, tokens};
 pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     files(ui, session, commands);
     let document = session.documents.current();
-    notes(ui, document, commands);
+    notes(ui, session, document, commands);
     editor(ui, session, document, commands);
 }
 
@@ -32,14 +33,13 @@ fn files(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let document = session.documents.current();
     ui.horizontal(|ui| {
         ui.with_layout(egui::Layout::right_to_left(Align::Center), |ui| {
-            let can_save = document.is_unsaved() && !document.read_only && !document.has_conflict();
-            let save = ui.add_enabled(can_save, Button::new("Save"));
+            let save = ui.add_enabled(document.can_save(), Button::new("Save"));
             if save.on_hover_text("Ctrl+S").clicked() {
-                commands.push(Command::Save);
+                commands.extend([Command::Save, Command::Focus]);
             }
-            let format = ui.add_enabled(!document.read_only, Button::new("Lay out"));
+            let format = ui.add_enabled(document.is_editable(), Button::new("Lay out"));
             if format.on_hover_text("what `surefoot fmt` does").clicked() {
-                commands.push(Command::Format);
+                commands.extend([Command::Format, Command::Focus]);
             }
             ui.with_layout(egui::Layout::left_to_right(Align::Center), |ui| {
                 let name = RichText::new(document.short_name()).strong();
@@ -54,13 +54,15 @@ fn files(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                 let list = egui::ComboBox::from_id_salt("file").selected_text(name).width(160.0);
                 let list = list.show_ui(ui, |ui| {
                     for name in names {
-                        let unsaved = session.documents.find(&name);
-                        let unsaved = unsaved.and_then(|i| session.documents.all.get(i));
-                        let mark =
-                            if unsaved.is_some_and(Document::is_unsaved) { "* " } else { "" };
+                        let open = session.documents.find(&name).and_then(|i| session.documents.all.get(i));
+                        let mark = match open {
+                            Some(document) if document.has_conflict() => "! ",
+                            Some(document) if document.is_unsaved() => "* ",
+                            _ => "",
+                        };
                         let chosen = name == document.name;
                         if ui.selectable_label(chosen, format!("{mark}{name}")).clicked() {
-                            commands.push(Command::Show(name));
+                            commands.extend([Command::Show(name), Command::Focus]);
                         }
                     }
                 });
@@ -82,7 +84,7 @@ fn names(session: &Session) -> Vec<String> {
 }
 
 /// What a person should know of the file, and decide.
-fn notes(ui: &mut Ui, document: &Document, commands: &mut Vec<Command>) {
+fn notes(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Vec<Command>) {
     let bar = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
         let fill = Color32::from_rgb(0x3a, 0x2c, 0x14);
         let margin = Margin::symmetric(8, 6);
@@ -91,9 +93,27 @@ fn notes(ui: &mut Ui, document: &Document, commands: &mut Vec<Command>) {
             add(ui);
         });
     };
+    for other in session.documents.all.iter().filter(|other| other.has_conflict() && other.name != document.name) {
+        bar(ui, &mut |ui| {
+            ui.horizontal_wrapped(|ui| {
+                ui.label(format!("Another program has changed {}, and there is something to decide.", other.short_name()));
+                if ui.button("Show it").clicked() {
+                    commands.push(Command::Show(other.name.clone()));
+                }
+            });
+        });
+    }
     if document.has_conflict() {
         bar(ui, &mut |ui| {
-            ui.label("Another program has changed this file, and there are edits here that are not saved.");
+            match document.unreadable() {
+                Some(why) if !document.is_editable() => {
+                    ui.label(format!("This file can't be shown: {why}."));
+                    return;
+                }
+                Some(why) => ui.label(format!("The disk holds something in place of this text that can't be shown: {why}.")),
+                None if document.is_missing() => ui.label("Another program has changed this file, and then taken it away; there are edits here that are not saved."),
+                None => ui.label("Another program has changed this file, and there are edits here that are not saved."),
+            };
             ui.horizontal_wrapped(|ui| {
                 for (text, hover, command) in [
                     (
@@ -112,8 +132,12 @@ fn notes(ui: &mut Ui, document: &Document, commands: &mut Vec<Command>) {
                         Command::Resolve(Resolution::KeepEdits),
                     ),
                 ] {
+                    // There is nothing to show.
+                    if document.unreadable().is_some() && matches!(command, Command::Resolve(Resolution::TakeFile)) {
+                        continue;
+                    }
                     if ui.button(text).on_hover_text(hover).clicked() {
-                        commands.push(command);
+                        commands.extend([command, Command::Focus]);
                     }
                 }
             });
@@ -143,30 +167,44 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
         });
         ui.fonts_mut(|f| f.layout_job(job))
     };
+    undo_in_steps(ui, id);
     let area = ScrollArea::both().id_salt(&document.name).auto_shrink([false, false]);
     Frame::new().fill(theme::WELL).show(ui, |ui| {
         area.show(ui, |ui| {
             let output = TextEdit::multiline(&mut text)
                 .id(id)
                 .code_editor()
-                .interactive(!document.read_only)
+                .interactive(document.is_editable())
                 .frame(Frame::new().inner_margin(room))
                 .desired_width(f32::INFINITY)
                 .min_size(ui.available_size())
                 .layouter(&mut layouter)
                 .show(ui);
             icons::name(ui, id, "Source text");
-            numbers(ui, &output, session, document);
+            numbers(ui, &output, gutter, session, document);
             factor(&output, session, document);
             if let Some(place) = &session.documents.jump {
                 jump(ui, id, &output, &document.text, place);
                 commands.push(Command::Jumped);
+            }
+            if session.documents.focus {
+                ui.memory_mut(|m| m.request_focus(id));
+                commands.push(Command::Focused);
             }
             if output.response.changed() {
                 commands.push(Command::Edit(text));
             }
         });
     });
+}
+
+/// An undo takes back some seconds of typing, not all of it.
+fn undo_in_steps(ui: &Ui, id: Id) {
+    if TextEditState::load(ui.ctx(), id).is_none() {
+        let mut state = TextEditState::default();
+        state.set_undoer(Undoer::with_settings(Settings { max_undos: 1000, stable_time: 0.5, auto_save_interval: 2.0 }));
+        state.store(ui.ctx(), id);
+    }
 }
 
 /// What the term under the pointer costs, when the pointer rests on one that has a factor.
@@ -219,11 +257,16 @@ fn jump(ui: &Ui, id: Id, output: &TextEditOutput, text: &str, place: &Place) {
 }
 
 /// The numbers of the lines, and signs at those with problems.
-fn numbers(ui: &Ui, output: &TextEditOutput, session: &Session, document: &Document) {
+fn numbers(ui: &Ui, output: &TextEditOutput, gutter: f32, session: &Session, document: &Document) {
     let cursor =
         output.cursor_range.map(|range| output.galley.pos_from_cursor(range.primary).min.y);
     let visible = ui.clip_rect();
-    let x = output.galley_pos.x - 10.0;
+    // They stay where they are when the text goes sideways.
+    let strip = Rect::from_x_y_ranges(visible.min.x..=visible.min.x + gutter - 4.0, visible.y_range());
+    if output.galley_pos.x < visible.min.x + gutter - 1.0 {
+        ui.painter().rect_filled(strip, 0.0, theme::WELL);
+    }
+    let x = visible.min.x + gutter - 10.0;
     let mut line = 1;
     let mut starts = true;
     for row in &output.galley.rows {

@@ -66,7 +66,8 @@ fn cameras(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         return;
     }
     let first = cameras.first().map(|(name, _)| name.as_str()).unwrap_or_default();
-    let current = session.look.camera.as_deref().unwrap_or(first);
+    let chosen = session.look.camera.as_deref().filter(|name| cameras.iter().any(|(known, _)| known == name));
+    let current = chosen.unwrap_or(first);
     let list = egui::ComboBox::from_id_salt("camera").selected_text(current).width(90.0);
     let list = list.show_ui(ui, |ui| {
         for (name, _) in &cameras {
