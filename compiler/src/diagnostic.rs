@@ -222,6 +222,9 @@ codes! {
     BareAngle, "bare-angle", Warning,
         "An angle of more than a whole turn, written as a bare number: that is in radians. Write `45deg`, or `45rad` where radians are meant.",
         "scene = box(1).rotate(y, 45)";
+    ColorBytes, "color-bytes", Warning,
+        "A colour whose components go beyond 1, as bytes do. Components of a colour go from 0 to 1, and `#c87828` is read as others write it.",
+        "material m { color: (200, 120, 40) }\nscene = sphere(1).material(m)";
     Costly, "costly", Warning,
         "One evaluation of the scene takes so many operations that a picture may take minutes. Copies that are joined by a `for`, or repeated, are looked at only where they are near.",
         "";

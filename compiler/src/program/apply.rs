@@ -111,11 +111,15 @@ impl Elaborator<'_> {
             if let Some(i) = number {
                 let at = places.get(i).map_or(span, |(at, _)| *at);
                 let found = values.get(i).map(|v| v.describe(self)).unwrap_or_default();
+                let help = match values.get(i) {
+                    Some(Value::Number(node, _)) => self.instead_of_number(*node),
+                    _ => "write a shape",
+                };
                 return Err(self.error(
                     Code::TypeMismatch,
                     at,
                     format!("a shape is needed here, and this is {found}"),
-                    "declare the formula with `field`, and write its name here",
+                    help,
                 ));
             }
         }

@@ -63,6 +63,8 @@ impl Elaborator<'_> {
         formula_env: &Env,
         name: &str,
     ) -> Elaborated<Vec<Option<Bound>>> {
+        // What stands before a dot is not counted by who reads.
+        let hidden = usize::from(known.first().is_some_and(|(_, at)| at.start <= span.start));
         let mut positional: SmallVec<[Given; 4]> = known.into_iter().map(|(v, s)| Given::Known(v, s)).collect();
         positional.extend(args.iter().filter(|a| a.name.is_none()).map(|a| Given::Written(&a.value)));
         let given = positional.len();
@@ -106,12 +108,7 @@ impl Elaborator<'_> {
                         Given::Known(_, s) => s,
                         _ => span,
                     };
-                    let takes = parameters.len();
-                    let mut list: Vec<&str> = parameters.iter().map(|p| &*p.name.text).collect();
-                    // A vector may be written out.
-                    if let Some((at, n)) = vector_index(parameters) {
-                        list.splice(at..=at, ["x", "y", "z", "w"].into_iter().take(n));
-                    }
+                    let (takes, given) = (parameters.len() - hidden, given - hidden);
                     self.error(
                         Code::ExtraArgument,
                         at,
@@ -119,7 +116,7 @@ impl Elaborator<'_> {
                         match takes {
                             0 => format!("write `{name}`"),
                             _ if is_of_two(parameters) => of_many(name, parameters),
-                            _ => format!("write `{name}({})`", list.join(", ")),
+                            _ => format!("write `{}`", written(name, parameters, hidden, true)),
                         },
                     );
                     failed = true;
@@ -188,10 +185,8 @@ impl Elaborator<'_> {
                         ),
                         match is_of_two(parameters) && matches!(&*parameter.name.text, "a" | "b") {
                             true => of_many(name, parameters),
-                            false => format!(
-                                "write `{name}({})`",
-                                parameters.iter().map(|p| &*p.name.text).collect::<Vec<_>>().join(", ")
-                            ),
+                            false if name == "rotate" => "write the axis, then the angle: `.rotate(y, 45deg)`".to_owned(),
+                            false => format!("write `{}`", written(name, parameters, hidden, false)),
                         },
                     );
                     failed = true;
@@ -423,6 +418,16 @@ pub fn parse_requirements(doc: &str) -> Vec<Requirement> {
 /// Whether it joins two shapes: its first parameters are `a` and `b`.
 fn is_of_two(parameters: &[Parameter]) -> bool {
     parameters.iter().map(|p| &*p.name.text).take(2).eq(["a", "b"])
+}
+
+/// A call as advice: what stands before the dot is left out, and a vector may be written out.
+fn written(name: &str, parameters: &[Parameter], hidden: usize, by_components: bool) -> String {
+    let mut list: Vec<&str> = parameters.iter().map(|p| &*p.name.text).collect();
+    if let Some((at, n)) = vector_index(parameters).filter(|_| by_components) {
+        list.splice(at..=at, ["x", "y", "z", "w"].into_iter().take(n));
+    }
+    let dot = if hidden > 0 { "." } else { "" };
+    format!("{dot}{name}({})", list.get(hidden..).unwrap_or(&[]).join(", "))
 }
 
 /// How something that joins two shapes joins more of them.

@@ -1,5 +1,6 @@
 //! Parameters and the blocks around a scene: cameras, lights, environment, rendering, physics, meshes.
 
+use super::elsewhere;
 use super::load::ItemRef;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
@@ -11,7 +12,6 @@ use crate::mesh::MeshNodes;
 use crate::physics::{BallsNodes, PhysicsNodes};
 use crate::source::Span;
 use crate::syntax::ast::{BlockKind, Entry, Expr, ExprKind, ItemKind, Name, Type};
-use crate::syntax::words::nearest;
 use rustc_hash::FxHashMap;
 
 const DEFAULT_EXTENT: f64 = 100.0;
@@ -370,12 +370,14 @@ impl Elaborator<'_> {
     ) -> Elaborated<()> {
         let env = Env::top(module);
         let mut seen: FxHashMap<&str, &Entry> = FxHashMap::default();
+        let mut unknown = false;
         let known = keys(kind);
         let words = block_words(kind);
         for entry in entries {
             let key = &*entry.key.text;
             if !known.contains(&key) {
-                let help = match nearest(key, known.iter().copied()) {
+                unknown = true;
+                let help = match elsewhere::key(key, known) {
                     Some(near) => format!("did you mean `{near}`?"),
                     None => format!("the keys of `{words}` are {}", known.join(", ")),
                 };
@@ -422,6 +424,10 @@ impl Elaborator<'_> {
             BlockKind::Light => {
                 let position = entry("position");
                 let direction = entry("direction");
+                // What is missing was called something else.
+                if unknown && position.is_none() && direction.is_none() {
+                    return Err(Stop);
+                }
                 if position.is_some() == direction.is_some() {
                     return Err(self.error(
                         Code::MissingArgument,

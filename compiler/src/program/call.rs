@@ -1,6 +1,6 @@
 //! Calls: what is called, by a name, through an import or after a dot.
 
-use super::elsewhere::ours;
+use super::elsewhere::{instead, ours};
 use super::load::{ItemRef, Resolution};
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
@@ -192,6 +192,7 @@ impl Elaborator<'_> {
             .chain(super::builtin::FUNCTIONS.iter().copied())
             .collect();
         let help = match ours(name, &candidates).or_else(|| nearest(name, candidates)) {
+            _ if let Some(instead) = instead(name) => instead.to_owned(),
             Some(near) => format!("did you mean `.{near}(…)`?"),
             None => "any `shape`, `warp` or `blend` that takes this first can stand after the dot".into(),
         };
@@ -466,6 +467,16 @@ impl Elaborator<'_> {
             },
             FunctionKind::Fn | FunctionKind::Shape | FunctionKind::Shape2 => env.clone(),
         };
+        let sees_point = matches!(function.kind, FunctionKind::Field | FunctionKind::Field2 | FunctionKind::Blend);
+        if sees_point && known.is_empty() && args.is_empty() && function.parameters.first().is_some_and(|p| &*p.name.text == "p") {
+            let name = &function.name.text;
+            return Err(self.error(
+                Code::MissingArgument,
+                span,
+                format!("`{name}` is said to take `p`, and sees it anyway"),
+                format!("take `p` out where it is declared: `field {name} = …`"),
+            ));
+        }
         let bound =
             self.bind(&function.parameters, known, args, span, env, &formula_env, &function.name.text)?;
         self.apply(item, receiver.map(|(v, _)| v), bound, span, Some(env))

@@ -1,6 +1,6 @@
 //! What is called otherwise in other tools: whoever writes such a name is told ours.
 
-use crate::syntax::words;
+use crate::syntax::words::{self, nearest};
 
 /// A name of another tool, and ours. Those that begin like Quilez' (`sd`, `op`) stand without that beginning, in small letters.
 const NAMES: [(&str, &str); 65] = [
@@ -82,12 +82,71 @@ pub fn ours<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     known.iter().find(|k| **k == wanted).copied()
 }
 
+/// A key of a block as others call it, and ours.
+const KEYS: [(&str, &str); 19] = [
+    ("dir", "direction"),
+    ("pos", "position"),
+    ("strength", "intensity"),
+    ("power", "intensity"),
+    ("rough", "roughness"),
+    ("shininess", "roughness"),
+    ("metal", "metallic"),
+    ("metalness", "metallic"),
+    ("specular", "reflectivity"),
+    ("diffuse", "color"),
+    ("albedo", "color"),
+    ("emissive", "emission"),
+    ("from", "eye"),
+    ("position", "eye"),
+    ("to", "target"),
+    ("look_at", "target"),
+    ("lookat", "target"),
+    ("background", "sky"),
+    ("far", "max_distance"),
+];
+
+/// What a key of a block is called here that others call so, or that is nearest to it.
+pub fn key<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    let ours = KEYS.iter().find(|(theirs, ours)| *theirs == name && known.contains(ours)).map(|(_, ours)| *ours);
+    known.iter().copied().find(|k| ours == Some(*k)).or_else(|| nearest(name, known.iter().copied()))
+}
+
 /// What to write instead of a type before a name.
 const LET: &str = "write `let name = value`: a type need not be said, and a name keeps its value";
 
 /// What to write instead of a word of other languages that is no name here.
 pub fn instead(word: &str) -> Option<&'static str> {
-    Some(match word {
+    let small = word.to_ascii_lowercase();
+    Some(match small.as_str() {
+        "translatex" | "movex" => "write `.translate(1, 0, 0)`",
+        "translatey" | "movey" => "write `.translate(0, 1, 0)`",
+        "translatez" | "movez" => "write `.translate(0, 0, 1)`",
+        "rotatex" => "write `.rotate(x, 45deg)`",
+        "rotatey" => "write `.rotate(y, 45deg)`",
+        "rotatez" => "write `.rotate(z, 45deg)`",
+        "scalex" | "scaley" | "scalez" | "resize" => "write `.stretch(2, 1, 1)`; the same along all axes is `.scale(2)`",
+        "red" => "write a colour as `#ff0000`",
+        "green" => "write a colour as `#00ff00`",
+        "blue" => "write a colour as `#0000ff`",
+        "yellow" => "write a colour as `#ffff00`",
+        "orange" => "write a colour as `#ff8000`",
+        "white" => "write a colour as `#ffffff`",
+        "black" => "write a colour as `#000000`",
+        "grey" | "gray" => "write a colour as `#808080`",
+        "gold" => "declare it: `material gold { color: #d4af37, metallic: 1, roughness: 0.3 }`",
+        "silver" | "steel" | "chrome" => "declare it: `material steel { color: #c0c4c8, metallic: 1, roughness: 0.2 }`, and write `steel`",
+        "wood" | "stone" | "clay" | "plastic" | "glass" => "declare it: `material clay { color: #b0785a, roughness: 0.8 }`, and write `clay`",
+        "and" => "write `a && b`",
+        "or" => "write `a || b`",
+        "not" => "write `!a`",
+        "lambda" => "write `fn name(a: float) = …` outside, and its name here",
+        "range" => "write `for i in 0..5 { … }`",
+        "vec2f" | "vector2" => "write `vec2(x, y)`, or `(x, y)` alone",
+        "vec3f" | "vector3" | "float3" => "write `vec3(x, y, z)`, or `(x, y, z)` alone",
+        "vec4f" | "vector4" | "float4" => "write `vec4(x, y, z, w)`, or `(x, y, z, w)` alone",
+        "math" | "np" | "numpy" => "write the function alone: `sin(a)`, `sqrt(a)`, `pi`",
+        "polyhedron" => "write a solid of its planes, `plane(…) & plane(…)`, or a `mesh`",
+        "hull" => "there is no convex hull; write a `capsule`, a `rounded_cone` or `smooth_union`",
         "return" => words::NO_RETURN,
         "uniform" => "write `param name = 1 in 0..2`, which makes a slider",
         "rgb" | "rgba" => "write `(r, g, b)` with each of them from 0 to 1, or a colour like `#ff8000`",
@@ -139,6 +198,27 @@ mod tests {
         assert!(errors("scene = sphere(1).translate(0, 1)\n")[0].contains("`translate(x, y, z)`"));
         assert!(errors("scene = sphere(1).material(#f00)\n")[0].contains("`swatch(#f00)`"));
         assert!(errors("scene = sphere(1).material(swatch(#f00))\n").is_empty());
+        // Each is told what works when it is followed.
+        for (wrong, told, right) in [
+            ("scene = cube(1)\n", "`box(1)`", "scene = box(1)\n"),
+            ("scene = sphere(1).translateX(1)\n", "`.translate(1, 0, 0)`", "scene = sphere(1).translate(1, 0, 0)\n"),
+            ("scene = box(1).rotateY(45deg)\n", "`.rotate(y, 45deg)`", "scene = box(1).rotate(y, 45deg)\n"),
+            ("scene = box(1).rotate(0, 45, 0)\n", "`.rotate(y, 45deg)`", "scene = box(1).rotate(y, 45deg)\n"),
+            ("scene = sphere(1).scale(1, 2, 1)\n", "`.scale(k)`", "scene = sphere(1).scale(2)\n"),
+            ("scene = sphere(1).repeat()\n", "`.repeat(size)`", "scene = sphere(1).repeat(4)\n"),
+            ("field map(p: vec3) = length(p) - 1\nscene = map\n", "`field map = …`", "field map = length(p) - 1\nscene = map\n"),
+            ("scene = sphere(1).material(gold)\n", "material gold {", "material gold { color: #d4af37, metallic: 1, roughness: 0.3 }\nscene = sphere(1).material(gold)\n"),
+            ("translate([1, 2, 3]) sphere(1)\n", "`scene = sphere(1).translate(1, 2, 3)`", "scene = sphere(1).translate(1, 2, 3)\n"),
+            ("const float R = 1.0\nscene = sphere(R)\n", "`let R = …`", "let R = 1.0\nscene = sphere(R)\n"),
+            ("#define R 1.5\nscene = sphere(1)\n", "`let R = 1.5`", "let R = 1.5\nscene = sphere(R)\n"),
+            ("# a ball\nscene = sphere(1)\n", "`// a ball`", "// a ball\nscene = sphere(1)\n"),
+            ("light { dir: (0, -1, 0) }\nscene = sphere(1)\n", "`direction`", "light { direction: (0, -1, 0) }\nscene = sphere(1)\n"),
+            ("field f = p.x ** 2 + length(p) - 1\nscene = sphere(1)\n", "`pow(a, b)`", "field f = pow(p.x, 2) + length(p) - 1\nscene = sphere(1)\n"),
+        ] {
+            let found = errors(wrong);
+            assert!(found.len() == 1 && found[0].contains(told), "{wrong}{found:?}");
+            assert!(errors(right).is_empty(), "{right}{:?}", errors(right));
+        }
     }
 
     #[test]

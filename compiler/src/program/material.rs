@@ -1,17 +1,28 @@
 //! Materials: their entries as nodes, and shapes that have them.
 
+use super::elsewhere;
 use super::load::ItemRef;
 use super::texture::Texture;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
-use crate::graph::{Exactness, Material, MaterialId, Shape, ShapeId};
+use crate::graph::{Exactness, NodeId, Material, MaterialId, Shape, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast::{ItemKind, Type};
-use crate::syntax::words::nearest;
 use std::sync::Arc;
 
 impl Elaborator<'_> {
+    /// Warns of a colour that is written as bytes.
+    fn warn_of_bytes(&mut self, color: [NodeId; 3], at: Span) {
+        let [Some(r), Some(g), Some(b)] = color.map(|c| self.graph.as_constant(c)) else { return };
+        let all = [r, g, b];
+        if all.iter().any(|c| *c > 2.0) && all.iter().all(|c| (0.0..=255.0).contains(c) && c.fract() == 0.0) {
+            let hexadecimal: String = all.iter().map(|c| format!("{:02x}", *c as u8)).collect();
+            let message = format!("the components of a colour go from 0 to 1, and one of these is {}", r.max(g).max(b));
+            self.warn(Code::ColorBytes, at, message, format!("write `#{hexadecimal}`"));
+        }
+    }
+
     /// A material of a declaration and its arguments.
     pub fn make_material(
         &mut self,
@@ -73,7 +84,7 @@ impl Elaborator<'_> {
         for entry in entries {
             let key = &*entry.key.text;
             if !KEYS.contains(&key) {
-                let help = match nearest(key, KEYS) {
+                let help = match elsewhere::key(key, &KEYS) {
                     Some(near) => format!("did you mean `{near}`?"),
                     None => format!("the keys of a material are {}", KEYS.join(", ")),
                 };
@@ -101,6 +112,7 @@ impl Elaborator<'_> {
                         && let [r, g, b] = *v
                     {
                         if key == "color" {
+                            self.warn_of_bytes([r, g, b], at);
                             material.color = [r, g, b];
                         } else {
                             material.emission = [r, g, b];

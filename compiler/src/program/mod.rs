@@ -326,7 +326,7 @@ impl Elaborator<'_> {
                 Code::EndlessCall,
                 span,
                 "this calls itself without end",
-                "let an `if` that is decided while compiling end the calls, for example `if level > 0 { … } else { … }`",
+                "let an `if` that is decided while compiling end the calls, for example `if level > 0 { … } else { … }`; a slider decides nothing then, a choice `in [1, 2, 3]` does",
             ));
         }
         self.depth += 1;

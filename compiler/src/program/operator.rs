@@ -155,6 +155,7 @@ impl Elaborator<'_> {
                     (Value::Bool(_), _) | (_, Value::Bool(_)) => {
                         "conditions are joined by `&&` and `||`"
                     }
+                    (Value::Number(node, _), Value::Shape(_)) | (Value::Shape(_), Value::Number(node, _)) => self.instead_of_number(*node),
                     _ => "`|` and `&` join shapes; numbers have `min(a, b)` and `max(a, b)`",
                 };
                 return Err(self.error(

@@ -206,8 +206,8 @@ impl Elaborator<'_> {
                     }
                     (Value::List(_) | Value::Vector(_), Type::Vec(n)) => format!("write `{}`", vector_words(usize::from(*n))),
                     (Value::List(_), Type::Color) => "write `(red, green, blue)`, or `#d4af37`".to_owned(),
-                    (Value::Number(..), Type::Shape) => {
-                        "declare the formula with `field`, and write its name here".to_owned()
+                    (Value::Number(node, _), Type::Shape) => {
+                        self.instead_of_number(*node).to_owned()
                     }
                     (Value::Shape(id), Type::Shape) if self.dimensions(*id) == 2 => {
                         "make a solid of the drawing with `.extrude(height)` or `.revolve()`".to_owned()
@@ -285,6 +285,14 @@ impl Elaborator<'_> {
         }
     }
 
+    /// What to write where a shape is needed and a number stands.
+    pub(super) fn instead_of_number(&self, node: NodeId) -> &'static str {
+        match self.graph.as_constant(node) {
+            Some(_) => "write a shape, as `sphere(1)` or `box(1)`; `cube` and `square` are powers of numbers",
+            None => "declare the formula with `field name = …`, and write its name here",
+        }
+    }
+
     /// A shape of so many dimensions.
     pub fn to_shape(&mut self, value: &Value, dimensions: u8, span: Span) -> Elaborated<ShapeId> {
         match value {
@@ -300,8 +308,8 @@ impl Elaborator<'_> {
                         "make a solid of the drawing with `.extrude(height)` or `.revolve()`"
                     }
                     Value::Shape(_) => "only drawings can stand here",
-                    Value::Number(..) => {
-                        "declare the formula with `field name = …`, and write its name here"
+                    Value::Number(node, _) => {
+                        self.instead_of_number(*node)
                     }
                     _ => "write a shape, for example `sphere(1)`",
                 };

@@ -127,6 +127,8 @@ enum Raw {
     DotNumber,
     #[regex(r"#[A-Za-z0-9_]*")]
     Color,
+    /// A line of another language; made where one of its first tokens is met.
+    Elsewhere,
     #[token("\"", |lexer| to_quote(lexer))]
     Str,
     #[regex(r"//[^\n]*", allow_greedy = true)]
@@ -246,9 +248,35 @@ pub fn lex(file: FileId, text: &str) -> (Vec<Token>, Vec<Diagnostic>) {
             lexer.bump(1);
             range.end += 1;
         }
+        let raw = match raw {
+            Ok(Raw::Color | Raw::Minus) if is_of_elsewhere(text, range.start) => {
+                let rest = lexer.remainder();
+                let more = rest.find('\n').unwrap_or(rest.len());
+                lexer.bump(more);
+                range.end += more;
+                Ok(Raw::Elsewhere)
+            }
+            raw => raw,
+        };
         reader.token(raw, range.start, range.end);
     }
     (reader.tokens, reader.diagnostics)
+}
+
+/// Whether a line of another language begins here: a comment after `#` or `--`, or what a preprocessor reads.
+fn is_of_elsewhere(text: &str, start: usize) -> bool {
+    let (before, rest) = text.split_at_checked(start).unwrap_or((text, ""));
+    let is_first = before.trim_end_matches([' ', '\t', '\u{feff}']).chars().next_back().is_none_or(|c| c == '\n');
+    let is_blank = |c: Option<char>| c.is_none_or(char::is_whitespace);
+    if let Some(rest) = rest.strip_prefix("--") {
+        let mut after = rest.chars();
+        return is_first && after.next() == Some(' ') && after.next().is_some_and(char::is_alphabetic);
+    }
+    let Some(rest) = rest.strip_prefix('#') else { return false };
+    let word: &str = rest.split(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or("");
+    let line = rest.split('\n').next().unwrap_or("");
+    is_blank(rest.chars().next()) && !line.trim().is_empty()
+        || is_first && word.starts_with(|c: char| c.is_ascii_alphabetic()) && read_color(text.get(start..=start + word.len()).unwrap_or("")).is_none()
 }
 
 /// After a number: a point that starts neither a range nor a name (`1.` and not `1..2` or `1.max(2)`).
@@ -272,6 +300,10 @@ impl Reader<'_> {
             Err(()) => {
                 self.character(text, start, end);
                 return;
+            }
+            Ok(Raw::Elsewhere) => {
+                self.elsewhere(text, start);
+                TokenKind::LineComment
             }
             Ok(Raw::Number) => self.number(text, start, end),
             Ok(Raw::DotNumber) => self.dot_number(text, start, end),
@@ -368,6 +400,31 @@ impl Reader<'_> {
         }
     }
 
+    /// A line of another language: a comment, or what its preprocessor reads.
+    fn elsewhere(&mut self, text: &str, start: usize) {
+        let line = text.trim_end();
+        let mut words = line.trim_start_matches(['#', '-']).split_whitespace();
+        let after = |word: &str| line.split_once(word).map_or("", |(_, rest)| rest).trim();
+        let (message, help) = match words.next().filter(|_| line.starts_with('#') && !line.starts_with("# ")) {
+            Some("define") => {
+                let rest = after("define");
+                let (name, value) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+                let help = match value.trim() {
+                    _ if name.contains('(') => "write `fn name(a: float) = …`, or `field name = …` for a formula in `p`".to_owned(),
+                    "" => "write `let name = 1`, and choose by `if name > 0 { … } else { … }`".to_owned(),
+                    value => format!("write `let {name} = {value}`"),
+                };
+                ("nothing is replaced before the text is read, so there is no `#define`".to_owned(), help)
+            }
+            Some("include" | "import") => ("another file is read by `import`".to_owned(), "write `import \"file.sdf\"`".to_owned()),
+            Some(word @ ("if" | "ifdef" | "ifndef" | "elif" | "else" | "endif" | "version" | "extension" | "pragma" | "undef")) => {
+                (format!("nothing is left out before the text is read, so there is no `#{word}`"), "take the line out; a scene chooses by `if condition { … } else { … }`".to_owned())
+            }
+            _ => ("a comment starts with `//`".to_owned(), format!("write `// {}`", line.trim_start_matches(['#', '-', ' ']))),
+        };
+        self.say(Code::Unexpected, Span::new(self.file, start, start + line.len()), message, help);
+    }
+
     fn dot_number(&mut self, text: &str, start: usize, end: usize) -> TokenKind {
         let glued = self.tokens.last().is_some_and(|t| t.end as usize == start);
         let (message, help) = match self.tokens.last() {
@@ -375,6 +432,9 @@ impl Reader<'_> {
                 format!("`{text}` is no component"),
                 "the components of a vector are .x, .y, .z and .w, the items of a list list[0], list[1]".to_string(),
             ),
+            Some(Token { kind: TokenKind::DotDot, .. }) if glued => {
+                ("a range has two points".to_string(), format!("write `.{text}`"))
+            }
             Some(Token { kind: TokenKind::Float, .. }) if glued => {
                 ("a number has one point only".to_string(), "take the second point out".to_string())
             }
@@ -486,6 +546,7 @@ fn plain_kind(raw: Raw) -> TokenKind {
         Raw::Colon => TokenKind::Colon,
         Raw::Dot => TokenKind::Dot,
         Raw::DotDot => TokenKind::DotDot,
+        Raw::Elsewhere => TokenKind::LineComment,
         Raw::Equals => TokenKind::Equals,
         Raw::Plus => TokenKind::Plus,
         Raw::Minus => TokenKind::Minus,

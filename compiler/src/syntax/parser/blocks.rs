@@ -48,6 +48,14 @@ impl Parser<'_> {
         } else {
             self.value()
         };
+        let broken = self.is(TokenKind::Equals);
+        if broken {
+            self.unexpected(
+                "a part of a value can't be given another value",
+                "write `let` and a new name with the whole of it, as `let q2 = (1, q.y, q.z);`",
+            );
+            self.skip_to_brace();
+        }
         if self.is(TokenKind::Semicolon) {
             self.unexpected(
                 "the value of a block has no `;` after it",
@@ -58,8 +66,8 @@ impl Parser<'_> {
         self.close_block(open);
         self.opens.pop();
         let span = self.span_from(open.start);
-        let kind =
-            if self.grow(span) { ExprKind::Block(lets, Box::new(value)) } else { ExprKind::Hole };
+        let whole = self.grow(span) && !broken;
+        let kind = if whole { ExprKind::Block(lets, Box::new(value)) } else { ExprKind::Hole };
         Expr { kind, span }
     }
 
@@ -70,14 +78,17 @@ impl Parser<'_> {
         }
         if !self.is(TokenKind::End) && !self.at_declaration() {
             self.missing("`}`", "a block is `{ let a = 1; value }`: one value, at its end");
-            while !matches!(self.peek().kind, TokenKind::BraceClose | TokenKind::End)
-                && !self.at_declaration()
-            {
-                self.skip_balanced();
-            }
+            self.skip_to_brace();
         }
         if self.eat(TokenKind::BraceClose).is_none() {
             self.unclosed(open);
+        }
+    }
+
+    /// Goes to the `}` that closes the block at hand, or to where something else begins.
+    fn skip_to_brace(&mut self) {
+        while !matches!(self.peek().kind, TokenKind::BraceClose | TokenKind::End) && !self.at_declaration() {
+            self.skip_balanced();
         }
     }
 

@@ -302,7 +302,22 @@ impl Parser<'_> {
             TokenKind::BraceOpen => return self.block(),
             TokenKind::Name => return self.word(token),
             _ => {
-                self.missing("a value", "write a number, a name, a call, or something in brackets");
+                let operator = self.previous().filter(|last| last.end == token.start && binary(last.kind).is_some());
+                match (operator, token.kind) {
+                    (Some(operator), TokenKind::Equals) => {
+                        let operator = operator.text(self.text).to_owned();
+                        let help = format!("a name is given its value once: write `let d2 = d {operator} …;`, and `d2` from there on");
+                        self.unexpected(format!("`{operator}=` changes a value, and none can be changed"), help);
+                        self.bump();
+                        self.value();
+                    }
+                    (Some(operator), TokenKind::Star) if operator.kind == TokenKind::Star => {
+                        self.unexpected("a power is a function", "write `pow(a, b)`; `square(a)` and `cube(a)` are the second and third");
+                        self.bump();
+                        self.value();
+                    }
+                    _ => self.missing("a value", "write a number, a name, a call, or something in brackets"),
+                }
                 return self.hole();
             }
         };

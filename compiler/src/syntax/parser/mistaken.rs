@@ -3,6 +3,7 @@
 use super::super::ast::*;
 use super::super::lexer::TokenKind;
 use super::super::words;
+use crate::diagnostic::Code;
 use super::Parser;
 
 impl Parser<'_> {
@@ -63,7 +64,9 @@ impl Parser<'_> {
                 return None;
             }
         }
+        let third = self.token_at(self.at + 2).kind;
         let meant = match word {
+            "def" | "define" if next == TokenKind::Name && third == TokenKind::ParenOpen => Some("fn"),
             "const" | "var" | "val" | "def" | "define" if next == TokenKind::Name => Some("let"),
             "uniform" | "parameter" | "slider" if next == TokenKind::Name => Some("param"),
             "func" | "function" | "fun" if next == TokenKind::Name => Some("fn"),
@@ -74,13 +77,16 @@ impl Parser<'_> {
             }),
         };
         if let Some(meant) = meant {
-            self.unexpected(
-                format!("no declaration starts with `{word}`"),
-                format!("write `{meant}`"),
-            );
+            let name = self.word_of(self.token_at(self.at + 2));
+            let typed = third == TokenKind::Name && words::is_type(self.word_of(self.peek_next()));
+            let help = if typed { format!("write `{meant} {name} = …`") } else { format!("write `{meant}`") };
+            self.unexpected(format!("no declaration starts with `{word}`"), help);
+            // Its type stands between the word and the name.
+            if typed {
+                self.bump();
+            }
             return self.declaration(meant);
         }
-        let third = self.token_at(self.at + 2).kind;
         if words::is_type(word) && next == TokenKind::Name && third == TokenKind::ParenOpen
         {
             let help = "write `fn name(a: float) = …` for numbers, `field name(a: float) = …` for a formula in `p`";
@@ -112,13 +118,18 @@ impl Parser<'_> {
                 }))
             }
             TokenKind::ParenOpen | TokenKind::Dot => {
-                self.unexpected(
-                    "a value stands here by itself",
-                    format!(
-                        "write `scene = {word}…` to draw it, `shape name = {word}…` to name it"
-                    ),
-                );
+                let span = self.span(token);
                 let value = self.value();
+                let moves_next = matches!(self.peek().kind, TokenKind::Name | TokenKind::BraceOpen) && !self.is_on_new_line();
+                let help = match moves_next {
+                    true => "what is moved or joined stands first: `scene = sphere(1).translate(1, 2, 3)`, `scene = box(2) - sphere(1.2)`".to_owned(),
+                    false => format!("write `scene = {word}…` to draw it, `shape name = {word}…` to name it"),
+                };
+                self.report(Code::Unexpected, span, "a value stands here by itself", help);
+                if moves_next {
+                    self.skip_to_declaration();
+                    return None;
+                }
                 loose.get_or_insert(Item {
                     kind: ItemKind::Scene(value),
                     span: self.span_from(start),
