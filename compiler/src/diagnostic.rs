@@ -233,6 +233,17 @@ codes! {
         "scene = plane(y)\nballs b { count: 1000, radius: 0.5, spawn: (0, 1, 0)..(1, 2, 1) }";
 }
 
+/// More diagnostics than these nobody reads.
+pub const MOST_SHOWN: usize = 100;
+
+/// The diagnostics that are shown to a person, in their order, and how many are not: of very many the first errors, then warnings.
+pub fn shown(diagnostics: &[Diagnostic]) -> (Vec<&Diagnostic>, usize) {
+    let of = |severity| diagnostics.iter().enumerate().filter(move |(_, d)| d.severity == severity);
+    let mut some: Vec<(usize, &Diagnostic)> = of(Severity::Error).chain(of(Severity::Warning)).take(MOST_SHOWN).collect();
+    some.sort_by_key(|(i, _)| *i);
+    (some.into_iter().map(|(_, d)| d).collect(), diagnostics.len().saturating_sub(MOST_SHOWN))
+}
+
 /// Renders diagnostics with the lines that they speak of. `color` adds ANSI colours.
 pub fn render(sources: &Sources, diagnostics: &[Diagnostic], color: bool) -> String {
     let mut files = SimpleFiles::new();
@@ -241,6 +252,7 @@ pub fn render(sources: &Sources, diagnostics: &[Diagnostic], color: bool) -> Str
     }
     let config = term::Config::default();
     let mut out = String::new();
+    let (diagnostics, more) = shown(diagnostics);
     for diagnostic in diagnostics {
         let shown = to_codespan(diagnostic);
         let written = if color {
@@ -255,6 +267,9 @@ pub fn render(sources: &Sources, diagnostics: &[Diagnostic], color: bool) -> Str
             Some(text) => out.push_str(&text),
             None => out.push_str(&format!("{}\n", diagnostic.message)),
         }
+    }
+    if more > 0 {
+        out.push_str(&format!("… and {more} more\n\n"));
     }
     out
 }

@@ -220,6 +220,14 @@ proptest! {
     }
 }
 
+#[test]
+fn of_very_many_mistakes_some_are_shown() {
+    let text = format!("scene = {}", "#".repeat(50_000));
+    let outcome = surefoot_compiler::compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
+    let said = render(&outcome.sources, &outcome.diagnostics, false);
+    assert!(said.matches("error[").count() == 100 && said.contains("more"));
+}
+
 /// A folder in which one file holds another text.
 struct Edited<'a> {
     folder: Folder,

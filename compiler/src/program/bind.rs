@@ -64,7 +64,7 @@ impl Elaborator<'_> {
         name: &str,
     ) -> Elaborated<Vec<Option<Bound>>> {
         // What stands before a dot is not counted by who reads.
-        let hidden = usize::from(known.first().is_some_and(|(_, at)| at.start <= span.start));
+        let hidden = usize::from(known.first().is_some_and(|(_, at)| at.start <= span.start)).min(parameters.len());
         let mut positional: SmallVec<[Given; 4]> = known.into_iter().map(|(v, s)| Given::Known(v, s)).collect();
         positional.extend(args.iter().filter(|a| a.name.is_none()).map(|a| Given::Written(&a.value)));
         let given = positional.len();

@@ -274,8 +274,8 @@ fn is_of_elsewhere(text: &str, start: usize) -> bool {
     }
     let Some(rest) = rest.strip_prefix('#') else { return false };
     let word: &str = rest.split(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or("");
-    let line = rest.split('\n').next().unwrap_or("");
-    is_blank(rest.chars().next()) && !line.trim().is_empty()
+    let says_something = || rest.split('\n').next().is_some_and(|line| !line.trim().is_empty());
+    is_blank(rest.chars().next()) && says_something()
         || is_first && word.starts_with(|c: char| c.is_ascii_alphabetic()) && read_color(text.get(start..=start + word.len()).unwrap_or("")).is_none()
 }
 

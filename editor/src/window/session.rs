@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use surefoot_compiler::Options;
 use surefoot_compiler::compiled::{Camera, Compiled, Parameter};
-use surefoot_compiler::diagnostic::Severity;
+use surefoot_compiler::diagnostic::{self, Severity};
 use surefoot_compiler::factors::Explained;
 use surefoot_compiler::source::Span;
 use surefoot_runtime::live::{Times, Words};
@@ -244,7 +244,7 @@ fn place(words: &Words, span: Span) -> Place {
 
 /// The compiler's words as the window shows them.
 pub fn problems(words: &Words) -> Vec<Problem> {
-    let problem = |d: &surefoot_compiler::diagnostic::Diagnostic| {
+    let problem = |d: &diagnostic::Diagnostic| {
         Problem {
             severity: d.severity,
             code: d.code.row().name,
@@ -253,7 +253,7 @@ pub fn problems(words: &Words) -> Vec<Problem> {
             place: place(words, d.span),
         }
     };
-    let mut problems: Vec<Problem> = words.diagnostics.iter().map(problem).collect();
+    let mut problems: Vec<Problem> = diagnostic::shown(&words.diagnostics).0.into_iter().map(problem).collect();
     // Errors first: they are why the picture is not that of the text.
     problems.sort_by_key(|p| p.severity != Severity::Error);
     problems
