@@ -11,7 +11,7 @@ use egui::text::{CCursor, CCursorRange, LayoutJob, TextFormat};
 use egui::text_edit::{TextEditOutput, TextEditState};
 use egui::util::undoer::{Settings, Undoer};
 use egui::{
-    Align, Align2, Button, Color32, Frame, Id, Margin, Rect, Response, RichText, ScrollArea, Stroke, TextBuffer,
+    Align, Align2, Button, Color32, Event, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, ScrollArea, Stroke, TextBuffer,
     TextEdit, Ui, vec2,
 };
 use std::ops::Range;
@@ -168,6 +168,7 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
         ui.fonts_mut(|f| f.layout_job(job))
     };
     undo_in_steps(ui, id);
+    lay_out_while_typing(ui, id, &document.text);
     let area = ScrollArea::both().id_salt(&document.name).auto_shrink([false, false]);
     Frame::new().fill(theme::WELL).show(ui, |ui| {
         area.show(ui, |ui| {
@@ -195,6 +196,34 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
                 commands.push(Command::Edit(text));
             }
         });
+    });
+}
+
+/// A new line begins where the one before did, and within a bracket that was just opened two spaces farther. A tabulator is two spaces.
+fn lay_out_while_typing(ui: &Ui, id: Id, text: &str) {
+    let Some(cursor) = TextEditState::load(ui.ctx(), id).and_then(|state| state.cursor.char_range()) else { return };
+    if !ui.memory(|m| m.has_focus(id)) {
+        return;
+    }
+    let line = || {
+        let before: String = text.chars().take(cursor.sorted_cursors()[0].index.0).collect();
+        let line = before.rsplit('\n').next().unwrap_or_default();
+        let mut start: String = line.chars().take_while(|c| c.is_whitespace()).collect();
+        if line.trim_end().ends_with(['{', '(', '[']) {
+            start += "  ";
+        }
+        format!("\n{start}")
+    };
+    ui.input_mut(|input| {
+        for event in &mut input.events {
+            if let Event::Key { key, pressed: true, modifiers: Modifiers::NONE, .. } = event {
+                match key {
+                    Key::Enter => *event = Event::Text(line()),
+                    Key::Tab => *event = Event::Text("  ".to_owned()),
+                    _ => {}
+                }
+            }
+        }
     });
 }
 
