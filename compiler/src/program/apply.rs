@@ -214,6 +214,15 @@ impl Elaborator<'_> {
         let here = env.at(point);
         let name = &function.name.text;
         let moved = self.expression(&function.body, &here)?;
+        if let Value::Number(..) = moved {
+            let found = moved.describe(self);
+            return Err(self.error(
+                Code::TypeMismatch,
+                function.body.span,
+                format!("a warp says where a point comes from, a vec{n}, and this is {found}"),
+                if n == 3 { "write all components, as `(p.x, p.y + 0.1 * sin(p.x), p.z)`" } else { "write both components, as `(p.x, p.y + 0.1 * sin(p.x))`" },
+            ));
+        }
         let moved = self.to_vector(&moved, n, function.body.span)?;
         match receiver {
             Some(Value::Vector(_)) => Ok(Value::Vector(moved)),

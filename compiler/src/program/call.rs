@@ -400,12 +400,12 @@ impl Elaborator<'_> {
                 let value = self.item_value(&[item], span, env)?;
                 let found = value.describe(self);
                 let name = declared_name(declared);
-                Err(self.error(
-                    Code::TypeMismatch,
-                    span,
-                    format!("`{name}` is {found}, so it can't be called"),
-                    format!("write `{name}` alone"),
-                ))
+                let hides = !modules.is_prelude(item.module) && modules.visible(modules.prelude()).contains(&&*name);
+                let help = match hides {
+                    true => format!("it hides the `{name}` of the language: give it another name"),
+                    false => format!("write `{name}` alone"),
+                };
+                Err(self.error(Code::TypeMismatch, span, format!("`{name}` is {found}, so it can't be called"), help))
             }
         }
     }

@@ -213,6 +213,7 @@ mod tests {
             ("#define R 1.5\nscene = sphere(1)\n", "`let R = 1.5`", "let R = 1.5\nscene = sphere(R)\n"),
             ("# a ball\nscene = sphere(1)\n", "`// a ball`", "// a ball\nscene = sphere(1)\n"),
             ("light { dir: (0, -1, 0) }\nscene = sphere(1)\n", "`direction`", "light { direction: (0, -1, 0) }\nscene = sphere(1)\n"),
+            ("let sphere = 2\nscene = sphere(1)\n", "another name", "let size = 2\nscene = sphere(1)\n"),
             ("field f = p.x ** 2 + length(p) - 1\nscene = sphere(1)\n", "`pow(a, b)`", "field f = pow(p.x, 2) + length(p) - 1\nscene = sphere(1)\n"),
         ] {
             let found = errors(wrong);
