@@ -252,19 +252,34 @@ pub const STRUCTURES: [&str; 3] = ["Hit", "Contact", "Surface"];
 /// The texts of `sf_trace` and `sf_shadow` by [`Ways`], each made when it is first asked for.
 static FOLLOW: [OnceLock<[String; 2]>; 8] = [const { OnceLock::new() }; 8];
 
-/// Stands in the text of a function for the coordinates with which rounding grows there.
-pub const COORDINATES: &str = "COORDINATES";
+/// A text in which `COORDINATES` stands for those with which rounding grows, with them ([`crate::compiled::Module::reads_scene`]).
+pub fn with_coordinates(text: &str, reads_scene: [bool; 3]) -> String {
+    text.replace("COORDINATES", &coordinates(reads_scene))
+}
+
+/// The coordinates with which rounding grows where a ray starts at `origin`: those of the scene where it is read as it is, else the way from the
+/// module's own origin.
+fn coordinates(reads_scene: [bool; 3]) -> Cow<'static, str> {
+    match reads_scene {
+        [false, false, false] => "origin".into(),
+        [true, true, true] => "origin + sf_uniforms.origin".into(),
+        axes => {
+            let [x, y, z] = axes.map(|read| if read { "1.0" } else { "0.0" });
+            format!("origin + sf_uniforms.origin * vec3f({x}, {y}, {z})").into()
+        }
+    }
+}
 
 /// The text of an exported function that is the same for every scene with the same ways.
-pub fn function(export: Export, ways: Ways) -> Option<Cow<'static, str>> {
+pub fn function(export: Export, ways: Ways, reads_scene: [bool; 3]) -> Option<Cow<'static, str>> {
     let place = usize::from(ways.one) + 2 * usize::from(ways.planes) + 4 * usize::from(ways.region);
     match export {
         Export::Trace | Export::Shadow => {
             let [trace, shadow] = FOLLOW.get(place)?.get_or_init(|| {
                 let shadow = if ways.one { SHADOW_OF_ONE } else { SHADOW };
-                [Tracer::DEFAULT.wgsl(ways), if ways.planes { shadow_past_planes(shadow) } else { shadow.to_owned() }]
+                [Tracer::DEFAULT.text(ways), if ways.planes { shadow_past_planes(shadow) } else { shadow.to_owned() }]
             });
-            Some(if export == Export::Trace { trace } else { shadow }.as_str().into())
+            Some(with_coordinates(if export == Export::Trace { trace } else { shadow }, reads_scene).into())
         }
         Export::Collision => Some(COLLISION.into()),
         Export::Occlusion => Some(OCCLUSION.into()),

@@ -338,8 +338,7 @@ fn export_functions(
     let alike = |target: Option<TargetId>| [Export::Bound, Export::Distance].into_iter().find(|e| target.is_some() && target_of(*e) == target);
     for &export in exports {
         let _ = writeln!(text, "\n// {}", library::purpose(export));
-        if let Some(function) = library::function(export, roots.ways) {
-            let function = function.replace(library::COORDINATES, &coordinates(context.reads_scene));
+        if let Some(function) = library::function(export, roots.ways, context.reads_scene) {
             text.push_str(&prefixed(&function, prefix));
             continue;
         }
@@ -380,19 +379,6 @@ fn export_functions(
     }
     let count = |export| written.iter().find(|w| w.1 == export).map_or(0, |w| w.2);
     Ok((count(Export::Field), count(Export::Bound)))
-}
-
-/// The coordinates with which rounding grows where a ray starts at `origin`: those of the scene where it is read as it is, else the way from the
-/// module's own origin.
-fn coordinates(reads_scene: [bool; 3]) -> Cow<'static, str> {
-    match reads_scene {
-        [false, false, false] => "origin".into(),
-        [true, true, true] => "origin + sf_uniforms.origin".into(),
-        axes => {
-            let [x, y, z] = axes.map(|read| if read { "1.0" } else { "0.0" });
-            format!("origin + sf_uniforms.origin * vec3f({x}, {y}, {z})").into()
-        }
-    }
 }
 
 /// Writes the uniform block, structs, constants and helpers. `buffers`: whether tables are buffers, and not text.

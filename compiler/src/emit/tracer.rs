@@ -1,5 +1,7 @@
 //! The function that follows a ray: its text, with each of its parts by a number that can be changed or switched off.
 
+use super::library::with_coordinates;
+
 /// How a ray is followed. [`Tracer::default`] is what modules hold, and what the picture in 64 bits does; others are for measuring what a
 /// part is worth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +61,11 @@ impl Tracer {
     /// The bound counts as falling at least so fast along a ray, so that what is ahead is finite.
     pub const FLATTEST: f64 = 1e-4;
 
+    /// The function `sf_trace` for a scene with these ways, of which the module reads these axes ([`crate::compiled::Module::reads_scene`]).
+    pub fn wgsl(&self, ways: Ways, reads_scene: [bool; 3]) -> String {
+        with_coordinates(&self.text(ways), reads_scene)
+    }
+
     /// The function `sf_trace`, which calls `sf_clip`, `sf_bound` and, unless that is the bound itself, `sf_distance`. The distance
     /// is asked for outside of the loop over bounds, and hits are found there: a machine that leads several rays in step computes what stands
     /// inside for all of them. For the same reason little goes from one turn of the loop to the next, and nothing is computed under a condition.
@@ -66,7 +73,7 @@ impl Tracer {
     /// That a ray has hit is set where it leaves, though `arrived` says the same: llvmpipe (Mesa 22.3) goes on computing what stands in the
     /// inner loop for rays that have left the outer one, where `t` is that of the hit by then, and whatever both ends of the outer loop would
     /// return as it stands comes from there. A ray missed what it had met, because its neighbours looked on.
-    pub fn wgsl(&self, ways: Ways) -> String {
+    pub(super) fn text(&self, ways: Ways) -> String {
         let Self { leap, budget, .. } = *self;
         let Ways { one, planes, region } = ways;
         let (aside, fine) = (Self::ASIDE, Self::FINE);

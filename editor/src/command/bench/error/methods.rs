@@ -46,12 +46,12 @@ const FIXED: &str = include_str!("fixed.wgsl");
 
 /// Our tracer with other numbers.
 fn ours(tracer: Tracer, scene: &Compiled) -> String {
-    with_ways(tracer, scene.module.ways)
+    with_ways(tracer, scene, scene.module.ways)
 }
 
 /// The same that is told other things of the scene.
-fn with_ways(tracer: Tracer, ways: Ways) -> String {
-    tracer.wgsl(ways).replace("fn sf_trace(", "fn traced(")
+fn with_ways(tracer: Tracer, scene: &Compiled, ways: Ways) -> String {
+    tracer.wgsl(ways, scene.module.reads_scene).replace("fn sf_trace(", "fn traced(")
 }
 
 /// A method by its name; none where there is no such method, and a reason where the scene has none.
@@ -67,10 +67,10 @@ pub fn method(name: &str, scene: &Compiled) -> Option<Result<Method, &'static st
     let wgsl = match name {
         "ours" => ours(whole, scene),
         "whole-steps" => ours(Tracer { relaxation: 0.0, ..whole }, scene),
-        "no-planes" => with_ways(whole, no_planes),
-        "no-region" => with_ways(whole, Ways { region: false, ..scene.module.ways }),
-        "no-leap" => with_ways(Tracer { leap: 0.0, ..whole }, alone),
-        "half-pixel" => with_ways(Tracer { tolerance: 0.5, leap: 0.0, ..whole }, alone),
+        "no-planes" => with_ways(whole, scene, no_planes),
+        "no-region" => with_ways(whole, scene, Ways { region: false, ..scene.module.ways }),
+        "no-leap" => with_ways(Tracer { leap: 0.0, ..whole }, scene, alone),
+        "half-pixel" => with_ways(Tracer { tolerance: 0.5, leap: 0.0, ..whole }, scene, alone),
         "half-factors" => ours(Tracer { factor: 2.0, ..whole }, scene),
         "relaxed-1.2" | "relaxed-1.6" => other(&RELAXED.replace("OMEGA", &name[8..])),
         "root" => match root_constant(scene) {
