@@ -133,9 +133,11 @@ impl App {
         let bottom = Panel::bottom("status").frame(bar).exact_size(22.0).resizable(false);
         bottom.show(ui, |ui| panels::status::show(ui, session));
         let side = Frame::new().fill(theme::PANEL).inner_margin(Margin::same(8));
+        // Of a narrow window something is left for the picture.
+        let wide = ui.available_width();
         if session.open.source {
             let left =
-                Panel::left("source").frame(side).default_size(470.0).size_range(220.0..=1600.0);
+                Panel::left("source").frame(side).default_size(470.0).size_range(200.0..=(0.55 * wide).max(200.0));
             left.show(ui, |ui| {
                 let below = Frame::new().inner_margin(Margin { top: 8, ..Margin::ZERO });
                 let list = Panel::bottom("problems").frame(below).resizable(true);
@@ -150,7 +152,7 @@ impl App {
             let right = Panel::right("parameters")
                 .frame(side)
                 .default_size(250.0)
-                .size_range(160.0..=600.0);
+                .size_range(150.0..=(0.3 * wide).max(150.0));
             right.show(ui, |ui| panels::parameters::show(ui, session, commands));
         }
         panels::picture::keys(ui, session, commands);
