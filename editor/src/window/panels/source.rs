@@ -205,23 +205,29 @@ fn lay_out_while_typing(ui: &Ui, id: Id, text: &str) {
     if !ui.memory(|m| m.has_focus(id)) {
         return;
     }
-    let line = || {
+    let mut line: String = {
         let before: String = text.chars().take(cursor.sorted_cursors()[0].index.0).collect();
-        let line = before.rsplit('\n').next().unwrap_or_default();
-        let mut start: String = line.chars().take_while(|c| c.is_whitespace()).collect();
-        if line.trim_end().ends_with(['{', '(', '[']) {
-            start += "  ";
-        }
-        format!("\n{start}")
+        before.rsplit('\n').next().unwrap_or_default().to_owned()
     };
     ui.input_mut(|input| {
         for event in &mut input.events {
-            if let Event::Key { key, pressed: true, modifiers: Modifiers::NONE, .. } = event {
-                match key {
-                    Key::Enter => *event = Event::Text(line()),
-                    Key::Tab => *event = Event::Text("  ".to_owned()),
-                    _ => {}
+            match event {
+                // Several may come with one frame.
+                Event::Text(typed) => line.push_str(typed),
+                Event::Key { key: Key::Backspace, pressed: true, .. } => drop(line.pop()),
+                Event::Key { key: Key::Tab, pressed: true, modifiers: Modifiers::NONE, .. } => {
+                    line.push_str("  ");
+                    *event = Event::Text("  ".to_owned());
                 }
+                Event::Key { key: Key::Enter, pressed: true, modifiers: Modifiers::NONE, .. } => {
+                    let opens = line.trim_end().ends_with(['{', '(', '[']);
+                    line = line.chars().take_while(|c| c.is_whitespace()).chain(if opens { "  " } else { "" }.chars()).collect();
+                    // A new line alone is egui's own.
+                    if !line.is_empty() {
+                        *event = Event::Text(format!("\n{line}"));
+                    }
+                }
+                _ => {}
             }
         }
     });

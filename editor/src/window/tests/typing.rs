@@ -69,12 +69,16 @@ fn buttons_leave_the_keyboard_to_the_text() {
 
 #[test]
 fn a_new_line_begins_where_the_one_before_did() {
-    let folder = Folder::new("indent", "field f = {");
+    let folder = Folder::new("indent", "// one");
     let mut harness = window(&folder.scene());
     harness.get_by_role(Role::MultilineTextInput).focus();
     harness.step();
     harness.key_press_modifiers(Modifiers::COMMAND, Key::End);
     harness.step();
+    harness.key_press(Key::Enter);
+    harness.step();
+    // Both in one frame.
+    harness.event(egui::Event::Text("field f = {".to_owned()));
     harness.key_press(Key::Enter);
     harness.step();
     harness.event(egui::Event::Text("let q = p;".to_owned()));
@@ -85,6 +89,6 @@ fn a_new_line_begins_where_the_one_before_did() {
     harness.step();
     harness.key_press(Key::Tab);
     harness.run_steps(2);
-    assert_eq!(harness.state().session.documents.current().text, "field f = {\n  let q = p;\n  length(q)  ");
+    assert_eq!(harness.state().session.documents.current().text, "// one\nfield f = {\n  let q = p;\n  length(q)  ");
     assert!(harness.get_by_role(Role::MultilineTextInput).is_focused());
 }
