@@ -202,7 +202,8 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
 /// A new line begins where the one before did, and within a bracket that was just opened two spaces farther. A tabulator is two spaces.
 fn lay_out_while_typing(ui: &Ui, id: Id, text: &str) {
     let Some(cursor) = TextEditState::load(ui.ctx(), id).and_then(|state| state.cursor.char_range()) else { return };
-    if !ui.memory(|m| m.has_focus(id)) {
+    let asked = ui.input(|i| i.key_pressed(Key::Enter) || i.key_pressed(Key::Tab));
+    if !asked || !ui.memory(|m| m.has_focus(id)) {
         return;
     }
     let mut line: String = {
