@@ -9,6 +9,7 @@ use crate::emit::tracer::Ways;
 use crate::functions::{self, Functions, Summary};
 use crate::graph::algebra::Reals;
 use crate::outlook::outlook;
+use crate::pipeline::tidy;
 use crate::graph::{multiple_of, Graph, Leaf, NodeId, Proof, ShapeId};
 pub use crate::loader::{Loader, MemoryLoader};
 use crate::source::{Sources, Span};
@@ -318,6 +319,7 @@ impl Outcome {
     /// Adds what is wrong with what the camera sees: that takes a look at the scene, and some milliseconds.
     pub fn look(&mut self) {
         self.diagnostics.extend(self.compiled.as_ref().and_then(|scene| outlook(scene, &scene.live(), None)));
+        tidy(&mut self.diagnostics);
     }
 }
 

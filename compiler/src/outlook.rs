@@ -2,8 +2,8 @@
 
 use crate::analysis::Box3;
 use crate::compiled::{Camera, CameraNodes, Compiled, EYE, Frame, Live};
-use crate::frame::SMALLEST;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::frame::SMALLEST;
 use crate::graph::FAR;
 use crate::reference::camera::Basis;
 use crate::reference::march::{Ray, at_points};
@@ -38,8 +38,7 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
     let better = || {
         let places = outside(&camera, region).filter(|place| field(*place) > 0.0);
         let cameras = places.map(|eye| Camera { eye, target: ahead(eye, target(&camera, region)), fov: camera.fov });
-        let mut some = cameras.take(MOST_TRIED).filter(|_| !empty);
-        some.find(|other| sees(compiled, &reference, other, &frame, FAR) == Some(true)).map(|other| written(nodes, &other))
+        cameras.take(MOST_TRIED).find(|other| sees(compiled, &reference, other, &frame, FAR) == Some(true)).map(|other| written(nodes, &other))
     };
     if field(camera.eye) < 0.0 && length(camera.eye) < frame.extent {
         let message = "the camera stands inside the solid, where everything is black";
@@ -126,5 +125,39 @@ fn written(nodes: Option<&CameraNodes>, camera: &Camera) -> String {
     match nodes {
         Some(_) => format!("write `{entries}` in it, or other places from where something is seen"),
         None => format!("write `camera {{ {entries} }}`, or other places from where something is seen"),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+mod tests {
+    use crate::diagnostic::Code;
+    use crate::{MemoryLoader, Options, compile};
+
+    /// What a look at a scene finds, and what it says to write.
+    fn found(text: &str) -> Option<(Code, String)> {
+        let mut outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
+        assert!(outcome.diagnostics.is_empty(), "{text}: {:?}", outcome.diagnostics);
+        outcome.look();
+        outcome.diagnostics.pop().map(|d| (d.code, d.help.split('`').nth(1).unwrap_or_default().to_owned()))
+    }
+
+    #[test]
+    fn who_writes_what_is_said_sees_something() {
+        for (scene, camera, code) in [
+            ("scene = plane(y, 5)", "", Code::InsideSolid),
+            ("scene = box(4)", "eye: (0, 0, 1)", Code::InsideSolid),
+            ("scene = box(30) - box(29)", "eye: (14.8, 0, 0)", Code::InsideSolid),
+            ("scene = sphere(1)", "eye: (0, 0, 5), target: (0, 0, 9)", Code::NothingSeen),
+            ("scene = sphere(1).translate(40, 3, 0)", "eye: (0, 0, 5), target: (0, 0, 0)", Code::NothingSeen),
+        ] {
+            let block = if camera.is_empty() { String::new() } else { format!("camera {{ {camera} }}") };
+            let (what, help) = found(&format!("{scene}\n{block}\n")).unwrap_or_else(|| panic!("{scene}: nothing is said"));
+            assert_eq!(what, code, "{scene}");
+            let mended = if camera.is_empty() { help } else { format!("camera {{ {help} }}") };
+            assert_eq!(found(&format!("{scene}\n{mended}\n")), None, "{scene}\n{mended}");
+        }
+        assert_eq!(found("scene = sphere(1)"), None);
+        assert_eq!(found("scene = nothing").map(|f| f.0), Some(Code::NothingSeen));
     }
 }

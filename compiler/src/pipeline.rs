@@ -169,7 +169,7 @@ fn ground(seen: &Compiled, facts: &mut Facts, options: &Options, sources: &Sourc
 }
 
 /// In the order of their places, each once, errors before warnings of one place.
-fn tidy(diagnostics: &mut Vec<Diagnostic>) {
+pub(crate) fn tidy(diagnostics: &mut Vec<Diagnostic>) {
     diagnostics.sort_by_key(|d| (d.span.file, d.span.start, d.severity != Severity::Error, d.code));
     diagnostics.dedup_by(|a, b| a.code == b.code && a.span == b.span);
 }

@@ -467,14 +467,14 @@ impl Elaborator<'_> {
             },
             FunctionKind::Fn | FunctionKind::Shape | FunctionKind::Shape2 => env.clone(),
         };
-        let sees_point = matches!(function.kind, FunctionKind::Field | FunctionKind::Field2 | FunctionKind::Blend);
+        let sees_point = matches!(function.kind, FunctionKind::Field | FunctionKind::Field2);
         if sees_point && known.is_empty() && args.is_empty() && function.parameters.first().is_some_and(|p| &*p.name.text == "p") {
             let name = &function.name.text;
             return Err(self.error(
                 Code::MissingArgument,
                 span,
                 format!("`{name}` is said to take `p`, and sees it anyway"),
-                format!("take `p` out where it is declared: `field {name} = …`"),
+                format!("take `p` out where it is declared: `{} {name} = …`", if function.kind == FunctionKind::Field { "field" } else { "field2" }),
             ));
         }
         let bound =

@@ -135,7 +135,7 @@ pub fn instead(word: &str) -> Option<&'static str> {
         "grey" | "gray" => "write a colour as `#808080`",
         "gold" => "declare it: `material gold { color: #d4af37, metallic: 1, roughness: 0.3 }`",
         "silver" | "steel" | "chrome" => "declare it: `material steel { color: #c0c4c8, metallic: 1, roughness: 0.2 }`, and write `steel`",
-        "wood" | "stone" | "clay" | "plastic" | "glass" => "declare it: `material clay { color: #b0785a, roughness: 0.8 }`, and write `clay`",
+        "wood" | "stone" | "clay" => "declare it: `material clay { color: #b0785a, roughness: 0.8 }`, and write `clay`",
         "and" => "write `a && b`",
         "or" => "write `a || b`",
         "not" => "write `!a`",

@@ -17,7 +17,6 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::{Compiled, Outcome};
 use surefoot_compiler::diagnostic::Diagnostic;
-use surefoot_compiler::outlook::outlook;
 use surefoot_compiler::source::Sources;
 
 /// Events that follow each other faster than this belong to one save…
@@ -240,18 +239,19 @@ impl Worker {
         let recorder = Recorder::new(self.setup.loader.clone(), texts);
         let start = Instant::now();
         let compile = || (self.setup.compile)(&recorder, &path, &options);
-        let (outcome, failure) = match catch_unwind(AssertUnwindSafe(compile)) {
+        let (mut outcome, failure) = match catch_unwind(AssertUnwindSafe(compile)) {
             Ok(outcome) => (outcome, None),
             Err(panic) => (nothing(&path), Some(broken("the compiler", panic.as_ref()))),
         };
-        let Outcome { sources, mut diagnostics, mut files, compiled } = outcome;
+        let compile = start.elapsed();
+        // What the camera sees is worth a word, and no failure.
+        let _ = catch_unwind(AssertUnwindSafe(|| outcome.look()));
+        let Outcome { sources, diagnostics, mut files, compiled } = outcome;
         for file in recorder.files() {
             if !files.contains(&file) {
                 files.push(file);
             }
         }
-        let compile = start.elapsed();
-        diagnostics.extend(compiled.as_ref().and_then(look));
         self.record = Some(recorder);
         self.newest.words = Arc::new(Words { sources, diagnostics, files });
         self.newest.failure = failure;
@@ -370,11 +370,6 @@ fn wait<'a>(
     time: Duration,
 ) -> MutexGuard<'a, State> {
     shared.changed.wait_timeout(state, time).unwrap_or_else(PoisonError::into_inner).0
-}
-
-/// What is wrong with what a scene's camera sees.
-fn look(compiled: &Compiled) -> Option<Diagnostic> {
-    catch_unwind(AssertUnwindSafe(|| outlook(compiled, &compiled.live(), None))).ok().flatten()
 }
 
 /// The outcome of a compiler that did not come to its end.
