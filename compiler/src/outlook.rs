@@ -6,6 +6,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::frame::SMALLEST;
 use crate::graph::FAR;
 use crate::reference::camera::Basis;
+use crate::reference::follow::TRACER;
 use crate::reference::march::{Ray, at_points};
 use crate::reference::vector::{Vec3, add, length, scale, sub, unit};
 use crate::reference::Reference;
@@ -13,6 +14,8 @@ use crate::source::{FileId, Span};
 
 /// Pictures through which is looked, coarse ones first, in pixels.
 const PICTURES: [(u32, u32); 3] = [(5, 3), (20, 12), (60, 36)];
+/// What is nearer to a ray than a pixel of a picture of this height counts as met.
+const PIXELS: u32 = 720;
 /// Most operations that a look at all pixels of a picture may take, once.
 const MOST: usize = 3_000_000;
 /// So many times farther away than it is wide one sees something well.
@@ -38,7 +41,8 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
     let better = || {
         let places = outside(&camera, region).filter(|place| field(*place) > 0.0);
         let cameras = places.map(|eye| Camera { eye, target: ahead(eye, target(&camera, region)), fov: camera.fov });
-        cameras.take(MOST_TRIED).find(|other| sees(compiled, &reference, other, &frame, FAR) == Some(true)).map(|other| written(nodes, &other))
+        let finds = |other: &Camera| sees(compiled, &reference, other, &frame, FAR) == Some(Sight::Solid);
+        cameras.take(MOST_TRIED).find(finds).map(|other| written(nodes, &other))
     };
     if field(camera.eye) < 0.0 && length(camera.eye) < frame.extent {
         let message = "the camera stands inside the solid, where everything is black";
@@ -47,12 +51,21 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
     }
     // Whoever writes `nothing` means it where there are meshes or balls.
     let has_others = !compiled.blocks.meshes.is_empty() || compiled.has_balls();
-    if has_others || sees(compiled, &reference, &camera, &frame, frame.max_distance)? {
+    if has_others {
         return None;
+    }
+    match sees(compiled, &reference, &camera, &frame, frame.max_distance)? {
+        Sight::Solid => return None,
+        Sight::Lost => {
+            let message = "rays spend all of their steps before they meet anything solid";
+            let help = "say where the shape lies with `.within(box(…))`, or write its formula so that it grows more evenly";
+            return Some(Diagnostic::new(Code::NothingSeen, place(compiled, nodes), message, help));
+        }
+        Sight::Empty => {}
     }
     let help = if empty {
         "write a shape as the scene, for example `scene = sphere(1)`".to_owned()
-    } else if sees(compiled, &reference, &camera, &frame, FAR)? {
+    } else if sees(compiled, &reference, &camera, &frame, FAR)? == Sight::Solid {
         format!("it is farther away than `max_distance`, which is {}: set `render {{ max_distance: … }}` to more", short(frame.max_distance))
     } else {
         better().unwrap_or_else(|| "look for an `&` of shapes that do not meet, a `-` that takes all away, or a formula that is nowhere below zero".to_owned())
@@ -60,9 +73,21 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
     Some(Diagnostic::new(Code::NothingSeen, place(compiled, nodes), "nothing solid is in sight of the camera", help))
 }
 
-/// Whether anything solid is in sight, up to so far away. None where that takes too long to tell.
-fn sees(compiled: &Compiled, reference: &Reference, camera: &Camera, frame: &Frame, far: f64) -> Option<bool> {
+/// What a camera sees.
+#[derive(Clone, Copy, PartialEq)]
+enum Sight {
+    /// Something solid.
+    Solid,
+    /// Nothing, and most rays spent all of their steps on the way.
+    Lost,
+    /// Nothing.
+    Empty,
+}
+
+/// What is in sight, up to so far away. None where that takes too long to tell.
+fn sees(compiled: &Compiled, reference: &Reference, camera: &Camera, frame: &Frame, far: f64) -> Option<Sight> {
     let basis = Basis::of(camera);
+    let mut sight = Sight::Empty;
     for (width, height) in PICTURES {
         if (width * height) as usize * compiled.module.operations.1.max(1) > MOST {
             return None;
@@ -70,11 +95,14 @@ fn sees(compiled: &Compiled, reference: &Reference, camera: &Camera, frame: &Fra
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
         let ray = |at| Ray { origin: camera.eye, direction: basis.direction(at, (width, height)), t_min: 0.0, t_max: far };
         let rays: Vec<Ray> = pixels.map(ray).collect();
-        if reference.trace(&rays, basis.footprint(height), frame.extent).iter().any(|hit| hit.hit) {
-            return Some(true);
+        let hits = reference.trace(&rays, basis.footprint(PIXELS), frame.extent);
+        if hits.iter().any(|hit| hit.hit) {
+            return Some(Sight::Solid);
         }
+        let lost = hits.iter().filter(|hit| hit.steps >= TRACER.budget).count();
+        sight = if 2 * lost > hits.len() { Sight::Lost } else { Sight::Empty };
     }
-    Some(false)
+    Some(sight)
 }
 
 /// The camera's block, or where there is none the scene.
@@ -131,15 +159,17 @@ fn written(nodes: Option<&CameraNodes>, camera: &Camera) -> String {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 mod tests {
-    use crate::diagnostic::Code;
+    use crate::diagnostic::{Code, Diagnostic};
     use crate::{MemoryLoader, Options, compile};
 
     /// What a look at a scene finds, and what it says to write.
     fn found(text: &str) -> Option<(Code, String)> {
-        let mut outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
-        assert!(outcome.diagnostics.is_empty(), "{text}: {:?}", outcome.diagnostics);
-        outcome.look();
-        outcome.diagnostics.pop().map(|d| (d.code, d.help.split('`').nth(1).unwrap_or_default().to_owned()))
+        look(text).map(|d| (d.code, d.help.split('`').nth(1).unwrap_or_default().to_owned()))
+    }
+
+    fn look(text: &str) -> Option<Diagnostic> {
+        let scene = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default()).compiled.unwrap();
+        super::outlook(&scene, &scene.live(), None)
     }
 
     #[test]
@@ -158,6 +188,12 @@ mod tests {
             assert_eq!(found(&format!("{scene}\n{mended}\n")), None, "{scene}\n{mended}");
         }
         assert_eq!(found("scene = sphere(1)"), None);
+        let julia = "let z = vec4(p, 0), d = 1 for i in 0..10 while dot(z, z) < 64 {
+            z = vec4(z.x*z.x - dot(z.yzw, z.yzw), 2*z.x*z.yzw) + (-0.2, 0.6, 0.2, 0.2), d = 2 * length(z) * d
+          }; 0.5 * length(z) * log(length(z)) / d";
+        assert_eq!(look(&format!("field julia = {{ {julia} }}\nscene = julia")), None);
+        let lost = look("field f = length(p) - 1 + 0.5 * fract(1000 * p.x * p.y)\nscene = f").unwrap();
+        assert!(lost.code == Code::NothingSeen && lost.message.contains("steps"), "{lost:?}");
         assert_eq!(found("scene = nothing").map(|f| f.0), Some(Code::NothingSeen));
     }
 }

@@ -89,6 +89,11 @@ impl Facts {
     /// The slope that 99 of 100 points of a domain do not exceed (around a pole there is no steepest); infinite where at most points nothing
     /// is known of it.
     pub fn sampled_constant(&mut self, graph: &Graph, node: NodeId, domain: &Domain, samples: usize) -> f64 {
+        self.sampled_slope(graph, node, domain, samples, 0.99)
+    }
+
+    /// The slope that such a share of the points of a domain do not exceed; infinite where at most points nothing is known of it.
+    pub fn sampled_slope(&mut self, graph: &Graph, node: NodeId, domain: &Domain, samples: usize, share: f64) -> f64 {
         let tape = self.tape(graph, node);
         let pinned = self.pinned.clone();
         let samples = samples.min(MOST_STEPS / self.weight(graph, node).max(1)).max(64);
@@ -114,7 +119,7 @@ impl Facts {
             }
         }
         slopes.sort_by(f64::total_cmp);
-        let rank = slopes.len() * 99 / 100;
+        let rank = (slopes.len() as f64 * share) as usize;
         if slopes.len() * 2 < tried { f64::INFINITY } else { slopes.get(rank).copied().unwrap_or(0.0) }
     }
 }

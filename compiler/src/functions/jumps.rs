@@ -41,6 +41,11 @@ pub(super) fn hair(near: &Domain) -> f64 {
     (HAIR * near.point.size().max(0.25)).min(LONGEST_HAIR)
 }
 
+/// What changes so many times slower than it may is not what its constant says.
+const LOOSE: f64 = 30.0;
+/// At so many places is looked how fast that is.
+const LOOKS: usize = 256;
+
 /// How many nodes opening shapes may make.
 const MOST_OPENED: usize = 200_000;
 
@@ -60,6 +65,7 @@ impl Builder<'_> {
         };
         let sites = self.sites(node, &near);
         let span = self.place(shape, node);
+        let measured = treatment.proof == Proof::Measured;
         let (mut nearest, mut stops, mut unknown): (Option<NodeId>, _, _) = (None, None, None);
         for site in &sites {
             let known = |n: &NodeId| self.graph.location(*n);
@@ -67,6 +73,7 @@ impl Builder<'_> {
             match self.distance_to_jump(site.op, &site.args, &near) {
                 Jump::Nowhere => {}
                 Jump::Unknown => unknown = unknown.or(Some(at)),
+                Jump::From(_) if measured && self.is_loose(site, &near) => unknown = unknown.or(Some(at)),
                 Jump::From(distance) => {
                     stops = stops.or(Some(at));
                     nearest = Some(match nearest {
@@ -85,7 +92,6 @@ impl Builder<'_> {
             ));
         }
         if let Some(at) = unknown {
-            let measured = treatment.proof == Proof::Measured;
             let message = match measured {
                 true => "how near the jump of this formula is can't be known, so rays may pass it and leave holes",
                 false => "how near the jump of this formula is can't be known, so rays creep all along it, and most get nowhere",
@@ -199,6 +205,14 @@ impl Builder<'_> {
             };
         }
         least
+    }
+
+    /// Whether what jumps changes so much slower at most places than it may that rays would spend all of their steps before it.
+    fn is_loose(&mut self, site: &Site, near: &Domain) -> bool {
+        self.gaps(site.op, &site.args, near).into_iter().any(|(a, _)| {
+            let usual = self.facts.sampled_slope(self.graph, a, near, LOOKS, 0.5);
+            self.facts.constant(self.graph, a, near, 16).lipschitz > LOOSE * usual
+        })
     }
 
     /// The numbers by which an operation jumps, each with how much it changes before that.

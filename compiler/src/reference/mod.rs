@@ -5,7 +5,7 @@
 
 mod ahead;
 pub mod camera;
-mod follow;
+pub(crate) mod follow;
 pub mod march;
 pub mod shade;
 pub mod vector;
