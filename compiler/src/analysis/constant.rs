@@ -1,5 +1,6 @@
 //! Lipschitz constants: the largest norm of a gradient over a domain, the worst box split again and again.
 
+use super::map::{chain_norm, map_norm};
 use super::tape::Tape;
 use super::region::shift_along;
 use super::polar::Polar;
@@ -162,12 +163,21 @@ impl Facts {
                 let mut norm = Norm { norm: 0.0, jumps: false, runs: 0 };
                 let pinned = facts.pinned.clone();
                 let leaf = |leaf| leaf_dual(graph, &pinned, leaf, d);
+                let mut most = f64::INFINITY;
+                if facts.looks_closely() && tape.chain(graph, &rows).is_some() {
+                    let values = dual::run(facts, graph, &tape, None, &mut None, &leaf).unwrap_or_default();
+                    most = chain_norm(&tape, graph, &values, &rows);
+                    if most <= 1.0 {
+                        let jumps = rows.iter().any(|&r| values.get(r).is_some_and(|d| d.jumps != 0));
+                        return Norm { norm: most, jumps, runs: 1 };
+                    }
+                }
                 let runs = branches::each_piece(facts, graph, &tape, &leaf, &mut |duals, _| {
                     norm.jumps |= rows.iter().any(|&r| duals.get(r).is_some_and(|d| d.jumps != 0));
-                    norm.norm = norm.norm.max(dual::map_norm(&tape, duals, &rows));
+                    norm.norm = norm.norm.max(map_norm(&tape, duals, &rows));
                 });
                 facts.boxes += runs as u64;
-                Norm { runs, ..norm }
+                Norm { runs, norm: norm.norm.min(most), ..norm }
             })
         };
         let constant = if budget > 1 {

@@ -4,6 +4,7 @@
 //! can reach one, and because a turn by any angle, varying or not, is an isometry.
 
 use super::branches::{self, Branches, Side};
+use super::map::{chain_norm, map_norm};
 use super::matrix::{Rows, matrix_norm};
 use super::tape::{Step, Tape};
 use super::{leaf_range, Box3, Domain, Facts, Pinned};
@@ -65,7 +66,7 @@ impl Dual {
     }
 
     /// The norm as far as the components tell it, rounded up.
-    fn components_norm(gradient: &[Interval; 3]) -> f64 {
+    pub(super) fn components_norm(gradient: &[Interval; 3]) -> f64 {
         let sum = gradient.iter().fold(0.0, |s: f64, g| s + g.magnitude() * g.magnitude());
         // One exact component alone keeps its exact norm.
         let mut others = gradient.iter().filter(|g| g.magnitude() > 0.0);
@@ -89,12 +90,12 @@ impl Dual {
         (gradient, self.norm.max(other.norm))
     }
 
-    fn scaled(&self, by: Interval) -> [Interval; 3] {
+    pub(super) fn scaled(&self, by: Interval) -> [Interval; 3] {
         self.gradient.map(|g| g.mul(by))
     }
 }
 
-fn add(a: [Interval; 3], b: [Interval; 3]) -> [Interval; 3] {
+pub(super) fn add(a: [Interval; 3], b: [Interval; 3]) -> [Interval; 3] {
     let mut sum = a;
     for (x, y) in sum.iter_mut().zip(b) {
         // Zero stays exactly zero, so that independent axes stay so.
@@ -312,6 +313,7 @@ pub fn run(
             Step::Leaf(l) => leaf(*l),
             Step::Op(op @ (Op::Length2 | Op::Length3 | Op::Length4), args) => {
                 let norm = map_norm(tape, &values, args);
+                let norm = if norm > 1.0 { norm.min(chain_norm(tape, graph, &values, args)) } else { norm };
                 let (of, n) = few(args);
                 let plain = algebra.op(*op, of.get(..n).unwrap_or(&of));
                 Dual::new(plain.value, plain.limited(norm).gradient, norm.min(plain.norm), plain.jumps)
@@ -330,7 +332,7 @@ pub fn run(
             Step::Op(op @ (Op::Min | Op::Max | Op::Abs | Op::Select), args) => {
                 let (of, n) = few(args);
                 let of = of.get(..n).unwrap_or(&of);
-                match side_of(*op, of).or(branches.and_then(|b| b.side(i))) {
+                let dual = match side_of(*op, of).or(branches.and_then(|b| b.side(i))) {
                     Some(side) => on_side(*op, of, side),
                     None => {
                         if undecided.is_none() && tape.is_kink(i) && of.iter().any(|d| d.norm > 0.0) {
@@ -338,6 +340,10 @@ pub fn run(
                         }
                         algebra.op(*op, of)
                     }
+                };
+                match of {
+                    [_, a, b] if dual.jumps != 0 && tape.meets(i, &values) => Dual { jumps: a.jumps | b.jumps, ..dual },
+                    _ => dual,
                 }
             }
             Step::Op(op, args) => {
@@ -381,7 +387,9 @@ pub fn run(
             }
             Step::Call(shape, args) => {
                 let of = gather(args);
-                let norm = map_norm(tape, &values, args.get(..3).unwrap_or(args));
+                let point = args.get(..3).unwrap_or(args);
+                let norm = map_norm(tape, &values, point);
+                let norm = if norm > 1.0 { norm.min(chain_norm(tape, graph, &values, point)) } else { norm };
                 let dual = call(facts, graph, *shape, &of, norm);
                 match super::turned::turned_norm(facts, graph, tape, *shape, args, &values) {
                     Some(most) if most < dual.norm => dual.limited(most),
@@ -439,7 +447,7 @@ pub(super) fn side_of(op: Op, args: &[Dual]) -> Option<Side> {
 }
 
 /// The value and gradient on one side of a kink.
-fn on_side(op: Op, args: &[Dual], side: Side) -> Dual {
+pub(super) fn on_side(op: Op, args: &[Dual], side: Side) -> Dual {
     let dual = |i: usize| args.get(i).copied().unwrap_or(Dual::constant(Interval::ALL));
     let first = side == Side::First;
     let jumps = args.iter().fold(0, |j, d| j | d.jumps);
@@ -461,6 +469,21 @@ const MOST_STEPS: usize = 400;
 /// Value, gradient and norm of a tape's last step over all of its pieces, and how many runs that took. The gradient of mirrored axes has
 /// both signs.
 pub fn hull_of_pieces(facts: &mut Facts, graph: &Graph, tape: &Tape, leaf: &dyn Fn(Leaf) -> Dual) -> (Dual, usize) {
+    let Some(last) = tape.steps.len().checked_sub(1).filter(|last| facts.looks_closely() && tape.chain(graph, &[*last]).is_some()) else {
+        return pieces(facts, graph, tape, leaf);
+    };
+    let values = run(facts, graph, tape, None, &mut None, leaf).unwrap_or_default();
+    let whole = values.get(last).copied().unwrap_or(Dual::constant(Interval::ALL));
+    let most = if whole.norm > 1.0 { chain_norm(tape, graph, &values, &[last]) } else { whole.norm };
+    if most <= 1.0 {
+        return (both_sides(tape, whole.limited(most), leaf), 1);
+    }
+    let (dual, runs) = pieces(facts, graph, tape, leaf);
+    (dual.limited(most), runs + 1)
+}
+
+/// The same, side by side of all kinks.
+pub(super) fn pieces(facts: &mut Facts, graph: &Graph, tape: &Tape, leaf: &dyn Fn(Leaf) -> Dual) -> (Dual, usize) {
     let mut all: Option<Dual> = None;
     let closely = facts.looks_closely();
     let runs = branches::each_piece(facts, graph, tape, leaf, &mut |values, branches| {
@@ -542,59 +565,4 @@ fn call(facts: &mut Facts, graph: &Graph, shape: ShapeId, args: &[Dual], norm: f
     let inside = if inner.jumps != 0 { JUMPS_INSIDE } else { 0 };
     let jumps = inside | u8::from(here != 0);
     Dual::new(inner.value, gradient, bound, jumps).limited(bound)
-}
-
-/// A bound of the norm of the Jacobian whose rows are the gradients of these steps. A pair of coordinates that is another pair turned
-/// by an angle t counts as that pair with its slip: (∇u - v∇t, ∇v + u∇t), for a turn is an isometry.
-pub fn map_norm(tape: &Tape, values: &[Dual], rows: &[usize]) -> f64 {
-    let dual = |i: usize| values.get(i).copied().unwrap_or(Dual::constant(Interval::ALL));
-    let mut matrix: Rows =
-        rows.iter().map(|&r| (dual(r).gradient, dual(r).norm)).collect();
-    for (i, &a) in rows.iter().enumerate() {
-        let Some(Step::Op(Op::TurnU, first)) = tape.steps.get(a) else { continue };
-        for (j, &b) in rows.iter().enumerate() {
-            let Some(Step::Op(Op::TurnV, second)) = tape.steps.get(b) else { continue };
-            if first != second {
-                continue;
-            }
-            let (&[u, v, t], true) = (&[0, 1, 2].map(|k| first.get(k).copied().unwrap_or(0)), true)
-            else {
-                continue;
-            };
-            let (u, v, t) = (dual(u), dual(v), dual(t));
-            let slip = |coordinate: Dual, by: Interval| {
-                let gradient = add(coordinate.gradient, t.scaled(by));
-                let turned = if t.norm == 0.0 { 0.0 } else { by.magnitude() * t.norm };
-                let norm = coordinate.norm + turned;
-                (gradient, norm.min(Dual::components_norm(&gradient)))
-            };
-            if let Some(slot) = matrix.get_mut(i) {
-                *slot = slip(u, v.value.neg());
-            }
-            if let Some(slot) = matrix.get_mut(j) {
-                *slot = slip(v, u.value);
-            }
-        }
-    }
-    let apart: Rows = rows.iter().map(|&r| steady(tape, values, r, 8)).collect();
-    let rest = apart.iter().map(|(_, norm)| norm * norm).sum::<f64>().sqrt().next_up();
-    let steady: Rows = apart.iter().map(|(g, _)| (*g, Dual::components_norm(g))).collect();
-    matrix_norm(&matrix).min(matrix_norm(&steady) + rest)
-}
-
-/// A gradient as one that is the same in the whole box, and the norm of what is added to it.
-fn steady(tape: &Tape, values: &[Dual], step: usize, depth: u32) -> ([Interval; 3], f64) {
-    let Some(dual) = values.get(step) else { return ([Interval::ZERO; 3], f64::INFINITY) };
-    if dual.gradient.iter().all(|g| g.is_point()) {
-        return (dual.gradient, 0.0);
-    }
-    match tape.steps.get(step) {
-        Some(Step::Op(op @ (Op::Add | Op::Sub), args)) if depth > 0 => {
-            let part = |i: usize| args.get(i).map(|&a| steady(tape, values, a, depth - 1));
-            let (Some((a, r)), Some((b, s))) = (part(0), part(1)) else { return ([Interval::ZERO; 3], dual.norm) };
-            let b = if *op == Op::Add { b } else { b.map(Interval::neg) };
-            (add(a, b), (r + s).next_up())
-        }
-        _ => ([Interval::ZERO; 3], dual.norm),
-    }
 }

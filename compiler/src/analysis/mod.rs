@@ -10,6 +10,8 @@ pub mod constant;
 pub mod domain;
 pub mod dual;
 pub mod joined;
+mod joins;
+mod map;
 mod matrix;
 pub mod memory;
 pub mod period;

@@ -3,8 +3,12 @@
 use crate::graph::algebra::Algebra;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Graph, Leaf, Node, NodeId, ShapeId};
+use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
+use std::rc::Rc;
+
+use super::map::Chain;
 
 /// Earlier steps that a step needs: a few.
 pub type Steps = SmallVec<[usize; 4]>;
@@ -34,6 +38,8 @@ pub struct Tape {
     roots: Steps,
     /// Found when they are first asked for: who only wants ranges has no use for them.
     kinks: OnceCell<Kinks>,
+    /// What coordinates go through, by their steps.
+    chains: RefCell<FxHashMap<Steps, Option<Rc<Chain>>>>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -63,7 +69,19 @@ impl Tape {
             })
             .collect();
         let roots = roots.iter().map(at).collect();
-        Self { steps, nodes, roots, kinks: OnceCell::new() }
+        Self { steps, nodes, roots, kinks: OnceCell::new(), chains: RefCell::default() }
+    }
+
+    /// Steps in order, of which the last is the root, with their nodes.
+    pub(super) fn of_steps(steps: Vec<Step>, nodes: Vec<NodeId>) -> Self {
+        let roots = steps.len().checked_sub(1).into_iter().collect();
+        Self { steps, nodes, roots, kinks: OnceCell::new(), chains: RefCell::default() }
+    }
+
+    /// What these coordinates go through; none where they are all that is to be known.
+    pub fn chain(&self, graph: &Graph, rows: &[usize]) -> Option<Rc<Chain>> {
+        let mut chains = self.chains.borrow_mut();
+        chains.entry(rows.into()).or_insert_with(|| Chain::find(graph, self, rows).map(Rc::new)).clone()
     }
 
     fn kinks(&self) -> &Kinks {

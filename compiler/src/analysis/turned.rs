@@ -4,7 +4,8 @@
 //! turning c back does: by n·(axis × c) dt with n the unit gradient, at most R |n| dt wherever the point is. So the gradient is that
 //! of the unturned map with a slip of R ∇t, and not of |p| ∇t.
 
-use super::dual::{self, Dual};
+use super::dual::Dual;
+use super::map::map_norm;
 use super::tape::{Step, Tape};
 use super::{Box3, Domain, Facts};
 use crate::graph::kernel::Op;
@@ -53,7 +54,7 @@ pub fn turned_norm(facts: &mut Facts, graph: &Graph, tape: &Tape, shape: ShapeId
     {
         return Some(slip / 2.0 + (1.0 + slip * slip / 4.0).sqrt().next_up());
     }
-    Some(dual::map_norm(tape, values, &[u, v, along]) + slip)
+    Some(map_norm(tape, values, &[u, v, along]) + slip)
 }
 
 /// By how much less a formula is than a distance: at or below that level it holds the solid whose distance it is. None where it is no such

@@ -1,0 +1,315 @@
+//! Norms of maps of points.
+
+use super::dual::{Dual, Duals, add, on_side, pieces, side_of};
+use super::matrix::{Rows, matrix_norm};
+use super::tape::{Step, Steps, Tape};
+use super::{Facts, Pinned};
+use crate::analysis::branches::Side;
+use crate::graph::algebra::Algebra;
+use crate::graph::interval::Interval;
+use crate::graph::{Graph, Leaf};
+use crate::graph::kernel::{self, Op};
+use smallvec::SmallVec;
+
+/// A bound of the norm of the Jacobian whose rows are the gradients of these steps. A pair of coordinates that is another pair turned
+/// by an angle t counts as that pair with its slip: (∇u - v∇t, ∇v + u∇t), for a turn is an isometry.
+pub fn map_norm(tape: &Tape, values: &[Dual], rows: &[usize]) -> f64 {
+    let dual = |i: usize| values.get(i).copied().unwrap_or(Dual::constant(Interval::ALL));
+    let mut matrix: Rows =
+        rows.iter().map(|&r| (dual(r).gradient, dual(r).norm)).collect();
+    for (i, &a) in rows.iter().enumerate() {
+        let Some(Step::Op(Op::TurnU, first)) = tape.steps.get(a) else { continue };
+        for (j, &b) in rows.iter().enumerate() {
+            let Some(Step::Op(Op::TurnV, second)) = tape.steps.get(b) else { continue };
+            if first != second {
+                continue;
+            }
+            let (&[u, v, t], true) = (&[0, 1, 2].map(|k| first.get(k).copied().unwrap_or(0)), true)
+            else {
+                continue;
+            };
+            let (u, v, t) = (dual(u), dual(v), dual(t));
+            let slip = |coordinate: Dual, by: Interval| {
+                let gradient = add(coordinate.gradient, t.scaled(by));
+                let turned = if t.norm == 0.0 { 0.0 } else { by.magnitude() * t.norm };
+                let norm = coordinate.norm + turned;
+                (gradient, norm.min(Dual::components_norm(&gradient)))
+            };
+            if let Some(slot) = matrix.get_mut(i) {
+                *slot = slip(u, v.value.neg());
+            }
+            if let Some(slot) = matrix.get_mut(j) {
+                *slot = slip(v, u.value);
+            }
+        }
+    }
+    let apart: Rows = rows.iter().map(|&r| steady(tape, values, r, 8)).collect();
+    let rest = apart.iter().map(|(_, norm)| norm * norm).sum::<f64>().sqrt().next_up();
+    let steady: Rows = apart.iter().map(|(g, _)| (*g, Dual::components_norm(g))).collect();
+    matrix_norm(&matrix).min(matrix_norm(&steady) + rest)
+}
+
+/// A gradient as one that is the same in the whole box, and the norm of what is added to it.
+fn steady(tape: &Tape, values: &[Dual], step: usize, depth: u32) -> ([Interval; 3], f64) {
+    let Some(dual) = values.get(step) else { return ([Interval::ZERO; 3], f64::INFINITY) };
+    if dual.gradient.iter().all(|g| g.is_point()) {
+        return (dual.gradient, 0.0);
+    }
+    match tape.steps.get(step) {
+        Some(Step::Op(op @ (Op::Add | Op::Sub), args)) if depth > 0 => {
+            let part = |i: usize| args.get(i).map(|&a| steady(tape, values, a, depth - 1));
+            let (Some((a, r)), Some((b, s))) = (part(0), part(1)) else { return ([Interval::ZERO; 3], dual.norm) };
+            let b = if *op == Op::Add { b } else { b.map(Interval::neg) };
+            (add(a, b), (r + s).next_up())
+        }
+        _ => ([Interval::ZERO; 3], dual.norm),
+    }
+}
+
+/// What some steps are made of by folds, turns and moves alone: so many times as steep as a cut below them, at most, wherever that is and
+/// whatever the parameters are. A cut is up to three steps that are all that those above need of the point.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    cut: Steps,
+    norm: f64,
+}
+
+/// So many cuts are looked for, over so many steps.
+const MOST_CUTS: usize = 256;
+const MOST_OPENED: usize = 2_000;
+/// From a cut to another are so many steps at most, and so many kinks, of which every side is looked at.
+const SPAN: usize = 24;
+const MOST_KINKS: usize = 2;
+/// Chains of fewer folds and turns are followed side by side of their kinks anyway.
+const LEAST_FOLDS: usize = 4;
+/// Of what is one step so many cuts are looked at, with so many steps above them.
+const MOST_HEADS: usize = 4;
+const HEAD: usize = 48;
+
+/// A bound of the norm of a map by what its coordinates go through one after another; infinite where that is not known. So whatever is folded
+/// and turned again and again keeps lengths.
+pub fn chain_norm(tape: &Tape, graph: &Graph, values: &[Dual], rows: &[usize]) -> f64 {
+    tape.chain(graph, rows).map_or(f64::INFINITY, |chain| {
+        let norm = chain.norm * map_norm(tape, values, &chain.cut);
+        if (norm - 1.0).abs() < 1e-9 { 1.0 } else { norm }
+    })
+}
+
+impl Chain {
+    /// The longest chain under some steps; none where it is short.
+    pub fn find(graph: &Graph, tape: &Tape, rows: &[usize]) -> Option<Self> {
+        let peeled = Peeled::of(graph, tape, rows);
+        let is_long = |steps: &[usize]| steps.iter().filter(|step| peeled.folds(**step)).count() >= LEAST_FOLDS;
+        if !is_long(&peeled.opened) {
+            return None;
+        }
+        let between = |from: usize, to: usize| peeled.opened.get(from..to).unwrap_or_default();
+        // How many times as steep as each cut the uppermost is.
+        let mut norms = vec![f64::INFINITY; peeled.cuts.len()];
+        if rows.len() == 1 {
+            let mut heads = 0;
+            for ((cut, above), norm) in peeled.cuts.iter().zip(&mut norms) {
+                if cut.len() == 3 && *above <= HEAD && heads < MOST_HEADS && is_long(between(*above, peeled.opened.len())) {
+                    *norm = peeled.norm_of_head(cut, between(0, *above));
+                    heads += 1;
+                }
+            }
+        } else if let Some(first) = norms.first_mut() {
+            *first = 1.0;
+        }
+        let mut local = peeled.values.clone();
+        for (i, (above, from)) in peeled.cuts.iter().enumerate() {
+            let known = norms.get(i).copied().filter(|norm| norm.is_finite());
+            for (j, (below, to)) in peeled.cuts.iter().enumerate().skip(i + 1) {
+                let steps = between(*from, *to);
+                let Some(known) = known.filter(|_| steps.len() <= SPAN) else { break };
+                let Some(norm) = peeled.norm_between(&mut local, steps, (above, below)) else { break };
+                if let Some(slot) = norms.get_mut(j) {
+                    *slot = slot.min(norm * known);
+                }
+            }
+        }
+        let last = norms.iter().rposition(|norm| norm.is_finite())?;
+        let (cut, above) = peeled.cuts.get(last)?;
+        is_long(between(0, *above)).then(|| Self { cut: cut.clone(), norm: norms.get(last).copied().unwrap_or(f64::INFINITY) })
+    }
+}
+
+/// Steps opened one after another, the uppermost first.
+struct Peeled<'a> {
+    graph: &'a Graph,
+    tape: &'a Tape,
+    opened: Vec<usize>,
+    /// What is left where that is a cut, and how many steps are opened above it. The first is what all begins with.
+    cuts: Vec<(Steps, usize)>,
+    /// What each step can be that does not move with the point.
+    values: Vec<Dual>,
+}
+
+impl<'a> Peeled<'a> {
+    fn of(graph: &'a Graph, tape: &'a Tape, rows: &[usize]) -> Self {
+        let unknown = Dual { norm: f64::INFINITY, ..Dual::constant(Interval::ALL) };
+        let mut values: Vec<Dual> = Vec::with_capacity(tape.steps.len());
+        for step in &tape.steps {
+            let known = match step {
+                Step::Constant(c) => Some(Interval::point(*c)),
+                Step::Leaf(Leaf::Time) => Some(Interval::ALL),
+                Step::Leaf(Leaf::Parameter(i)) => graph.parameters.get(*i as usize).map(|p| Interval::new(p.min, p.max)),
+                Step::Op(op, args) => {
+                    let still = |&a: &usize| values.get(a).filter(|d| d.norm == 0.0).map(|d| d.value);
+                    let args: Option<SmallVec<[Interval; 4]>> = args.iter().map(still).collect();
+                    args.map(|args| kernel::interval(*op, &args))
+                }
+                _ => None,
+            };
+            values.push(known.map_or(unknown, Dual::constant));
+        }
+        let moves = |step: &usize| values.get(*step).is_some_and(|d| d.norm != 0.0);
+        let mut front: Vec<usize> = rows.iter().copied().filter(|r| moves(r)).collect();
+        let (mut cuts, mut opened) = (vec![(Steps::from(rows), 0)], Vec::new());
+        while cuts.len() < MOST_CUTS && opened.len() < MOST_OPENED {
+            front.sort_unstable();
+            front.dedup();
+            let Some(top) = front.pop() else { break };
+            let Some(Step::Op(_, args)) = tape.steps.get(top) else { break };
+            opened.push(top);
+            front.extend(args.iter().copied().filter(|a| moves(a)));
+            front.sort_unstable();
+            front.dedup();
+            if front.len() <= 3 {
+                cuts.push((Steps::from(front.as_slice()), opened.len()));
+            }
+        }
+        Self { graph, tape, opened, cuts, values }
+    }
+
+    fn folds(&self, step: usize) -> bool {
+        matches!(self.tape.steps.get(step), Some(Step::Op(Op::Min | Op::Max | Op::Abs | Op::Select | Op::TurnU | Op::TurnV, _)))
+    }
+
+    /// How many times as steep as a cut the uppermost step is, side by side of the kinks of the steps between.
+    fn norm_of_head(&self, cut: &[usize], opened: &[usize]) -> f64 {
+        let mut known: Vec<usize> = cut.to_vec();
+        let mut still = Vec::new();
+        let mut steps: Vec<Step> = (0..cut.len() as u8).map(|i| Step::Leaf(Leaf::P(i))).collect();
+        for &step in opened.iter().rev() {
+            let Some(Step::Op(op, args)) = self.tape.steps.get(step) else { return f64::INFINITY };
+            let mut of = Steps::new();
+            for &arg in args {
+                of.push(known.iter().position(|k| *k == arg).unwrap_or_else(|| {
+                    steps.push(Step::Leaf(Leaf::Variable(still.len() as u32)));
+                    still.push(arg);
+                    known.push(arg);
+                    known.len() - 1
+                }));
+            }
+            steps.push(Step::Op(*op, of));
+            known.push(step);
+        }
+        let nodes = known.iter().filter_map(|&k| self.tape.nodes.get(k).copied()).collect();
+        let leaf = |leaf| match leaf {
+            Leaf::P(i) => Dual::coordinate(usize::from(i), Interval::ALL),
+            Leaf::Variable(v) => still.get(v as usize).and_then(|&s| self.values.get(s)).copied().unwrap_or(Dual::constant(Interval::ALL)),
+            _ => Dual::constant(Interval::ALL),
+        };
+        pieces(&mut Facts::default(), self.graph, &Tape::of_steps(steps, nodes), &leaf).0.norm
+    }
+
+    /// The norm of a map from one cut to another, over all sides of the kinks between. None where they are too many.
+    fn norm_between(&self, local: &mut [Dual], steps: &[usize], (above, below): (&[usize], &[usize])) -> Option<f64> {
+        let algebra = &mut Duals { pinned: Pinned::default() };
+        for (axis, &step) in below.iter().enumerate() {
+            if let Some(slot) = local.get_mut(step) {
+                *slot = Dual::coordinate(axis, Interval::ALL);
+            }
+        }
+        let mut most: f64 = 0.0;
+        let mut kinks: SmallVec<[Kink; MOST_KINKS]> = SmallVec::new();
+        let mut piece = 0;
+        while piece < 1 << kinks.len() {
+            for &step in steps.iter().rev() {
+                let Some(Step::Op(op, args)) = self.tape.steps.get(step) else { return None };
+                let of: SmallVec<[Dual; 4]> = args.iter().filter_map(|&a| local.get(a).copied()).collect();
+                let dual = match (Kink::of(*op, args), side_of(*op, &of)) {
+                    (Some(_), Some(side)) => on_side(*op, &of, side),
+                    (Some((kink, turned)), None) => {
+                        let known = kinks.iter().position(|k| *k == kink);
+                        let at = known.unwrap_or(kinks.len());
+                        if known.is_none() {
+                            kinks.push(kink);
+                        }
+                        if kinks.len() > MOST_KINKS {
+                            return None;
+                        }
+                        on_side(*op, &of, if (piece >> at & 1 == 0) == turned { Side::Second } else { Side::First })
+                    }
+                    _ => algebra.op(*op, &of),
+                };
+                if let Some(slot) = local.get_mut(step) {
+                    *slot = dual;
+                }
+            }
+            most = most.max(map_norm(self.tape, local, above));
+            piece += 1;
+        }
+        for &step in steps.iter().chain(below) {
+            if let (Some(slot), Some(value)) = (local.get_mut(step), self.values.get(step)) {
+                *slot = *value;
+            }
+        }
+        Some(most)
+    }
+}
+
+/// What decides between the sides of a kink: a condition, a sign, or which of two steps is the smaller.
+#[derive(Clone, Copy, PartialEq)]
+enum Kink {
+    Condition(usize),
+    Sign(usize),
+    Order(usize, usize),
+}
+
+impl Kink {
+    /// What decides at an operation, and whether its sides are the other way round.
+    fn of(op: Op, args: &[usize]) -> Option<(Self, bool)> {
+        match (op, args) {
+            (Op::Select, &[condition, ..]) => Some((Self::Condition(condition), false)),
+            (Op::Abs, &[a]) => Some((Self::Sign(a), false)),
+            (Op::Min | Op::Max, &[a, b]) => Some((Self::Order(a.min(b), a.max(b)), (op == Op::Max) != (b < a))),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+mod tests {
+    use crate::diagnostic::Code;
+    use crate::{MemoryLoader, Options, compile};
+
+    /// The largest factor of a formula that iterates so, over all space.
+    fn factor(turns: u32, next: &str, end: &str) -> f64 {
+        let text = format!("param t = 0.5 in 0..1\nfield f = {{ let q = p for i in 0..{turns} {{ q = {next} }}; {end} }}\nscene = f");
+        let outcome = compile(&MemoryLoader::new().with("main.sdf", text.as_str()), "main.sdf", &Options::default());
+        assert!(outcome.diagnostics.iter().all(|d| d.code == Code::Unused), "{text}: {:?}", outcome.diagnostics);
+        outcome.compiled.unwrap().graph.factors.iter().map(|f| f.lipschitz).fold(1.0, f64::max)
+    }
+
+    #[test]
+    fn what_is_folded_and_turned_again_and_again_keeps_lengths() {
+        let folded = "fold(fold(fold(q, (1, 1, 0)), (1, 0.3, 1)), (0, 1, 1)) - (0.5, 0.2, t)";
+        let turned = "rotate(rotate(abs(q) - 0.5, z, t), x, t / 2)";
+        let swapped = "{ let a = if q.x < q.y { q.yxz } else { q }; (if a.x < a.z { a.zyx } else { a }) - (0.5, 0.3, 0.2) }";
+        let sorted = "{ let a = abs(q); (max(a.x, a.y), min(a.x, a.y), a.z) - 0.4 }";
+        for next in [folded, turned, swapped, sorted] {
+            for end in ["length(q) - 0.2", "{ let d = abs(q) - 0.2; length(max(d, 0)) + min(max(d.x, max(d.y, d.z)), 0) }", "box(0.4).at(q)"] {
+                assert_eq!(factor(8, next, end), 1.0, "{next}: {end}");
+            }
+        }
+        // And each time twice as large, which the end takes back.
+        assert_eq!(factor(8, &format!("2 * {folded}"), "length(q) / 256 - 0.01"), 1.0);
+        // Not where one side of a fold is steeper.
+        let half = factor(5, "(abs(q.x) - 0.5, 2 * abs(q.y) - 0.5, abs(q.z) - 0.5)", "length(q) - 0.2");
+        assert!((31.9..32.1).contains(&half), "{half}");
+    }
+}
