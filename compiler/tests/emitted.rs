@@ -175,6 +175,26 @@ fn vectors_are_put_together_from_what_is_alike_only() {
 }
 
 #[test]
+fn what_is_done_again_and_again_is_computed_once_each_time() {
+    // A turn about a slanting axis reads its point in three orders, and folds read numbers that are half done.
+    let formulas = [
+        ("fold(fold(fold(q, (1, 1, 0)), (1, 0, 1)), (0, 1, 1)) - 0.3", 30),
+        ("{ let f = min(q.x + q.y, 0); let a = (q.x - f, q.y - f, q.z); let g = min(a.x + a.z, 0); (a.x - g, a.y, a.z - g) - 0.3 }", 31),
+        ("rotate(abs(q) - 0.3, (1, 2, 0.5), t)", 38),
+        ("{ let a = cross((1, 2, 0.5), q); 0.4 * cross(a, (0.3, 1, 0)) + 0.1 * a.zxy }", 20),
+    ];
+    let mut scenes = Vec::new();
+    for (next, most) in formulas {
+        let text = format!("param t = 0.4 in 0..1\nfield again = {{ let q = p for i in 0..6 {{ q = {next} }}; length(q) - 0.2 }}\nscene = again().within(box(3))");
+        let scene = scene(&text);
+        let operations = scene.module.operations.0;
+        assert!(operations <= 6 * most + 16, "{next}: {operations} operations");
+        scenes.push((next.to_owned(), scene, 1.5));
+    }
+    check(scenes, 80);
+}
+
+#[test]
 fn the_hash_is_the_same_to_the_last_bit() {
     let scene = scene("scene = for cell in grid((2, 2, 2)) { sphere(0.2 + 0.3 * hash(cell)) }");
     let (module, _) = emit::validate(&scene.module.wgsl).unwrap();

@@ -63,6 +63,8 @@ pub struct Part {
     pub index: u8,
     /// Whether the vector is worth having for two of its components.
     pub plain: bool,
+    /// The newest number inside the vector.
+    pub newest: ExprId,
 }
 
 /// No more operations than this lie within each other in one search: it is made by recursion.
@@ -160,8 +162,8 @@ impl Body {
                 // A constant is never read from a vector: it is as good where it stands, and the vector may hold it itself.
                 let stands = self.as_constant(part).is_some() || matches!(self.code(part), Code::Computed(..));
                 if part > joined.newest && !stands {
-                    let (vector, index, plain) = (joined.id, i as u8, joined.gathers == 0);
-                    self.set_part(part, Part { vector, index, plain });
+                    let (plain, newest) = (joined.gathers == 0, joined.newest);
+                    self.set_part(part, Part { vector: joined.id, index: i as u8, plain, newest });
                 }
             }
         }
@@ -170,10 +172,15 @@ impl Body {
 
     /// Something better than all components written out.
     fn find(&mut self, parts: &[ExprId], depth: u32) -> Option<Joined> {
-        if let Some((id, base)) = self.swizzle(parts) {
-            return Some(Joined { id, gathers: 0, newest: base });
+        if let Some((id, newest)) = self.swizzle(parts) {
+            return Some(Joined { id, gathers: 0, newest });
         }
         if depth >= DEPTH {
+            return None;
+        }
+        // What is written twice is computed once, by itself.
+        let twice = |(i, p): (usize, &ExprId)| parts.iter().skip(i + 1).any(|other| other == p) && self.operation(*p).is_some();
+        if parts.iter().enumerate().any(twice) {
             return None;
         }
         let first = *parts.first()?;
@@ -348,24 +355,28 @@ impl Body {
         parts.iter().map(|&p| self.argument(p, i)).collect()
     }
 
-    /// The numbers as components of one vector, if they are that; and what they were taken from.
+    /// The numbers as components of one vector, if they are that; and the newest number inside it.
     fn swizzle(&mut self, parts: &[ExprId]) -> Option<(ExprId, ExprId)> {
-        let (mut base, mut order, mut identity) = (None, 0u16, true);
+        let (mut base, mut newest, mut order, mut identity) = (None, 0, 0u16, true);
         for (i, &part) in parts.iter().enumerate() {
-            let (of, c) = match self.code(part) {
-                Code::Component(c) => (*self.arguments(part).first()?, c),
-                _ => self.part(part).map(|p| (p.vector, p.index))?,
+            let (of, c, age) = match self.code(part) {
+                Code::Component(c) => {
+                    let of = *self.arguments(part).first()?;
+                    (of, c, of)
+                }
+                _ => self.part(part).map(|p| (p.vector, p.index, p.newest))?,
             };
             if *base.get_or_insert(of) != of {
                 return None;
             }
+            newest = newest.max(age);
             order |= u16::from(c) << (4 * i);
             identity &= usize::from(c) == i;
         }
         let (base, count) = (base?, parts.len() as u8);
         if identity && self.components(base) == count {
-            return Some((base, base));
+            return Some((base, newest));
         }
-        Some((self.add(Code::Swizzle(count, order), &[base]), base))
+        Some((self.add(Code::Swizzle(count, order), &[base]), newest))
     }
 }

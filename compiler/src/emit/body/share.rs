@@ -57,7 +57,7 @@ impl Body {
             }
         }
         // A number is a component of the vector that was made of it: where that is there anyway, or serves for two numbers.
-        // A vector's parts are newer than those of the vectors inside it.
+        // Mostly a vector's parts are newer than those of the vectors inside it; what comes too early is computed once more.
         let mut parts = std::mem::take(&mut self.parts);
         parts.retain(|&id| (id as usize) < count);
         parts.sort_unstable();
