@@ -180,7 +180,7 @@ fn what_is_done_again_and_again_is_computed_once_each_time() {
     let formulas = [
         ("fold(fold(fold(q, (1, 1, 0)), (1, 0, 1)), (0, 1, 1)) - 0.3", 30),
         ("{ let f = min(q.x + q.y, 0); let a = (q.x - f, q.y - f, q.z); let g = min(a.x + a.z, 0); (a.x - g, a.y, a.z - g) - 0.3 }", 31),
-        ("rotate(abs(q) - 0.3, (1, 2, 0.5), t)", 38),
+        ("rotate(abs(q) - 0.3, (1, 2, 0.5), t)", 40),
         ("{ let a = cross((1, 2, 0.5), q); 0.4 * cross(a, (0.3, 1, 0)) + 0.1 * a.zxy }", 20),
     ];
     let mut scenes = Vec::new();

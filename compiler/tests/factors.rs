@@ -263,3 +263,18 @@ fn what_is_not_proven_says_so() {
     let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &strict);
     assert!(outcome.compiled.is_none() && outcome.has_errors());
 }
+
+#[test]
+fn a_distance_is_one_as_long_as_it_is_but_moved() {
+    use surefoot_compiler::functions::Kind;
+    let kind = |end: &str| {
+        let text = format!("param a = 20deg in 0deg..90deg\nwarp squash = p * (0.5, 1, 1)\nscene = box(1).{end}");
+        scene(&text).summary.kind
+    };
+    for rigid in ["translate(1, a, 0)", "rotate(y, a)", "rotate((1, 2, 0.5), time + a)", "rotate((1, 1, 1), a).rotate((-1, 0.5, 3), 40deg)", "mirror((1, 1, 0.3))", "rotate(x, 1).translate(0, time, 0)"] {
+        assert_eq!(kind(rigid), Kind::Exact, "{rigid}");
+    }
+    for other in ["fold((1, 1, 0))", "squash()", "translate(2, 0, 0).fold(x).rotate(y, a)"] {
+        assert_eq!(kind(other), Kind::Lipschitz, "{other}");
+    }
+}

@@ -201,3 +201,27 @@ fn formulas_use_shapes_blends_and_warps() {
         near(field(text, point), expected);
     }
 }
+
+#[test]
+fn turns_about_any_axis_go_by_the_right_hand() {
+    // By Rodrigues' formula, with the angle as a number and as a slider.
+    for axis in [[1.0, 1.0, 1.0], [1.0, 2.0, 0.5], [-0.3, 0.1, 2.0], [0.0, 1.0, 1.0], [1.0, -1e-3, 0.0]] {
+        for degrees in [120.0, -35.0_f64] {
+            let length = axis.iter().map(|c: &f64| c * c).sum::<f64>().sqrt();
+            let k = axis.map(|c| c / length);
+            let v = [0.4, -0.7, 1.1];
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let along: f64 = k.iter().zip(v).map(|(k, v)| k * v).sum();
+            let crossed = [k[1] * v[2] - k[2] * v[1], k[2] * v[0] - k[0] * v[2], k[0] * v[1] - k[1] * v[0]];
+            for (i, c) in ["x", "y", "z"].iter().enumerate() {
+                let expected = v[i] * cos + crossed[i] * sin + k[i] * along * (1.0 - cos);
+                let [i, j, l] = axis;
+                for angle in [format!("{degrees}deg"), "turned".to_owned()] {
+                    let declared = format!("param turned = {degrees}deg in -180deg..180deg");
+                    let found = number(&declared, &format!("turn_about((0.4, -0.7, 1.1), normalize(({i}, {j}, {l})), {angle}).{c}"));
+                    near(found, expected);
+                }
+            }
+        }
+    }
+}

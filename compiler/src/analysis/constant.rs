@@ -20,6 +20,9 @@ pub struct Constant {
     pub jumps: bool,
 }
 
+/// How exactly a map keeps lengths that counts as one that does.
+const RIGID: f64 = 1e-6;
+
 impl Facts {
     /// A Lipschitz constant of a node over a domain, looked for with at most `budget` boxes.
     pub fn constant(
@@ -191,6 +194,28 @@ impl Facts {
         };
         self.maps.insert(key, constant);
         constant
+    }
+
+    /// Whether a map of points keeps all distances, wherever they are, with the values of the parameters that the text gives: moves, turns and
+    /// mirrors do, folds do not.
+    pub fn is_rigid(&mut self, graph: &Graph, point: &[NodeId]) -> bool {
+        if point.iter().enumerate().all(|(i, &p)| shift_along(graph, p, i).is_some() || graph.as_constant(p).is_some()) {
+            return true;
+        }
+        let tape = Tape::new(graph, point);
+        let leaf = |leaf| match leaf {
+            Leaf::P(i) => Dual::coordinate(usize::from(i), Interval::ALL),
+            Leaf::Parameter(i) => Dual::constant(Interval::point(graph.parameters.get(i as usize).map_or(0.0, |p| p.default))),
+            Leaf::Time => Dual::constant(Interval::ZERO),
+            _ => Dual::constant(Interval::ALL),
+        };
+        let duals = dual::run(self, graph, &tape, None, &mut None, &leaf).unwrap_or_default();
+        let moving = |p: &usize| duals.get(*p).filter(|d| d.norm > 0.0).map(|d| d.gradient);
+        let rows: Vec<[Interval; 3]> = tape.roots().filter_map(|root| moving(&root)).collect();
+        let along = |a: &[Interval; 3], b: &[Interval; 3]| -> f64 { a.iter().zip(b).map(|(a, b)| a.middle() * b.middle()).sum() };
+        let steady = rows.iter().flatten().all(|slope| slope.width() < RIGID);
+        let square = |i: usize, a, j: usize, b| (along(a, b) - f64::from(u8::from(i == j))).abs() < RIGID;
+        steady && rows.iter().enumerate().all(|(i, a)| rows.iter().enumerate().all(|(j, b)| square(i, a, j, b)))
     }
 
     /// The constant of a turn about an axis by an angle that only goes along with that axis, in a tube about it: with a the steepest change

@@ -99,7 +99,9 @@ impl Chain {
     /// The longest chain under some steps; none where it is short.
     pub fn find(graph: &Graph, tape: &Tape, rows: &[usize]) -> Option<Self> {
         let peeled = Peeled::of(graph, tape, rows);
-        let is_long = |steps: &[usize]| steps.iter().filter(|step| peeled.folds(**step)).count() >= LEAST_FOLDS;
+        let is_long = |steps: &[usize]| {
+            steps.iter().filter(|step| peeled.folds(**step)).count() >= LEAST_FOLDS || steps.iter().any(|step| peeled.turns(*step))
+        };
         if !is_long(&peeled.opened) {
             return None;
         }
@@ -185,6 +187,12 @@ impl<'a> Peeled<'a> {
 
     fn folds(&self, step: usize) -> bool {
         matches!(self.tape.steps.get(step), Some(Step::Op(Op::Min | Op::Max | Op::Abs | Op::Select | Op::TurnU | Op::TurnV, _)))
+    }
+
+    /// Whether a step is a turn by an angle that is no number.
+    fn turns(&self, step: usize) -> bool {
+        let Some(Step::Op(Op::TurnU | Op::TurnV, args)) = self.tape.steps.get(step) else { return false };
+        !args.last().is_some_and(|&a| matches!(self.tape.steps.get(a), Some(Step::Constant(_))))
     }
 
     /// How many times as steep as a cut the uppermost step is, side by side of the kinks of the steps between.

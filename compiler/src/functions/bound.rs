@@ -156,6 +156,9 @@ impl Builder<'_> {
         }
         let call = self.graph.call(inner, Function::Bound, args);
         if all.lipschitz <= UNIT {
+            if !self.facts.is_rigid(self.graph, point) {
+                self.kind = self.kind.max(Kind::Lipschitz);
+            }
             return call;
         }
         let of_map = |constant: &Constant, domain: Domain, proof: Proof| Known {

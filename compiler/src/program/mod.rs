@@ -21,6 +21,7 @@ pub mod physics;
 pub mod repeat;
 mod surroundings;
 mod texture;
+mod turn;
 pub mod value;
 
 use crate::analysis::Facts;
