@@ -79,7 +79,7 @@ impl Facts {
         if self.searched > self.most_searched { budget.min(1) } else { budget }
     }
 
-    /// How fast a node changes with one of its variables at most, whatever the point and all else are within the domain.
+    /// How fast a node changes with one of its variables at most, whatever the point and all else are within the domain; without end where it jumps.
     pub fn rate_by(&mut self, graph: &Graph, node: NodeId, variable: u32, domain: &Domain) -> f64 {
         let tape = self.tape(graph, node);
         let pinned = self.pinned.clone();
@@ -87,7 +87,8 @@ impl Facts {
             Leaf::Variable(v) if v == variable => Dual::coordinate(0, domain.variable(v)),
             other => Dual::constant(leaf_range(graph, &pinned, other, domain)),
         };
-        dual::hull_of_pieces(self, graph, &tape, &leaf).0.norm
+        let by = dual::hull_of_pieces(self, graph, &tape, &leaf).0;
+        if by.jumps != 0 { f64::INFINITY } else { by.norm }
     }
 
     /// Whether searches have cost less than half of what they may.

@@ -104,6 +104,15 @@ mod tests {
     }
 
     #[test]
+    fn what_is_chosen_by_a_jump_is_not_gone_over() {
+        // The ball is 1.2 in radius where the other half of space has one of 0.5.
+        for chosen in ["[0.2, 1.2, 0.5][int(clamp(2 * sign(p.x), 0, 2))]", "(if floor(p.x) < 0 { 1.2 } else { 0.5 })"] {
+            let (bound, _) = bound(&format!("length(p) - {chosen}"), [-0.1, 1.2, 0.0]);
+            assert!(bound <= 0.1 + 1e-9, "{chosen}: {bound}");
+        }
+    }
+
+    #[test]
     fn a_jump_of_an_angle_is_as_near_as_its_radius_says() {
         // Out to 1.4 on one side of the angle of zero, to 1 on the other.
         let place = [1.3, 0.0, 0.026];
