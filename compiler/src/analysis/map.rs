@@ -14,6 +14,11 @@ use smallvec::SmallVec;
 /// A bound of the norm of the Jacobian whose rows are the gradients of these steps. A pair of coordinates that is another pair turned
 /// by an angle t counts as that pair with its slip: (∇u - v∇t, ∇v + u∇t), for a turn is an isometry.
 pub fn map_norm(tape: &Tape, values: &[Dual], rows: &[usize]) -> f64 {
+    norm_of_rows(tape, values, rows, &|_| true)
+}
+
+/// The same, where of some rows only their own gradients are known.
+fn norm_of_rows(tape: &Tape, values: &[Dual], rows: &[usize], is_open: &dyn Fn(usize) -> bool) -> f64 {
     let dual = |i: usize| values.get(i).copied().unwrap_or(Dual::constant(Interval::ALL));
     let mut matrix: Rows =
         rows.iter().map(|&r| (dual(r).gradient, dual(r).norm)).collect();
@@ -21,7 +26,7 @@ pub fn map_norm(tape: &Tape, values: &[Dual], rows: &[usize]) -> f64 {
         let Some(Step::Op(Op::TurnU, first)) = tape.steps.get(a) else { continue };
         for (j, &b) in rows.iter().enumerate() {
             let Some(Step::Op(Op::TurnV, second)) = tape.steps.get(b) else { continue };
-            if first != second {
+            if first != second || !is_open(a) || !is_open(b) {
                 continue;
             }
             let (&[u, v, t], true) = (&[0, 1, 2].map(|k| first.get(k).copied().unwrap_or(0)), true)
@@ -150,7 +155,7 @@ struct Peeled<'a> {
 
 impl<'a> Peeled<'a> {
     fn of(graph: &'a Graph, tape: &'a Tape, rows: &[usize]) -> Self {
-        let unknown = Dual { norm: f64::INFINITY, ..Dual::constant(Interval::ALL) };
+        let unknown = Dual::unknown(Interval::ALL);
         let mut values: Vec<Dual> = Vec::with_capacity(tape.steps.len());
         for step in &tape.steps {
             let known = match step {
@@ -257,7 +262,8 @@ impl<'a> Peeled<'a> {
                     *slot = dual;
                 }
             }
-            most = most.max(map_norm(self.tape, local, above));
+            // Of a turn that is not opened its arguments are not within reach.
+            most = most.max(norm_of_rows(self.tape, local, above, &|row| steps.contains(&row)));
             piece += 1;
         }
         for &step in steps.iter().chain(below) {
@@ -319,5 +325,7 @@ mod tests {
         // Not where one side of a fold is steeper.
         let half = factor(5, "(abs(q.x) - 0.5, 2 * abs(q.y) - 0.5, abs(q.z) - 0.5)", "length(q) - 0.2");
         assert!((31.9..32.1).contains(&half), "{half}");
+        let sheared = factor(2, "rotate((q.x + 0.84 * q.y, q.y, q.z), x, 40deg)", "length(q) - 0.3");
+        assert!((2.06..2.07).contains(&sheared), "{sheared}");
     }
 }

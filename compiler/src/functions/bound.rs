@@ -119,13 +119,19 @@ impl Builder<'_> {
                 _ => None,
             })
             .collect();
-        let constant = match (numerators, self.graph.as_constant(factor)) {
-            (Some(numerators), _) => self.facts.map_constant(self.graph, &numerators, &everywhere, 1).lipschitz,
-            (None, Some(k)) => k * self.facts.map_constant(self.graph, point, &everywhere, 1).lipschitz,
-            _ => return None,
+        let scaled: Vec<NodeId> = match numerators {
+            Some(numerators) => numerators,
+            None => {
+                self.graph.as_constant(factor)?;
+                point.iter().map(|&q| self.graph.op(Op::Mul, &[factor, q])).collect()
+            }
         };
-        if moving || constant > UNIT {
+        let map = self.facts.map_constant(self.graph, &scaled, &everywhere, 1);
+        if moving || map.jumps || map.lipschitz > UNIT {
             return None;
+        }
+        if !self.facts.is_rigid(self.graph, &scaled) {
+            self.kind = self.kind.max(Kind::Lipschitz);
         }
         let inner = self.graph.call(shape, function, &args);
         Some(self.graph.op(Op::Mul, &[factor, inner]))
