@@ -4,7 +4,7 @@
 //! can reach one, and because a turn by any angle, varying or not, is an isometry.
 
 use super::branches::{self, Branches, Side};
-use super::map::{chain_norm, map_norm};
+use super::map::{chain_norm, map_norm, point_norm};
 use super::matrix::{Rows, matrix_norm};
 use super::tape::{Step, Tape};
 use super::{leaf_range, Box3, Domain, Facts, Pinned};
@@ -312,8 +312,7 @@ pub fn run(
             Step::Constant(c) => algebra.constant(*c),
             Step::Leaf(l) => leaf(*l),
             Step::Op(op @ (Op::Length2 | Op::Length3 | Op::Length4), args) => {
-                let norm = map_norm(tape, &values, args);
-                let norm = if norm > 1.0 { norm.min(chain_norm(tape, graph, &values, args)) } else { norm };
+                let norm = point_norm(tape, graph, &values, args);
                 let (of, n) = few(args);
                 let plain = algebra.op(*op, of.get(..n).unwrap_or(&of));
                 Dual::new(plain.value, plain.limited(norm).gradient, norm.min(plain.norm), plain.jumps)
@@ -388,8 +387,7 @@ pub fn run(
             Step::Call(shape, args) => {
                 let of = gather(args);
                 let point = args.get(..3).unwrap_or(args);
-                let norm = map_norm(tape, &values, point);
-                let norm = if norm > 1.0 { norm.min(chain_norm(tape, graph, &values, point)) } else { norm };
+                let norm = point_norm(tape, graph, &values, point);
                 let dual = call(facts, graph, *shape, &of, norm);
                 match super::turned::turned_norm(facts, graph, tape, *shape, args, &values) {
                     Some(most) if most < dual.norm => dual.limited(most),

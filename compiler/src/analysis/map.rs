@@ -9,7 +9,9 @@ use crate::graph::algebra::Algebra;
 use crate::graph::interval::Interval;
 use crate::graph::{Graph, Leaf};
 use crate::graph::kernel::{self, Op};
+use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
+use std::rc::Rc;
 
 /// A bound of the norm of the Jacobian whose rows are the gradients of these steps. A pair of coordinates that is another pair turned
 /// by an angle t counts as that pair with its slip: (∇u - v∇t, ∇v + u∇t), for a turn is an isometry.
@@ -17,7 +19,13 @@ pub fn map_norm(tape: &Tape, values: &[Dual], rows: &[usize]) -> f64 {
     norm_of_rows(tape, values, rows, &|_| true)
 }
 
-/// The same, where of some rows only their own gradients are known.
+/// The same, or what the rows go through says where that is less.
+pub fn point_norm(tape: &Tape, graph: &Graph, values: &[Dual], rows: &[usize]) -> f64 {
+    let norm = map_norm(tape, values, rows);
+    if norm > 1.0 { norm.min(chain_norm(tape, graph, values, rows)) } else { norm }
+}
+
+/// The norm of a map where of some rows only their own gradients are known.
 fn norm_of_rows(tape: &Tape, values: &[Dual], rows: &[usize], is_open: &dyn Fn(usize) -> bool) -> f64 {
     let dual = |i: usize| values.get(i).copied().unwrap_or(Dual::constant(Interval::ALL));
     let mut matrix: Rows =
@@ -29,11 +37,7 @@ fn norm_of_rows(tape: &Tape, values: &[Dual], rows: &[usize], is_open: &dyn Fn(u
             if first != second || !is_open(a) || !is_open(b) {
                 continue;
             }
-            let (&[u, v, t], true) = (&[0, 1, 2].map(|k| first.get(k).copied().unwrap_or(0)), true)
-            else {
-                continue;
-            };
-            let (u, v, t) = (dual(u), dual(v), dual(t));
+            let [u, v, t] = [0, 1, 2].map(|k| dual(first.get(k).copied().unwrap_or(0)));
             let slip = |coordinate: Dual, by: Interval| {
                 let gradient = add(coordinate.gradient, t.scaled(by));
                 let turned = if t.norm == 0.0 { 0.0 } else { by.magnitude() * t.norm };
@@ -71,6 +75,9 @@ fn steady(tape: &Tape, values: &[Dual], step: usize, depth: u32) -> ([Interval; 
     }
 }
 
+/// A value of which nothing is known.
+const UNKNOWN: Dual = Dual { value: Interval::ALL, gradient: [Interval::ALL; 3], norm: f64::INFINITY, jumps: 0 };
+
 /// What some steps are made of by folds, turns and moves alone: so many times as steep as a cut below them, at most, wherever that is and
 /// whatever the parameters are. A cut is up to three steps that are all that those above need of the point.
 #[derive(Clone, Debug)]
@@ -79,9 +86,11 @@ pub struct Chain {
     norm: f64,
 }
 
-/// So many cuts are looked for, over so many steps.
+/// So many cuts are looked for, and no more where so many steps stand beside each other.
 const MOST_CUTS: usize = 256;
-const MOST_OPENED: usize = 2_000;
+const MOST_FRONT: usize = 64;
+/// So many steps are opened and followed for all chains of a tape.
+const MOST_FOLLOWED: usize = 100_000;
 /// From a cut to another are so many steps at most, and so many kinks, of which every side is looked at.
 const SPAN: usize = 24;
 const MOST_KINKS: usize = 2;
@@ -100,46 +109,56 @@ pub fn chain_norm(tape: &Tape, graph: &Graph, values: &[Dual], rows: &[usize]) -
     })
 }
 
-impl Chain {
-    /// The longest chain under some steps; none where it is short.
-    pub fn find(graph: &Graph, tape: &Tape, rows: &[usize]) -> Option<Self> {
-        let peeled = Peeled::of(graph, tape, rows);
-        let is_long = |steps: &[usize]| {
-            steps.iter().filter(|step| peeled.folds(**step)).count() >= LEAST_FOLDS || steps.iter().any(|step| peeled.turns(*step))
-        };
-        if !is_long(&peeled.opened) {
-            return None;
-        }
-        let between = |from: usize, to: usize| peeled.opened.get(from..to).unwrap_or_default();
-        // How many times as steep as each cut the uppermost is.
-        let mut norms = vec![f64::INFINITY; peeled.cuts.len()];
-        if rows.len() == 1 {
-            let mut heads = 0;
-            for ((cut, above), norm) in peeled.cuts.iter().zip(&mut norms) {
-                if cut.len() == 3 && *above <= HEAD && heads < MOST_HEADS && is_long(between(*above, peeled.opened.len())) {
-                    *norm = peeled.norm_of_head(cut, between(0, *above));
-                    heads += 1;
-                }
-            }
-        } else if let Some(first) = norms.first_mut() {
-            *first = 1.0;
-        }
-        let mut local = peeled.values.clone();
-        for (i, (above, from)) in peeled.cuts.iter().enumerate() {
-            let known = norms.get(i).copied().filter(|norm| norm.is_finite());
-            for (j, (below, to)) in peeled.cuts.iter().enumerate().skip(i + 1) {
-                let steps = between(*from, *to);
-                let Some(known) = known.filter(|_| steps.len() <= SPAN) else { break };
-                let Some(norm) = peeled.norm_between(&mut local, steps, (above, below)) else { break };
-                if let Some(slot) = norms.get_mut(j) {
-                    *slot = slot.min(norm * known);
-                }
-            }
-        }
-        let last = norms.iter().rposition(|norm| norm.is_finite())?;
-        let (cut, above) = peeled.cuts.get(last)?;
-        is_long(between(0, *above)).then(|| Self { cut: cut.clone(), norm: norms.get(last).copied().unwrap_or(f64::INFINITY) })
+/// The chains of a tape, found when they are first asked for.
+#[derive(Clone, Debug)]
+pub struct Chains {
+    known: FxHashMap<Steps, Option<Rc<Chain>>>,
+    /// What each step can be that does not move with the point; the others are unknown.
+    values: Vec<Dual>,
+    /// How many steps may still be opened and followed.
+    left: usize,
+}
+
+impl Default for Chains {
+    fn default() -> Self {
+        Self { known: FxHashMap::default(), values: Vec::new(), left: MOST_FOLLOWED }
     }
+}
+
+impl Chains {
+    /// The chain under some steps; none where all is to be known from themselves.
+    pub fn under(&mut self, graph: &Graph, tape: &Tape, rows: &[usize]) -> Option<Rc<Chain>> {
+        if let Some(known) = self.known.get(rows) {
+            return known.clone();
+        }
+        if self.values.is_empty() {
+            self.values = still_values(graph, tape);
+        }
+        let mut peeled = Peeled::of(graph, tape, rows, self);
+        let found = peeled.chain(rows).map(Rc::new);
+        self.known.insert(rows.into(), found.clone());
+        found
+    }
+}
+
+/// What each step of a tape can be that does not move with the point.
+fn still_values(graph: &Graph, tape: &Tape) -> Vec<Dual> {
+    let mut values: Vec<Dual> = Vec::with_capacity(tape.steps.len());
+    for step in &tape.steps {
+        let known = match step {
+            Step::Constant(c) => Some(Interval::point(*c)),
+            Step::Leaf(Leaf::Time) => Some(Interval::ALL),
+            Step::Leaf(Leaf::Parameter(i)) => graph.parameters.get(*i as usize).map(|p| Interval::new(p.min, p.max)),
+            Step::Op(op, args) => {
+                let still = |&a: &usize| values.get(a).filter(|d| d.norm == 0.0).map(|d| d.value);
+                let args: Option<SmallVec<[Interval; 4]>> = args.iter().map(still).collect();
+                args.map(|args| kernel::interval(*op, &args))
+            }
+            _ => None,
+        };
+        values.push(known.map_or(UNKNOWN, Dual::constant));
+    }
+    values
 }
 
 /// Steps opened one after another, the uppermost first.
@@ -149,36 +168,23 @@ struct Peeled<'a> {
     opened: Vec<usize>,
     /// What is left where that is a cut, and how many steps are opened above it. The first is what all begins with.
     cuts: Vec<(Steps, usize)>,
-    /// What each step can be that does not move with the point.
-    values: Vec<Dual>,
+    /// The steps' values; those that move are unknown but while they are followed.
+    values: &'a mut [Dual],
+    left: &'a mut usize,
 }
 
 impl<'a> Peeled<'a> {
-    fn of(graph: &'a Graph, tape: &'a Tape, rows: &[usize]) -> Self {
-        let unknown = Dual::unknown(Interval::ALL);
-        let mut values: Vec<Dual> = Vec::with_capacity(tape.steps.len());
-        for step in &tape.steps {
-            let known = match step {
-                Step::Constant(c) => Some(Interval::point(*c)),
-                Step::Leaf(Leaf::Time) => Some(Interval::ALL),
-                Step::Leaf(Leaf::Parameter(i)) => graph.parameters.get(*i as usize).map(|p| Interval::new(p.min, p.max)),
-                Step::Op(op, args) => {
-                    let still = |&a: &usize| values.get(a).filter(|d| d.norm == 0.0).map(|d| d.value);
-                    let args: Option<SmallVec<[Interval; 4]>> = args.iter().map(still).collect();
-                    args.map(|args| kernel::interval(*op, &args))
-                }
-                _ => None,
-            };
-            values.push(known.map_or(unknown, Dual::constant));
-        }
+    fn of(graph: &'a Graph, tape: &'a Tape, rows: &[usize], chains: &'a mut Chains) -> Self {
+        let Chains { values, left, .. } = chains;
         let moves = |step: &usize| values.get(*step).is_some_and(|d| d.norm != 0.0);
         let mut front: Vec<usize> = rows.iter().copied().filter(|r| moves(r)).collect();
         let (mut cuts, mut opened) = (vec![(Steps::from(rows), 0)], Vec::new());
-        while cuts.len() < MOST_CUTS && opened.len() < MOST_OPENED {
-            front.sort_unstable();
-            front.dedup();
+        front.sort_unstable();
+        front.dedup();
+        while cuts.len() < MOST_CUTS && front.len() < MOST_FRONT && *left > 0 {
             let Some(top) = front.pop() else { break };
             let Some(Step::Op(_, args)) = tape.steps.get(top) else { break };
+            *left -= 1;
             opened.push(top);
             front.extend(args.iter().copied().filter(|a| moves(a)));
             front.sort_unstable();
@@ -187,7 +193,51 @@ impl<'a> Peeled<'a> {
                 cuts.push((Steps::from(front.as_slice()), opened.len()));
             }
         }
-        Self { graph, tape, opened, cuts, values }
+        Self { graph, tape, opened, cuts, values, left }
+    }
+
+    /// The longest chain; none where it is short.
+    fn chain(&mut self, rows: &[usize]) -> Option<Chain> {
+        if !self.is_long(0, self.opened.len()) {
+            return None;
+        }
+        let cuts = std::mem::take(&mut self.cuts);
+        // How many times as steep as each cut the uppermost is.
+        let mut norms = vec![f64::INFINITY; cuts.len()];
+        if rows.len() == 1 {
+            let mut heads = 0;
+            for ((cut, above), norm) in cuts.iter().zip(&mut norms) {
+                if cut.len() == 3 && *above <= HEAD && heads < MOST_HEADS && self.is_long(*above, self.opened.len()) {
+                    *norm = self.norm_of_head(cut, self.between(0, *above));
+                    heads += 1;
+                }
+            }
+        } else if let Some(first) = norms.first_mut() {
+            *first = 1.0;
+        }
+        for (i, (above, from)) in cuts.iter().enumerate() {
+            let known = norms.get(i).copied().filter(|norm| norm.is_finite());
+            for (j, (below, to)) in cuts.iter().enumerate().skip(i + 1) {
+                let Some(known) = known.filter(|_| to - from <= SPAN) else { break };
+                let Some(norm) = self.norm_between((*from, *to), (above, below)) else { break };
+                if let Some(slot) = norms.get_mut(j) {
+                    *slot = slot.min(norm * known);
+                }
+            }
+        }
+        let last = norms.iter().rposition(|norm| norm.is_finite())?;
+        let (cut, above) = cuts.get(last)?;
+        self.is_long(0, *above).then(|| Chain { cut: cut.clone(), norm: norms.get(last).copied().unwrap_or(f64::INFINITY) })
+    }
+
+    fn between(&self, from: usize, to: usize) -> &[usize] {
+        self.opened.get(from..to).unwrap_or_default()
+    }
+
+    /// Whether so much is folded between two cuts that to follow the chain is worth it.
+    fn is_long(&self, from: usize, to: usize) -> bool {
+        let steps = self.between(from, to);
+        steps.iter().filter(|step| self.folds(**step)).count() >= LEAST_FOLDS || steps.iter().any(|step| self.turns(*step))
     }
 
     fn folds(&self, step: usize) -> bool {
@@ -229,49 +279,65 @@ impl<'a> Peeled<'a> {
     }
 
     /// The norm of a map from one cut to another, over all sides of the kinks between. None where they are too many.
-    fn norm_between(&self, local: &mut [Dual], steps: &[usize], (above, below): (&[usize], &[usize])) -> Option<f64> {
-        let algebra = &mut Duals { pinned: Pinned::default() };
+    fn norm_between(&mut self, (from, to): (usize, usize), (above, below): (&[usize], &[usize])) -> Option<f64> {
         for (axis, &step) in below.iter().enumerate() {
-            if let Some(slot) = local.get_mut(step) {
-                *slot = Dual::coordinate(axis, Interval::ALL);
-            }
+            self.set(step, Dual::coordinate(axis, Interval::ALL));
         }
         let mut most: f64 = 0.0;
         let mut kinks: SmallVec<[Kink; MOST_KINKS]> = SmallVec::new();
         let mut piece = 0;
         while piece < 1 << kinks.len() {
-            for &step in steps.iter().rev() {
-                let Some(Step::Op(op, args)) = self.tape.steps.get(step) else { return None };
-                let of: SmallVec<[Dual; 4]> = args.iter().filter_map(|&a| local.get(a).copied()).collect();
-                let dual = match (Kink::of(*op, args), side_of(*op, &of)) {
-                    (Some(_), Some(side)) => on_side(*op, &of, side),
-                    (Some((kink, turned)), None) => {
-                        let known = kinks.iter().position(|k| *k == kink);
-                        let at = known.unwrap_or(kinks.len());
-                        if known.is_none() {
-                            kinks.push(kink);
-                        }
-                        if kinks.len() > MOST_KINKS {
-                            return None;
-                        }
-                        on_side(*op, &of, if (piece >> at & 1 == 0) == turned { Side::Second } else { Side::First })
-                    }
-                    _ => algebra.op(*op, &of),
-                };
-                if let Some(slot) = local.get_mut(step) {
-                    *slot = dual;
-                }
+            let followed = self.follow((from, to), piece, &mut kinks);
+            if followed.is_none() {
+                most = f64::INFINITY;
+                break;
             }
             // Of a turn that is not opened its arguments are not within reach.
-            most = most.max(norm_of_rows(self.tape, local, above, &|row| steps.contains(&row)));
+            let is_open = |row| self.between(from, to).contains(&row);
+            most = most.max(norm_of_rows(self.tape, self.values, above, &is_open));
             piece += 1;
         }
-        for &step in steps.iter().chain(below) {
-            if let (Some(slot), Some(value)) = (local.get_mut(step), self.values.get(step)) {
-                *slot = *value;
+        for at in from..to {
+            if let Some(&step) = self.opened.get(at) {
+                self.set(step, UNKNOWN);
             }
         }
-        Some(most)
+        below.iter().for_each(|&step| self.set(step, UNKNOWN));
+        Some(most).filter(|norm| norm.is_finite())
+    }
+
+    /// Computes the steps between two cuts on one side of each kink. None where there are too many of these, or it takes too long.
+    fn follow(&mut self, (from, to): (usize, usize), piece: usize, kinks: &mut SmallVec<[Kink; MOST_KINKS]>) -> Option<()> {
+        *self.left = self.left.checked_sub(to - from)?;
+        let algebra = &mut Duals { pinned: Pinned::default() };
+        for at in (from..to).rev() {
+            let step = *self.opened.get(at)?;
+            let Some(Step::Op(op, args)) = self.tape.steps.get(step) else { return None };
+            let of: SmallVec<[Dual; 4]> = args.iter().filter_map(|&a| self.values.get(a).copied()).collect();
+            let dual = match (Kink::of(*op, args), side_of(*op, &of)) {
+                (Some(_), Some(side)) => on_side(*op, &of, side),
+                (Some((kink, turned)), None) => {
+                    let known = kinks.iter().position(|k| *k == kink);
+                    let at = known.unwrap_or(kinks.len());
+                    if known.is_none() {
+                        kinks.push(kink);
+                    }
+                    if kinks.len() > MOST_KINKS {
+                        return None;
+                    }
+                    on_side(*op, &of, if (piece >> at & 1 == 0) == turned { Side::Second } else { Side::First })
+                }
+                _ => algebra.op(*op, &of),
+            };
+            self.set(step, dual);
+        }
+        Some(())
+    }
+
+    fn set(&mut self, step: usize, dual: Dual) {
+        if let Some(slot) = self.values.get_mut(step) {
+            *slot = dual;
+        }
     }
 }
 

@@ -3,12 +3,11 @@
 use crate::graph::algebra::Algebra;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Graph, Leaf, Node, NodeId, ShapeId};
-use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
 
-use super::map::Chain;
+use super::map::{Chain, Chains};
 
 /// Earlier steps that a step needs: a few.
 pub type Steps = SmallVec<[usize; 4]>;
@@ -39,7 +38,7 @@ pub struct Tape {
     /// Found when they are first asked for: who only wants ranges has no use for them.
     kinks: OnceCell<Kinks>,
     /// What coordinates go through, by their steps.
-    chains: RefCell<FxHashMap<Steps, Option<Rc<Chain>>>>,
+    chains: RefCell<Chains>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -80,8 +79,7 @@ impl Tape {
 
     /// What these coordinates go through; none where they are all that is to be known.
     pub fn chain(&self, graph: &Graph, rows: &[usize]) -> Option<Rc<Chain>> {
-        let mut chains = self.chains.borrow_mut();
-        chains.entry(rows.into()).or_insert_with(|| Chain::find(graph, self, rows).map(Rc::new)).clone()
+        self.chains.borrow_mut().under(graph, self, rows)
     }
 
     fn kinks(&self) -> &Kinks {
