@@ -1,5 +1,6 @@
 //! Ways back from what a formula can be to the coordinates, where one operand alone does not tell: turned points, sums with a kink, mixes.
 
+use super::isometry::{self, PlaneTurn};
 use super::Box3;
 use super::region::Walk;
 use super::tape::Step;
@@ -9,22 +10,21 @@ use crate::graph::kernel::Op;
 impl Walk<'_> {
     /// The part of `region` in which the three steps can be a point of `own`.
     pub(super) fn point(&mut self, coordinates: &[usize], own: Box3, mut region: Box3) -> Box3 {
+        if let Some(PlaneTurn { coordinates: [i, j], of }) = PlaneTurn::of(self.tape, coordinates) {
+            region = self.turned_back(of, own.axis(i), own.axis(j), region);
+        }
         for (i, &a) in coordinates.iter().enumerate() {
-            if let Some((j, of)) = self.partner(coordinates, a) {
-                region = self.turned_back(of, own.axis(i), own.axis(j), region);
-            }
             region = self.step(a, own.axis(i), region);
         }
+        let farthest = own.0.iter().map(|side| side.magnitude().powi(2)).sum::<f64>().sqrt() * (1.0 + 1e-8);
+        if farthest.is_finite()
+            && let Some(before) = coordinates.try_into().ok().and_then(|point| isometry::unturned(self.tape, point))
+        {
+            for a in before {
+                region = self.step(a, Interval::new(-farthest, farthest), region);
+            }
+        }
         region
-    }
-
-    /// For a first turned coordinate: which coordinate is its second, and what they turn.
-    fn partner(&self, coordinates: &[usize], a: usize) -> Option<(usize, [usize; 3])> {
-        let Some(Step::Op(Op::TurnU, first)) = self.tape.steps.get(a) else { return None };
-        let j = coordinates.iter().position(|&b| {
-            matches!(self.tape.steps.get(b), Some(Step::Op(Op::TurnV, second)) if second == first)
-        })?;
-        Some((j, first.as_slice().try_into().ok()?))
     }
 
     /// What a step is the lesser of, where that is another step and a number between its ends.

@@ -7,7 +7,7 @@ use super::{Facts, Pinned};
 use crate::analysis::branches::Side;
 use crate::graph::algebra::Algebra;
 use crate::graph::interval::Interval;
-use crate::graph::{Graph, Leaf};
+use crate::graph::{Graph, Leaf, WORLD};
 use crate::graph::kernel::{self, Op};
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
@@ -84,6 +84,8 @@ const UNKNOWN: Dual = Dual { value: Interval::ALL, gradient: [Interval::ALL; 3],
 pub struct Chain {
     cut: Steps,
     norm: f64,
+    /// The variables, which must not move with the point.
+    variables: Rc<[usize]>,
 }
 
 /// So many cuts are looked for, and no more where so many steps stand beside each other.
@@ -103,7 +105,8 @@ const HEAD: usize = 48;
 /// A bound of the norm of a map by what its coordinates go through one after another; infinite where that is not known. So whatever is folded
 /// and turned again and again keeps lengths.
 pub fn chain_norm(tape: &Tape, graph: &Graph, values: &[Dual], rows: &[usize]) -> f64 {
-    tape.chain(graph, rows).map_or(f64::INFINITY, |chain| {
+    let is_still = |&step: &usize| values.get(step).is_some_and(|d| d.norm == 0.0);
+    tape.chain(graph, rows).filter(|chain| chain.variables.iter().all(is_still)).map_or(f64::INFINITY, |chain| {
         let norm = chain.norm * map_norm(tape, values, &chain.cut);
         if (norm - 1.0).abs() < 1e-9 { 1.0 } else { norm }
     })
@@ -115,13 +118,15 @@ pub struct Chains {
     known: FxHashMap<Steps, Option<Rc<Chain>>>,
     /// What each step can be that does not move with the point; the others are unknown.
     values: Vec<Dual>,
+    /// The steps that are variables.
+    variables: Rc<[usize]>,
     /// How many steps may still be opened and followed.
     left: usize,
 }
 
 impl Default for Chains {
     fn default() -> Self {
-        Self { known: FxHashMap::default(), values: Vec::new(), left: MOST_FOLLOWED }
+        Self { known: FxHashMap::default(), values: Vec::new(), variables: Rc::new([]), left: MOST_FOLLOWED }
     }
 }
 
@@ -133,21 +138,24 @@ impl Chains {
         }
         if self.values.is_empty() {
             self.values = still_values(graph, tape);
+            let is_variable = |step: &usize| matches!(tape.steps.get(*step), Some(Step::Leaf(Leaf::Variable(_))));
+            self.variables = (0..tape.steps.len()).filter(is_variable).collect();
         }
-        let mut peeled = Peeled::of(graph, tape, rows, self);
-        let found = peeled.chain(rows).map(Rc::new);
+        let found = Peeled::of(graph, tape, rows, self).chain(rows);
+        let found = found.map(|(cut, norm)| Rc::new(Chain { cut, norm, variables: self.variables.clone() }));
         self.known.insert(rows.into(), found.clone());
         found
     }
 }
 
-/// What each step of a tape can be that does not move with the point.
+/// What each step of a tape can be that does not move with the point; variables count as what does not.
 fn still_values(graph: &Graph, tape: &Tape) -> Vec<Dual> {
     let mut values: Vec<Dual> = Vec::with_capacity(tape.steps.len());
     for step in &tape.steps {
         let known = match step {
             Step::Constant(c) => Some(Interval::point(*c)),
             Step::Leaf(Leaf::Time) => Some(Interval::ALL),
+            Step::Leaf(Leaf::Variable(v)) if *v >= WORLD + 3 => Some(Interval::ALL),
             Step::Leaf(Leaf::Parameter(i)) => graph.parameters.get(*i as usize).map(|p| Interval::new(p.min, p.max)),
             Step::Op(op, args) => {
                 let still = |&a: &usize| values.get(a).filter(|d| d.norm == 0.0).map(|d| d.value);
@@ -196,8 +204,8 @@ impl<'a> Peeled<'a> {
         Self { graph, tape, opened, cuts, values, left }
     }
 
-    /// The longest chain; none where it is short.
-    fn chain(&mut self, rows: &[usize]) -> Option<Chain> {
+    /// The cut at the end of the longest chain, and the norm of the way to it; none where it is short.
+    fn chain(&mut self, rows: &[usize]) -> Option<(Steps, f64)> {
         if !self.is_long(0, self.opened.len()) {
             return None;
         }
@@ -227,7 +235,7 @@ impl<'a> Peeled<'a> {
         }
         let last = norms.iter().rposition(|norm| norm.is_finite())?;
         let (cut, above) = cuts.get(last)?;
-        self.is_long(0, *above).then(|| Chain { cut: cut.clone(), norm: norms.get(last).copied().unwrap_or(f64::INFINITY) })
+        self.is_long(0, *above).then(|| (cut.clone(), norms.get(last).copied().unwrap_or(f64::INFINITY)))
     }
 
     fn between(&self, from: usize, to: usize) -> &[usize] {

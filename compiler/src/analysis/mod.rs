@@ -9,6 +9,7 @@ mod cells;
 pub mod constant;
 pub mod domain;
 pub mod dual;
+mod isometry;
 pub mod joined;
 mod joins;
 mod map;

@@ -5,6 +5,7 @@
 //! of the unturned map with a slip of R ∇t, and not of |p| ∇t.
 
 use super::dual::Dual;
+use super::isometry::PlaneTurn;
 use super::map::map_norm;
 use super::tape::{Step, Tape};
 use super::{Box3, Domain, Facts};
@@ -15,15 +16,8 @@ use crate::graph::{Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId};
 /// is anything else, or its solid reaches without end from the axis.
 pub fn turned_norm(facts: &mut Facts, graph: &Graph, tape: &Tape, shape: ShapeId, args: &[usize], values: &[Dual]) -> Option<f64> {
     let point = args.get(..3)?;
-    let turn = |wanted: Op| {
-        point.iter().enumerate().find_map(|(i, &a)| match tape.steps.get(a) {
-            Some(Step::Op(op, of)) if *op == wanted => Some((i, of.as_slice())),
-            _ => None,
-        })
-    };
-    let ((i, of), (j, same)) = (turn(Op::TurnU)?, turn(Op::TurnV)?);
-    let &[u, v, t] = of else { return None };
-    if of != same || args.len() > 3 {
+    let PlaneTurn { coordinates: [i, j], of: [u, v, t] } = PlaneTurn::of(tape, point)?;
+    if args.len() > 3 {
         return None;
     }
     let along = *point.get(3 - i - j)?;

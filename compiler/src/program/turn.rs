@@ -31,36 +31,19 @@ impl Elaborator<'_> {
             let along = [i / length, j / length, k / length];
             // Along x, y or z: a turn of the plane of the other two.
             let plane = match along.map(|c| c.abs() > 1.0 - 1e-12) {
-                [true, ..] => Some((0, along[0])),
-                [_, true, _] => Some((1, along[1])),
-                [_, _, true] => Some((2, along[2])),
+                [true, ..] => Some(([1, 2], along[0])),
+                [_, true, _] => Some(([2, 0], along[1])),
+                [_, _, true] => Some(([0, 1], along[2])),
                 _ => None,
             };
-            if let Some((along, sign)) = plane {
+            if let Some((across, sign)) = plane {
                 let angle = if sign < 0.0 { self.graph.op(Op::Neg, &[angle]) } else { angle };
-                let mut turn = |u: NodeId, v: NodeId| {
-                    (
-                        self.graph.op(Op::TurnU, &[u, v, angle]),
-                        self.graph.op(Op::TurnV, &[u, v, angle]),
-                    )
-                };
-                let cells = match along {
-                    0 => {
-                        let (y, z) = turn(b, c);
-                        [a, y, z]
-                    }
-                    1 => {
-                        let (z, x) = turn(c, a);
-                        [x, b, z]
-                    }
-                    _ => {
-                        let (x, y) = turn(a, b);
-                        [x, y, c]
-                    }
-                };
-                return Ok(Value::Vector(cells.into()));
+                return Ok(Value::Vector(self.turn_plane([a, b, c], across, angle).into()));
             }
             return Ok(Value::Vector(self.turn_about_slanted([a, b, c], along, angle).into()));
+        }
+        if !axis.iter().any(|&n| self.graph.reads_point(n)) {
+            return Ok(Value::Vector(self.turn_about_live([a, b, c], axis, angle).into()));
         }
         // Rodrigues' formula: v cos t + (k × v) sin t + k (k·v)(1 - cos t).
         let length = self.length(&axis, span);
@@ -93,6 +76,42 @@ impl Elaborator<'_> {
             })
             .collect();
         Ok(Value::Vector(cells))
+    }
+
+    /// A vector turned in the plane of two of its coordinates, from the first towards the second.
+    fn turn_plane(&mut self, mut v: [NodeId; 3], plane: [usize; 2], angle: NodeId) -> [NodeId; 3] {
+        if let [Some(a), Some(b)] = plane.map(|k| v.get(k).copied()) {
+            let turned = [Op::TurnU, Op::TurnV].map(|op| self.graph.op(op, &[a, b, angle]));
+            for (k, cell) in plane.into_iter().zip(turned) {
+                if let Some(slot) = v.get_mut(k) {
+                    *slot = cell;
+                }
+            }
+        }
+        v
+    }
+
+    /// A vector turned about an axis that is the same wherever the point is, though no number: it is turned so that the axis is a
+    /// coordinate's, about that, and back, each of which is seen to keep lengths. About an axis of length zero it is turned somehow.
+    fn turn_about_live(&mut self, v: [NodeId; 3], axis: [NodeId; 3], angle: NodeId) -> [NodeId; 3] {
+        let [x, y, z] = axis;
+        // Within a plane of two coordinates one turn does.
+        for (across, [i, j]) in [(x, [1, 2]), (y, [2, 0]), (z, [0, 1])] {
+            if let (Some(0.0), Some(&a), Some(&b)) = (self.graph.as_constant(across), axis.get(i), axis.get(j)) {
+                let aside = self.graph.op(Op::Atan2, &[b, a]);
+                let v = self.turn_plane(v, [j, i], aside);
+                let v = self.turn_plane(v, [j, 3 - i - j], angle);
+                return self.turn_plane(v, [i, j], aside);
+            }
+        }
+        let around = self.graph.op(Op::Atan2, &[y, x]);
+        let out = self.graph.op(Op::Length2, &[x, y]);
+        let down = self.graph.op(Op::Atan2, &[out, z]);
+        let v = self.turn_plane(v, [1, 0], around);
+        let v = self.turn_plane(v, [0, 2], down);
+        let v = self.turn_plane(v, [0, 1], angle);
+        let v = self.turn_plane(v, [2, 0], down);
+        self.turn_plane(v, [0, 1], around)
     }
 
     /// A vector turned about a unit vector: in the plane across that, so that it is seen to keep lengths, or as a matrix of numbers where the angle
