@@ -83,6 +83,46 @@ fn functions_of_glsl_are_there() {
 }
 
 #[test]
+fn whole_powers_take_negative_numbers() {
+    for (base, exponent, expected) in
+        [(-2.0, 2, 4.0), (-2.0, 3, -8.0), (-2.0, -1, -0.5), (-1.5, 0, 1.0), (-1.1, 17, -5.0544702849), (-1.1, 18, 5.5599173134), (-1.1, -19, -0.1635079831)]
+    {
+        let given = format!("param a = {base} in -3..3\nlet c = {base}\nfn power(t: float) = pow(t, {exponent})");
+        // Written out, by a name, as an argument, live, and at a point.
+        for expression in [format!("pow({base}, {exponent})"), format!("pow(c, {exponent})"), format!("power({base})"), format!("pow(a, {exponent})")] {
+            near(number(&given, &expression), expected);
+        }
+        near(field(&format!("field f = pow(p.x, {exponent}) + 0 * p.y\nscene = f.within(box(9))"), [base, 0.0, 0.0]).max(expected), expected);
+        near(field(&format!("field f = pow(p.x, {exponent})\nscene = mix(f, f, 0.5)"), [base, 0.0, 0.0]), expected);
+    }
+    near(number("", "for i in -3..3 by + { pow(i, 3) }"), -27.0);
+    near(number("", "pow((-2, 3), 2).x"), 4.0);
+}
+
+#[test]
+fn arguments_are_named_wherever_they_are_taken() {
+    for (expression, expected) in [
+        ("min(b: 1, a: 2) + atan2(x: 1, y: 0) + length(v: (3, 4)) + dot(a: x, b: x)", 7.0),
+        ("largest(v: (1, 2, 3)) + length1(v: (3, -4)) + round(a: 1.2)", 11.0),
+        ("pow(2, b: 3) + hash(3, seed: 2) - hash(v: 3, seed: 2)", 8.0),
+        ("turn(angle: 90deg, v: (1, 0)).y + turn_about(x, angle: 90deg, axis: z).y", 2.0),
+        ("fbm(octaves: 2, v: (0.1, 0.2)) - fbm((0.1, 0.2), 2)", 0.0),
+        ("mix(a: 1, b: 3, t: 0.5)", 2.0),
+        // Brackets with nothing in them may be left off.
+        ("(-1).abs + (1.2).floor + [3, 4][0].sq + twice.sq + mat2(2).determinant", 31.0),
+        ("(3, 4).length + (2.5).double", 10.0),
+    ] {
+        near(number("let twice = 4\nfn double(t: float) = 2 * t", expression), expected);
+    }
+    // What stands first says which of several is meant, by name too.
+    near(field("scene = scale(s: circle(1), k: 2).extrude(1)", [3.0, 0.0, 0.0]), 1.0);
+    near(field("scene = mix(b: sphere(3), a: sphere(1), t: 0.5)", [4.0, 0.0, 0.0]), 2.0);
+    near(field("scene = sphere(1).matrix(m: mat4(1))", [3.0, 0.0, 0.0]), 2.0);
+    // A combination of numbers is what it is of shapes.
+    near(field("field f = round(length(p), 0.1) + length(p).round(0.25)\nscene = f", [1.0, 0.0, 0.0]), 1.65);
+}
+
+#[test]
 fn lists_and_folds() {
     let given = "let l = [1, 2, 4]\nparam i: int = 2 in 0..2\nlet q = [for i in 0..3 { (i, i * i) }]";
     for (expression, expected) in [

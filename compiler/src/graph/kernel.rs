@@ -462,6 +462,40 @@ fn quarter(value: f64) -> f64 {
     if (value - value.round()).abs() < 4.0 * f64::EPSILON { value.round() } else { value }
 }
 
+/// The largest whole exponent up to which a power is multiplied out.
+const MOST_MULTIPLIED: f64 = 16.0;
+
+/// A number to a constant whole power, which takes negative numbers too. None where that is a power of what has no sign.
+fn whole_power<T: Terms>(graph: &mut T, a: T::Id, n: f64) -> Option<T::Id> {
+    if n.abs() > MOST_MULTIPLIED {
+        let is_size = graph.as_constant(a).is_some_and(|c| c >= 0.0) || matches!(graph.operation(a), Some((Op::Abs, _)));
+        if is_size {
+            return None;
+        }
+        let size = graph.op(Op::Abs, &[a]);
+        let is_odd = n % 2.0 != 0.0;
+        let even = graph.constant(if is_odd { n - 1.0 } else { n });
+        let power = graph.op(Op::Pow, &[size, even]);
+        return Some(if is_odd { graph.op(Op::Mul, &[a, power]) } else { power });
+    }
+    let mut result = graph.constant(1.0);
+    let (mut square, mut left) = (a, n.abs() as u32);
+    while left > 0 {
+        if left & 1 == 1 {
+            result = graph.op(Op::Mul, &[result, square]);
+        }
+        left >>= 1;
+        if left > 0 {
+            square = graph.op(Op::Mul, &[square, square]);
+        }
+    }
+    if n < 0.0 {
+        let one = graph.constant(1.0);
+        result = graph.op(Op::Div, &[one, result]);
+    }
+    Some(result)
+}
+
 /// A simpler term of the same value (the rounding of a constant apart), or none.
 pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id> {
     let mut constants = [0.0; 4];
@@ -471,6 +505,12 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
             Some(c) => *slot = c,
             None => all = false,
         }
+    }
+    if let (Op::Pow, &[a, b]) = (op, args)
+        && let Some(n) = graph.as_constant(b).filter(|n| n.fract() == 0.0)
+        && let Some(power) = whole_power(graph, a, n)
+    {
+        return Some(power);
     }
     if all {
         let folded = (op.row().value)(constants);
@@ -550,32 +590,11 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
             (Op::Abs | Op::Sqrt | Op::Square | Op::Length2 | Op::Length3 | Op::Length4, _) => Some(a),
             _ => None,
         },
-        Op::Pow if is(cb, 0.0) => Some(graph.constant(1.0)),
         // Of roots of sums of squares more is known.
         Op::Pow if is(cb, 0.5) => Some(graph.op(Op::Sqrt, &[a])),
         Op::Pow if is(cb, 0.25) => {
             let root = graph.op(Op::Sqrt, &[a]);
             Some(graph.op(Op::Sqrt, &[root]))
-        }
-        Op::Pow => {
-            // A constant whole exponent multiplies, and so takes negative numbers too.
-            let n = cb.filter(|n| n.fract() == 0.0 && n.abs() <= 16.0)?;
-            let mut result = graph.constant(1.0);
-            let (mut square, mut left) = (a, n.abs() as u32);
-            while left > 0 {
-                if left & 1 == 1 {
-                    result = graph.op(Op::Mul, &[result, square]);
-                }
-                left >>= 1;
-                if left > 0 {
-                    square = graph.op(Op::Mul, &[square, square]);
-                }
-            }
-            if n < 0.0 {
-                let one = graph.constant(1.0);
-                result = graph.op(Op::Div, &[one, result]);
-            }
-            Some(result)
         }
         Op::Sqrt => match graph.operation(a)? {
             // sqrt(x²) is |x|, whatever the sign.
