@@ -9,6 +9,9 @@ pub type BlockId = u32;
 /// An arm that costs less than this is computed whether it is taken or not: a branch is not free either.
 pub const LEAST: usize = 32;
 
+/// So many branches stand within each other at most: compilers of shaders take no more than 127 braces.
+const MOST_NESTED: u32 = 24;
+
 /// An arm of a choice: which of its arguments.
 pub type Arm = (ExprId, u8);
 
@@ -19,6 +22,8 @@ struct Block {
     arm: Arm,
     cost: usize,
     kept: bool,
+    /// How many kept ones it stands in, itself included.
+    depth: u32,
 }
 
 /// In which block each expression of a function is computed.
@@ -45,7 +50,7 @@ impl Arms {
             return Self::default();
         }
         const NEW: BlockId = BlockId::MAX;
-        let function = Block { parent: 0, arm: (0, 0), cost: 0, kept: true };
+        let function = Block { parent: 0, arm: (0, 0), cost: 0, kept: true, depth: 0 };
         let mut arms = Self { blocks: vec![function], places: vec![NEW; body.len()], branches: Vec::new() };
         if let Some(root) = order.last().and_then(|&root| arms.places.get_mut(root as usize)) {
             *root = 0;
@@ -60,7 +65,7 @@ impl Arms {
             for (i, &argument) in body.arguments(id).iter().enumerate() {
                 let arm = (id, i as u8);
                 let used = if choice && dear.binary_search(&arm).is_ok() {
-                    arms.blocks.push(Block { parent: own, arm, cost: 0, kept: false });
+                    arms.blocks.push(Block { parent: own, arm, cost: 0, kept: false, depth: 0 });
                     arms.blocks.len() as BlockId - 1
                 } else {
                     own
@@ -82,6 +87,13 @@ impl Arms {
             }
             if let Some(around) = arms.blocks.get_mut(parent as usize) {
                 around.cost += cost;
+            }
+        }
+        for i in 1..arms.blocks.len() {
+            let around = arms.blocks.get(i).and_then(|block| arms.blocks.get(block.parent as usize)).map_or(0, |block| block.depth);
+            if let Some(block) = arms.blocks.get_mut(i) {
+                block.kept &= around < MOST_NESTED;
+                block.depth = around + u32::from(block.kept);
             }
         }
         let kept = (0..).zip(&arms.blocks).skip(1).filter(|(_, block)| block.kept);

@@ -3,6 +3,7 @@
 
 use super::EmitError;
 use super::body::{Body, Code, ExprId, Outside, Read};
+use super::library::LEAST_DIVISOR;
 use super::table::narrow;
 use crate::graph::ANY_TIME;
 use crate::graph::interval::Interval;
@@ -315,7 +316,7 @@ impl Body {
         let term = self.term(below)?;
         let range = *self.formulas.as_ref()?.ranges.get(term as usize)?;
         // Nearer to zero it might leave what 32 bits hold.
-        if range.mignitude() < 9e-31 {
+        if range.mignitude() < LEAST_DIVISOR {
             return None;
         }
         let one = self.constant(1.0);

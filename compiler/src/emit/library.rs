@@ -17,6 +17,9 @@ pub struct Piece {
     pub text: &'static str,
 }
 
+/// What is nearer to zero is not divided by as it is: the quotient might leave the range of 32 bits.
+pub const LEAST_DIVISOR: f64 = 9e-31;
+
 /// Helpers, in the order in which they are emitted. The place is the helper's bit in [`Helpers`].
 pub const HELPERS: [Piece; 10] = [
     Piece { name: "square", text: "\

@@ -23,7 +23,17 @@ pub fn identifier(name: &str) -> String {
 
 /// Whether a name means something in WGSL: a keyword, a reserved word, a type or a function that is built in.
 pub fn is_taken(name: &str) -> bool {
-    RESERVED_SET.contains(name) || BUILTIN_IDENTIFIER_SET.contains(name)
+    RESERVED_SET.contains(name) || BUILTIN_IDENTIFIER_SET.contains(name) || is_alias(name)
+}
+
+/// Whether a name is a vector's or a matrix's type with the type of its components, as `vec3f` (WGSL, "Predeclared type aliases").
+fn is_alias(name: &str) -> bool {
+    let is_size = |c: u8| (b'2'..=b'4').contains(&c);
+    match *name.as_bytes() {
+        [b'v', b'e', b'c', n, b'f' | b'h' | b'i' | b'u'] => is_size(n),
+        [b'm', b'a', b't', n, b'x', m, b'f' | b'h'] => is_size(n) && is_size(m),
+        _ => false,
+    }
 }
 
 /// Writes a whole number: faster than the standard library, which looks at how it is to be formatted.

@@ -50,14 +50,15 @@ impl Candidates {
     /// Names every live value. The names do not depend on what is read.
     pub fn new(graph: &Graph, parameters: &[Parameter]) -> Self {
         let mut scope = Scope::default();
+        // By these names the library reads what is ours, so nothing else has them.
+        let [origin, time, reach, strength] = ["origin", "time", "occlusion_reach", "occlusion_strength"].map(|name| scope.give(name));
         let mut all = Vec::with_capacity(parameters.len() + graph.factors.len() + 4);
-        let mut add = |name: &str, source, components, ranges, parameter| {
-            let name = scope.give(&identifier(name));
+        let mut add = |name, source, components, ranges, parameter| {
             all.push(Candidate { name, source, components, ranges, read: false, computes: false, parameter });
             all.len() as u32 - 1
         };
-        add("origin", UniformSource::Origin, 3, vec![Interval::ALL; 3], None);
-        add("time", UniformSource::Time, 1, vec![Interval::ALL], None);
+        add(origin, UniformSource::Origin, 3, vec![Interval::ALL; 3], None);
+        add(time, UniformSource::Time, 1, vec![Interval::ALL], None);
         let mut components = vec![None; graph.parameters.len()];
         for (index, parameter) in parameters.iter().enumerate() {
             let Some(first) = parameter.first else { continue };
@@ -68,7 +69,8 @@ impl Candidates {
             };
             let ranges = (0..count).map(range).collect();
             let source = UniformSource::Parameter(first);
-            let candidate = add(&parameter.name, source, count as u8, ranges, Some(index));
+            let name = scope.give(&identifier(&parameter.name));
+            let candidate = add(name, source, count as u8, ranges, Some(index));
             for i in 0..count {
                 if let Some(slot) = components.get_mut(first as usize + i) {
                     *slot = Some((candidate, i as u8));
@@ -76,13 +78,14 @@ impl Candidates {
             }
         }
         let positive = Interval::new(0.0, f64::INFINITY);
-        add("occlusion_reach", UniformSource::OcclusionReach, 1, vec![positive], None);
-        add("occlusion_strength", UniformSource::OcclusionStrength, 1, vec![positive], None);
+        add(reach, UniformSource::OcclusionReach, 1, vec![positive], None);
+        add(strength, UniformSource::OcclusionStrength, 1, vec![positive], None);
         let mut factors = 0;
         for (i, factor) in graph.factors.iter().enumerate() {
             let source = UniformSource::Factor(i as u32);
             let name = factor.name.strip_prefix("step_").unwrap_or(&factor.name);
-            let candidate = add(&format!("step_{name}"), source, 1, vec![positive], None);
+            let name = scope.give(&identifier(&format!("step_{name}")));
+            let candidate = add(name, source, 1, vec![positive], None);
             if i == 0 {
                 factors = candidate;
             }

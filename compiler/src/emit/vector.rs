@@ -4,6 +4,7 @@
 //! Where such a number is used by itself too, it is read from the vector.
 
 use super::body::{Body, Code, ExprId};
+use super::library::LEAST_DIVISOR;
 use super::write::FAR_OUT;
 use crate::graph::index::Index;
 use crate::graph::kernel::{Op, Terms};
@@ -212,8 +213,8 @@ impl Body {
                 Op::Div => {
                     let below = self.column(parts, 1);
                     let divisor = *below.first()?;
-                    // The helper takes three and a number.
-                    let plain = parts.len() == 3 || self.as_constant(divisor).is_some();
+                    // The helper takes three and a number; two are divided by what needs no helper.
+                    let plain = parts.len() == 3 || self.as_constant(divisor).is_some_and(|c| c.abs() >= LEAST_DIVISOR);
                     if !plain || below.iter().any(|&b| b != divisor) {
                         return None;
                     }

@@ -2,6 +2,7 @@
 
 use super::Writer;
 use crate::emit::body::{Code, ExprId};
+use crate::emit::library::LEAST_DIVISOR;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
 
@@ -98,7 +99,7 @@ impl Writer<'_, '_> {
     /// Whether a value is so far from zero, rounding counted, that one may divide by it. `max(d, 1e-30)` is.
     pub(super) fn is_safe_below(&self, id: ExprId) -> bool {
         if let Some(c) = self.as_number(id) {
-            return c.abs() >= 9e-31;
+            return c.abs() >= LEAST_DIVISOR;
         }
         let range = self.known_range(id);
         let least = range.mignitude();
@@ -109,6 +110,6 @@ impl Writer<'_, '_> {
                 let arg = self.known_range(a);
                 arg.lo < 0.0 && least < 1e-4 * arg.magnitude()
             });
-        least >= 9e-31 && !cancels && !range.is_empty()
+        least >= LEAST_DIVISOR && !cancels && !range.is_empty()
     }
 }
