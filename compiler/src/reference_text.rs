@@ -2,6 +2,7 @@
 //! taken from the kernel's table and the prelude's own text.
 
 use crate::graph::kernel::KERNEL;
+use crate::program::builtin::argument_names;
 use crate::source::Sources;
 use crate::syntax::ast::{ClaimKind, Function, FunctionKind, Item, ItemKind};
 use crate::syntax::parse;
@@ -171,7 +172,7 @@ pub fn language_reference() -> String {
          read in `compiler/prelude/`. On a vector they work component by component.\n\n| | |\n|---|---|\n",
     );
     for row in KERNEL.iter().filter(|row| row.callable) {
-        let arguments = ["", "a", "a, b", "a, b, c"].get(usize::from(row.arity)).unwrap_or(&"…");
+        let arguments = argument_names(row.name, row.arity.into()).join(", ");
         let _ = writeln!(page, "| `{}({arguments})` | {} |", row.name, row.doc);
     }
     for (file, title, text) in CHAPTERS {

@@ -6,6 +6,7 @@ use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
 use crate::graph::NodeId;
+use crate::graph::kernel::KERNEL;
 use crate::source::Span;
 use crate::syntax::ast::{self, Argument, Expr, ExprKind, FunctionKind, ItemKind, Name};
 use crate::syntax::words::nearest;
@@ -138,10 +139,14 @@ impl Elaborator<'_> {
                     return self.call_items_with(items, known, args, span, env);
                 }
                 // Both the kernel and the prelude know the name: the first argument decides.
+                let names = super::builtin::argument_names(name, args.len());
                 let first = match (known.first(), args.first()) {
                     (Some((value, _)), _) => value.clone(),
                     (None, Some(arg)) if arg.name.is_none() => {
                         self.expression(&arg.value, env)?
+                    }
+                    (None, Some(_)) if args.iter().all(|a| a.name.as_ref().is_some_and(|n| names.contains(&&*n.text))) => {
+                        return self.call_built_in(name, known, args, span, env);
                     }
                     _ => return self.call_items_with(items, known, args, span, env),
                 };
@@ -153,7 +158,9 @@ impl Elaborator<'_> {
                     known.push((first.clone(), arg.value.span));
                     args = rest;
                 }
-                if matches!(first, Value::Shape(_) | Value::Nothing) {
+                // `round(d, 0.1)` of a distance is what it is of a shape.
+                let too_many = KERNEL.iter().any(|row| row.name == name && known.len() + args.len() > usize::from(row.arity));
+                if matches!(first, Value::Shape(_) | Value::Nothing) || too_many {
                     return self.call_items_with(items, known, args, span, env);
                 }
                 self.call_built_in(name, known, args, span, env)
@@ -180,6 +187,15 @@ impl Elaborator<'_> {
                     None => Err(self.unknown_name(name, at, env)),
                 }
             }
+        }
+    }
+
+    /// Whether a name is a function's: built in, of the prelude or declared.
+    fn is_called(&self, name: &str, env: &Env) -> bool {
+        let is_function = |item: &ItemRef| matches!(self.modules.item(*item).map(|i| &i.kind), Some(ItemKind::Function(_)));
+        match self.modules.resolve(env.module, name) {
+            Resolution::Items(items) => items.iter().any(is_function),
+            _ => super::builtin::is_function(name),
         }
     }
 
@@ -219,28 +235,45 @@ impl Elaborator<'_> {
         {
             return Ok(value.clone());
         }
-        let mut values = known;
+        let names = super::builtin::argument_names(name, known.len() + args.len());
+        let mut values: Vec<Option<(Value, Span)>> = known.into_iter().map(Some).collect();
         let mut failed = false;
-        for arg in args {
-            if let Some(label) = &arg.name
-                && !(&*label.text == "seed" && name.starts_with("hash"))
-            {
-                self.error(
-                    Code::UnknownArgument,
-                    label.span,
-                    format!("`{name}` has no argument named `{}`", label.text),
-                    "leave the name out",
-                );
-                failed = true;
-            }
-            match self.expression(&arg.value, env) {
-                Ok(value) => values.push((value, arg.value.span)),
-                Err(Stop) => failed = true,
+        for arg in args.iter().filter(|a| a.name.is_none()).chain(args.iter().filter(|a| a.name.is_some())) {
+            let place = match &arg.name {
+                None => Some(values.len()),
+                Some(label) => {
+                    let place = names.iter().position(|n| *n == &*label.text).filter(|&i| !matches!(values.get(i), Some(Some(_))));
+                    if place.is_none() {
+                        let help = match names {
+                            [] => "leave the name out".to_owned(),
+                            names => format!("write `{name}({})`, or leave the name out", names.join(", ")),
+                        };
+                        let what = if names.contains(&&*label.text) {
+                            format!("`{}` has a value already", label.text)
+                        } else {
+                            format!("`{name}` has no argument named `{}`", label.text)
+                        };
+                        self.error(Code::UnknownArgument, label.span, what, help);
+                        failed = true;
+                    }
+                    place
+                }
+            };
+            match (self.expression(&arg.value, env), place) {
+                (Ok(value), Some(place)) => {
+                    values.resize(values.len().max(place + 1), None);
+                    if let Some(slot) = values.get_mut(place) {
+                        *slot = Some((value, arg.value.span));
+                    }
+                }
+                _ => failed = true,
             }
         }
         if failed {
             return Err(Stop);
         }
+        // A place that is left out shows as too few.
+        let values: Vec<(Value, Span)> = values.into_iter().map_while(|value| value).collect();
         self.built_in(name, &values, span, env)
     }
 
@@ -310,7 +343,9 @@ impl Elaborator<'_> {
             if let (Value::List(items), "count") = (&value, &*name.text) {
                 return Ok(self.constant(items.len() as f64));
             }
-            if let Value::Number(..) | Value::Bool(_) | Value::Text(_) | Value::Matrix(..) = &value {
+            if let Value::Number(..) | Value::Bool(_) | Value::Text(_) | Value::Matrix(..) = &value
+                && !self.is_called(&name.text, env)
+            {
                 let found = value.describe(self);
                 let help = if matches!(value, Value::Number(..)) && name.text.len() == 1 {
                     "a number has no components; use it as it is"

@@ -8,7 +8,7 @@ use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
 use crate::source::Span;
-use crate::syntax::ast::{self, Argument, ExprKind, FunctionKind, ItemKind, Type};
+use crate::syntax::ast::{self, Argument, ExprKind, FunctionKind, ItemKind, Name, Parameter, Type};
 
 impl Elaborator<'_> {
     /// Which of several declarations of one name (all of the prelude) a call means: by its first argument, then by their number.
@@ -33,7 +33,7 @@ impl Elaborator<'_> {
         let second_types: Vec<_> = functions.iter().filter_map(|(_, f)| second_type(f)).collect();
         let differ = second_types.windows(2).any(|w| w.first() != w.last());
         let second = match args.first() {
-            Some(arg) if known.len() == 1 && arg.name.is_none() && differ => {
+            Some(arg) if known.len() == 1 && differ && arg.name.as_ref().is_none_or(|n| functions.iter().any(|(_, f)| is_called(second(f), n))) => {
                 match &arg.value.kind {
                     ExprKind::Call(..) | ExprKind::Vector(_) | ExprKind::Name(_) => {
                         let errors = self.diagnostics.len();
@@ -50,11 +50,18 @@ impl Elaborator<'_> {
             }
             _ => None,
         };
+        // What is named as the first that a declaration takes tells as much.
+        let is_first = |a: &&Argument| a.name.as_ref().is_some_and(|n| functions.iter().any(|(_, f)| is_called(f.parameters.first(), n)));
+        let named_first = match args.iter().find(is_first) {
+            Some(arg) if positional == 0 => Some((&arg.name, self.expression(&arg.value, env)?)),
+            _ => None,
+        };
         let mut best: Option<((u32, usize), ItemRef)> = None;
         for (order, (item, f)) in functions.iter().enumerate() {
-            let first_fits = match known.first() {
-                Some((value, _)) => self.first_fits(f, value),
-                None => 1,
+            let first_fits = match (known.first(), &named_first) {
+                (Some((value, _)), _) => self.first_fits(f, value),
+                (None, Some((Some(name), value))) if is_called(f.parameters.first(), name) => self.first_fits(f, value),
+                (None, _) => 1,
             };
             if first_fits == 0 {
                 continue;
@@ -142,10 +149,19 @@ fn vector_parameter(f: &ast::Function) -> Option<(usize, usize)> {
     vector_index(&f.parameters)
 }
 
-/// The declared type of what stands second in a call.
-fn second_type(f: &ast::Function) -> Option<&Type> {
+/// What stands second in a call.
+fn second(f: &ast::Function) -> Option<&Parameter> {
     let implied = usize::from(!matches!(f.kind, FunctionKind::Warp | FunctionKind::Warp2));
-    f.parameters.get(implied).and_then(|p| p.ty.as_ref()).map(|(t, _)| t)
+    f.parameters.get(implied)
+}
+
+/// Its declared type.
+fn second_type(f: &ast::Function) -> Option<&Type> {
+    second(f).and_then(|p| p.ty.as_ref()).map(|(t, _)| t)
+}
+
+fn is_called(parameter: Option<&Parameter>, name: &Name) -> bool {
+    parameter.is_some_and(|p| p.name.text == name.text)
 }
 
 /// `box(size)`, as advice.
