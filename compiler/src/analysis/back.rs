@@ -7,6 +7,9 @@ use super::tape::Step;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 
+/// So many steps are few.
+const FEW: usize = 32;
+
 impl Walk<'_> {
     /// The part of `region` in which the three steps can be a point of `own`.
     pub(super) fn point(&mut self, coordinates: &[usize], own: Box3, mut region: Box3) -> Box3 {
@@ -25,6 +28,26 @@ impl Walk<'_> {
             }
         }
         region
+    }
+
+    /// The part of `region` in which that of a largest value can be within `target` which asks no shape.
+    pub(super) fn cut_off(&mut self, step: usize, target: Interval, region: Box3) -> Box3 {
+        let Some(Step::Op(Op::Max, args)) = self.tape.steps.get(step) else { return region };
+        args.iter().fold(region, |region, &a| if self.asks_no_shape(a) { self.step(a, target, region) } else { region })
+    }
+
+    /// Whether a step is made of few others, none of them a shape's.
+    fn asks_no_shape(&self, step: usize) -> bool {
+        let mut open = vec![step];
+        for _ in 0..FEW {
+            let Some(next) = open.pop() else { return true };
+            match self.tape.steps.get(next) {
+                Some(Step::Op(_, args)) => open.extend(args.iter().copied()),
+                Some(Step::Constant(_) | Step::Leaf(_)) => {}
+                _ => return false,
+            }
+        }
+        open.is_empty()
     }
 
     /// What a step is the lesser of, where that is another step and a number between its ends.

@@ -93,7 +93,7 @@ mod tests {
         let text = format!("scene = for i in 0..20 by {blend} {{ sphere(0.3).translate(0.4 * i - 4, 0, 0) }}\n");
         let loader = MemoryLoader::new().with("main.sdf", text);
         let mut scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
-        let region = Facts::default().body_region(&mut scene.graph, scene.root, &|_| None, 1e6);
+        let region = Facts::default().body_region(&mut scene.graph, scene.root, &|_| None, super::super::Box3::cube(1e6));
         region.0.iter().zip([4.3, 0.3, 0.3]).map(|(side, half)| side.hi.max(-side.lo) - half).fold(0.0, f64::max)
     }
 

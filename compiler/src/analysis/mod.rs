@@ -299,7 +299,7 @@ impl Facts {
         graph: &mut Graph,
         shape: ShapeId,
         cells: &dyn Fn(u32) -> Option<(f64, f64)>,
-        extent: f64,
+        within: Box3,
     ) -> Box3 {
         let Some(s) = graph.shape(shape) else { return Box3::ALL };
         let value = s.value;
@@ -308,7 +308,7 @@ impl Facts {
             .iter()
             .map(|&v| (v, cells(v).map_or(Interval::ALL, |(lo, hi)| Interval::new(lo, hi))))
             .collect();
-        let domain = Domain { variables, ..Domain::of(Box3::cube(extent)) };
+        let domain = Domain { variables, ..Domain::of(within) };
         self.solid_region(graph, value, &domain)
     }
 }

@@ -431,7 +431,8 @@ impl Walk<'_> {
                     && let Some(level) = self.joined_level(value, [a, b], target.hi)
                 {
                     let below = Interval::new(f64::NEG_INFINITY, level);
-                    return self.either(|walk| walk.step(a, below, region), |walk| walk.step(b, below, region));
+                    let region = self.either(|walk| walk.step(a, below, region), |walk| walk.step(b, below, region));
+                    return self.cut_off(value, target, region);
                 }
                 self.step(value, target, region)
             }
@@ -470,6 +471,11 @@ impl Walk<'_> {
                 self.step(b, ra.sub(target), region)
             }
             Op::Mul => {
+                // Of what is at most zero one factor is.
+                if target.hi <= 0.0 && ra.contains(0.0) && rb.contains(0.0) {
+                    let below = Interval::new(f64::NEG_INFINITY, 0.0);
+                    return self.either(|walk| walk.step(a, below, region), |walk| walk.step(b, below, region));
+                }
                 let mut region = region;
                 if !rb.contains(0.0) {
                     region = self.step(a, target.div(rb), region);

@@ -3,6 +3,7 @@
 
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env};
+use crate::analysis::Box3;
 use crate::diagnostic::Code;
 use crate::graph::kernel::{Op, KERNEL};
 use crate::graph::{NodeId, NodeList, ShapeId};
@@ -254,7 +255,15 @@ impl Elaborator<'_> {
     /// A corner of a box that surely holds a shape, whatever the parameters are. Where it has no end, the box ends far away.
     fn corner(&mut self, shape: ShapeId, high: bool) -> Value {
         const ENDLESS: f64 = 1e6;
-        let region = self.facts.body_region(&mut self.graph, shape, &|_| None, ENDLESS);
+        let mut region = self.facts.body_region(&mut self.graph, shape, &|_| None, Box3::cube(ENDLESS));
+        // Within a large box a small solid is only seen to be somewhere about; a closer look is one within what was found.
+        while let Some(size) = Some(region.size()).filter(|size| size.is_finite() && *size > 0.0) {
+            let closer = self.facts.body_region(&mut self.graph, shape, &|_| None, region);
+            region = closer;
+            if closer.size() > 0.9 * size {
+                break;
+            }
+        }
         let dimensions = usize::from(self.dimensions(shape));
         let cells = (0..dimensions)
             .map(|i| {
@@ -470,15 +479,34 @@ fn minor(m: &[NodeId], n: usize, row: usize, column: usize) -> Vec<NodeId> {
         .collect()
 }
 
+/// The names of a built-in function's arguments, by which they may be written; none where there may be any number of them.
+pub fn argument_names(name: &str, count: usize) -> &'static [&'static str] {
+    match name {
+        "min" | "max" if count > 2 => &[],
+        "min" | "max" | "pow" | "distance" | "dot" | "cross" => &["a", "b"],
+        "atan" if count < 2 => &["t"],
+        "atan" | "atan2" => &["y", "x"],
+        "length" | "normalize" => &["v"],
+        "transpose" | "inverse" | "determinant" => &["m"],
+        "turn" => &["v", "angle"],
+        "turn_about" => &["v", "axis", "angle"],
+        "hash" | "hash2" | "hash3" => &["v", "seed"],
+        "at" => &["s", "q"],
+        "material" => &["s", "m"],
+        "paint" => &["s", "mask", "m"],
+        "low_corner" | "high_corner" => &["s"],
+        _ if KERNEL.iter().any(|row| row.callable && row.name == name) => &["a"],
+        _ => &[],
+    }
+}
+
 /// How a built-in function is called, and with how many arguments at least.
 fn usage(name: &str) -> (String, usize) {
     match name {
-        "min" | "max" => (format!("{name}(a, b)"), 2),
-        "pow" => ("pow(a, b)".into(), 2),
-        "atan2" => ("atan2(y, x)".into(), 2),
-        "distance" | "dot" | "cross" => (format!("{name}(a, b)"), 2),
-        "turn" => ("turn(v, angle)".into(), 2),
-        "turn_about" => ("turn_about(v, axis, angle)".into(), 3),
+        "min" | "max" | "pow" | "atan2" | "distance" | "dot" | "cross" | "turn" | "turn_about" => {
+            let names = argument_names(name, 2);
+            (format!("{name}({})", names.join(", ")), names.len())
+        }
         "at" => ("s.at(q)".into(), 2),
         "material" => ("s.material(m)".into(), 2),
         "low_corner" | "high_corner" => (format!("{name}(s)"), 1),

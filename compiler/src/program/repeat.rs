@@ -115,7 +115,7 @@ impl Elaborator<'_> {
                 Some(_) => Some((-1e6, 1e6)),
             }
         };
-        let region = self.facts.body_region(&mut self.graph, body, &cells, self.extent);
+        let region = self.facts.body_region(&mut self.graph, body, &cells, Box3::cube(self.extent));
         let mut copies = 1;
         for axis in &mut axes {
             let side = region.axis(axis.index);
@@ -356,7 +356,7 @@ impl Elaborator<'_> {
         let body = self.to_shape(&body, dimensions, each.body.span)?;
         let last = range.hi - 1.0;
         let cells = |v: u32| (v == variable).then_some((0.0, last));
-        let region = self.facts.body_region(&mut self.graph, body, &cells, self.extent);
+        let region = self.facts.body_region(&mut self.graph, body, &cells, Box3::cube(self.extent));
         let plane = match axis_value {
             None => Some((0, 1, 1.0)),
             Some((axis, _)) => match axis.map(|n| self.graph.as_constant(n)) {
