@@ -256,7 +256,6 @@ pub fn call_name(op: Op) -> &'static str {
         Op::Or => "either",
         Op::Not => "no",
         Op::Atan => "atan",
-        Op::Hash => "hash",
         _ => op.row().name,
     }
 }
@@ -279,7 +278,8 @@ impl Body {
         if self.formulas.as_ref().is_none_or(|f| f.leaves.is_empty()) {
             return None;
         }
-        if matches!(op, Op::Neg | Op::Lt | Op::Le | Op::Eq) || !args.iter().all(|&a| self.is_live(a)) {
+        // Random numbers are made as the shader makes them, or a host would have to do the same.
+        if matches!(op, Op::Neg | Op::Lt | Op::Le | Op::Eq | Op::Hash) || !args.iter().all(|&a| self.is_live(a)) {
             return None;
         }
         if args.iter().all(|&a| self.as_constant(a).is_some()) {

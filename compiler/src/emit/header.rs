@@ -2,6 +2,7 @@
 
 use super::formulas::{Formulas, call_name};
 use super::library;
+use super::names::identifier;
 use super::uniforms::Candidates;
 use super::write::vector_type;
 use crate::analysis::Box3;
@@ -10,6 +11,7 @@ use crate::factors;
 use crate::graph::kernel::Op;
 use crate::graph::{Factor, Graph, Proof};
 use crate::source::Sources;
+use crate::syntax::ast::Type;
 use std::fmt::Write;
 
 /// What the comment speaks of.
@@ -88,7 +90,7 @@ pub fn write(facts: &Facts) -> String {
     line(head, "");
     for (field, row) in fields.iter().zip(&rows) {
         let [a, b, c, d, e] = row;
-        line([a, b, c, d, e], &about(facts, field));
+        line([a, b, c, d, e], &one_line(&about(facts, field)));
     }
     computed(facts, &mut text);
     let extent = number(facts.extent);
@@ -155,18 +157,27 @@ fn row(facts: &Facts, start: &[f64], field: &Uniform) -> [String; 5] {
     [offset, ty, field.name.clone(), default, range]
 }
 
+/// A line break, as in a description or a file's name, would end the comment.
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 fn about(facts: &Facts, field: &Uniform) -> String {
-    // A line break in a description would end the comment.
-    let one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     match field.source {
         UniformSource::Origin => "the point of the scene at which p is zero".to_owned(),
         UniformSource::Time => "seconds".to_owned(),
         UniformSource::Parameter(_) => {
             let Some(p) = parameter(facts, field) else { return String::new() };
-            let unit = if p.degrees { "radians" } else { "" };
-            let description = p.description.as_deref().map(one_line).unwrap_or_default();
-            let joint = if unit.is_empty() || description.is_empty() { "" } else { "; " };
-            format!("{unit}{joint}{description}")
+            // Another name than in the scene, where two would be one or a word is WGSL's own.
+            let renamed = (field.name != identifier(&p.name)).then(|| format!("`{}` of the scene", p.name));
+            let unit = match p.ty {
+                _ if p.degrees => Some("radians"),
+                Type::Int => Some("a whole number"),
+                Type::Bool => Some("0 or 1"),
+                _ => None,
+            };
+            let notes = [renamed, unit.map(str::to_owned), p.description.clone()];
+            notes.into_iter().flatten().filter(|note| !note.is_empty()).collect::<Vec<_>>().join("; ")
         }
         UniformSource::OcclusionReach => "how far occlusion reaches".to_owned(),
         UniformSource::OcclusionStrength => "how strong occlusion is".to_owned(),

@@ -44,6 +44,19 @@ pub fn layers_function(
 ) -> Result<(), EmitError> {
     let (graph, prefix) = (context.graph, context.prefix);
     text.push_str("\n// How steeply the surface looks to rise, and the images that lie on it.\n");
+    // Of a file only its own name, so that the same text gives the same module in any folder.
+    let name = |path: &str| format!("{:?}", path.rsplit(['/', '\\']).next().unwrap_or(path));
+    let images = surface.layers.iter().filter_map(|layer| graph.images.get(layer.image as usize));
+    let images: Vec<String> = images.map(|image| name(&image.path)).collect();
+    if !images.is_empty() {
+        let _ = write!(
+            text,
+            "// What {prefix}surface gives is without them. A host adds for each, which are {}, in this order:\n\
+             // weight times the image at (z, -y), (x, z) and (x, -y) of point, in widths of the image to the right and down, shared by the squares of\n\
+             // the normal's components in that space to the power sharpness. Along the scene's axes point grows by across, up and along.\n",
+            images.join(", ")
+        );
+    }
     let _ = writeln!(text, "fn {prefix}layers(p: vec3f, normal: vec3f) -> {prefix}Layers {{");
     let _ = writeln!(text, "  let q = p + {}.origin;", context.uniform_name);
     context.uniforms.read(UniformSource::Origin);

@@ -13,6 +13,7 @@ mod library;
 mod names;
 mod layers;
 mod plan;
+mod spirv;
 pub mod table;
 pub mod tracer;
 mod translate;

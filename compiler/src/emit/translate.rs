@@ -1,6 +1,6 @@
 //! Modules checked, and in other languages, through naga.
 
-use super::library;
+use super::{library, spirv};
 use crate::compiled::{Export, Module};
 use naga::back::{glsl, hlsl, msl, spv};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -75,7 +75,9 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
             glsl::Writer::new(&mut out, &parsed, &info, &options, &pipeline, policies)
                 .and_then(|mut writer| writer.write())
                 .map_err(|e| e.to_string())?;
-            Ok(out.into_bytes())
+            // Before the version nothing may stand.
+            let (version, rest) = out.split_once('\n').unwrap_or((&out, ""));
+            Ok(format!("{version}\n{}{rest}", head(module)).into_bytes())
         }
         Target::Hlsl => {
             let options = hlsl::Options {
@@ -87,20 +89,30 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
             hlsl::Writer::new(&mut out, &options, &pipeline)
                 .write(&parsed, &info, None)
                 .map_err(|e| e.to_string())?;
-            Ok(out.into_bytes())
+            Ok((head(module) + &out).into_bytes())
         }
         Target::Msl => {
             let pipeline = msl::PipelineOptions::default();
             msl::write_string(&parsed, &info, &msl::Options::default(), &pipeline)
-                .map(|(text, _)| text.into_bytes())
+                .map(|(text, _)| (head(module) + &text).into_bytes())
                 .map_err(|e| e.to_string())
         }
         Target::Spirv => {
-            let words = spv::write_vec(&parsed, &info, &spv::Options::default(), None)
-                .map_err(|e| e.to_string())?;
+            let mut options = spv::Options::default();
+            options.flags |= spv::WriterFlags::DEBUG;
+            let mut words = spv::write_vec(&parsed, &info, &options, None).map_err(|e| e.to_string())?;
+            let names: Vec<String> = module.exports.iter().map(|export| format!("{prefix}{}", export.name())).collect();
+            spirv::export(&mut words, &names);
             Ok(words.into_iter().flat_map(u32::to_le_bytes).collect())
         }
     }
+}
+
+/// What the module says of itself, for a language with the same comments.
+fn head(module: &Module) -> String {
+    let mut head: String = module.wgsl.lines().take_while(|line| line.starts_with("//")).flat_map(|line| [line, "\n"]).collect();
+    head.push_str("//\n// This says so of the module in WGSL. Here names that the language does not take end in `_`.\n\n");
+    head
 }
 
 /// A fragment function that calls something of the module: the tracer where there is one. What is written is what reads no more of the outside than

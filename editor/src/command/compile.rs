@@ -1,6 +1,6 @@
 //! `surefoot compile`: the functions of a scene as shader text.
 
-use super::{Exit, Failure, compile_file, print, show_diagnostics};
+use super::{Exit, Failure, compile_file, print, show_broken, show_diagnostics};
 use crate::files;
 use clap::builder::PossibleValuesParser;
 use std::io::IsTerminal;
@@ -29,7 +29,7 @@ pub struct Args {
     /// Binding of the uniform block.
     #[arg(long, default_value_t = 0, value_name = "N")]
     binding: u32,
-    /// The language to write.
+    /// The language to write. GLSL needs an entry point, and has one that draws; names that it does not take end in `_`.
     #[arg(long, default_value = "wgsl", value_parser = PossibleValuesParser::new(Target::ALL.map(Target::name)))]
     target: String,
     /// Make it an error where a factor is measured and not proven.
@@ -74,8 +74,17 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let outcome = compile_file(&args.scene, &options)?;
     show_diagnostics(&outcome);
     let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
+    if show_broken(&outcome, &crate::picture::broken_meshes(compiled)) == Exit::Errors {
+        return Ok(Exit::Errors);
+    }
+    if let Some(file) = args.output.as_deref().filter(|file| is_among(file, &outcome.files)) {
+        return Err(Failure::usage(format!("{file} is a file of the scene, and would be written over: say another after -o")));
+    }
     for skipped in &compiled.module.skipped {
         eprintln!("note: left out: {skipped}");
+    }
+    if !compiled.functions.surface.layers.is_empty() {
+        eprintln!("note: left out: images; {}layers says where they lie", args.prefix);
     }
     let target = Target::ALL.into_iter().find(|t| t.name() == args.target).unwrap_or(Target::Wgsl);
     let bytes = validate(&compiled.module.wgsl)
@@ -103,6 +112,12 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         }
     }
     Ok(Exit::Fine)
+}
+
+/// Whether a path leads to one of some files.
+fn is_among(path: &str, files: &[String]) -> bool {
+    let real = |path: &str| std::fs::canonicalize(path).ok();
+    real(path).is_some_and(|target| files.iter().any(|file| real(file).as_ref() == Some(&target)))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 """
 
 import argparse
+import keyword
 import math
 import pathlib
 import re
@@ -38,6 +39,10 @@ FUNCTIONS = {
     "div": lambda a, b: a / b if b else 0.0,
     "sqrt": lambda a: math.sqrt(max(a, 0.0)),
     "exp": lambda a: math.exp(min(a, 88.0)),
+    "log": lambda a: math.log(max(a, 1e-37)),
+    "pow": lambda a, b: min(max(a, 0.0) ** b, 1e30) if a > 0 else float(b == 0),
+    **{name: (lambda f: lambda a: f(min(max(a, -1.0), 1.0)))(getattr(math, name)) for name in ("asin", "acos")},
+    **{name: getattr(math, name) for name in ("atan", "atan2")},
     "sign": lambda a: (a > 0) - (a < 0),
     "select": lambda c, a, b: a if c else b,
     "turn_u": lambda u, v, t: u * math.cos(t) - v * math.sin(t),
@@ -55,11 +60,15 @@ def computed(wgsl, live):
     def named(values):
         return values[0] if len(values) == 1 else types.SimpleNamespace(**dict(zip("xyzw", values)))
 
-    known = {name: named(values) for name, values in live.items()}
+    def safe(text):
+        """A word of Python's own is no name in it."""
+        return re.sub(rf"\b({'|'.join(keyword.kwlist)})\b", r"\1_", text)
+
+    known = {safe(name): named(values) for name, values in live.items()}
     found = {}
     for name, formula in re.findall(r"^//   (\w+) = (.+)$", wgsl, re.MULTILINE):
-        known[name] = eval(formula, {"__builtins__": {}, **FUNCTIONS}, known)
-        found[name] = known[name] if isinstance(known[name], tuple) else (known[name],)
+        value = known[safe(name)] = eval(safe(formula), {"__builtins__": {}, **FUNCTIONS}, known)
+        found[name] = value if isinstance(value, tuple) else (value,)
     return found
 
 

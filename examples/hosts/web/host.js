@@ -48,6 +48,13 @@ const functions = {
   square: (a) => a * a,
   div: (a, b) => (b === 0 ? 0 : a / b),
   sqrt: (a) => Math.sqrt(Math.max(a, 0)),
+  exp: (a) => Math.exp(Math.min(a, 88)),
+  log: (a) => Math.log(Math.max(a, 1e-37)),
+  pow: (a, b) => (a > 0 ? Math.min(a ** b, 1e30) : Number(b === 0)),
+  asin: (a) => Math.asin(Math.min(Math.max(a, -1), 1)),
+  acos: (a) => Math.acos(Math.min(Math.max(a, -1), 1)),
+  // Halves go to the even number.
+  round: (a) => Math.round(a) - (Math.round(a) - a === 0.5 && Math.round(a) % 2 !== 0),
   select: (c, a, b) => (c ? a : b),
   turn_u: (u, v, t) => u * Math.cos(t) - v * Math.sin(t),
   turn_v: (u, v, t) => u * Math.sin(t) + v * Math.cos(t),
