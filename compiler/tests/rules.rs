@@ -96,6 +96,15 @@ fn whole_powers_take_negative_numbers() {
     }
     near(number("", "for i in -3..3 by + { pow(i, 3) }"), -27.0);
     near(number("", "pow((-2, 3), 2).x"), 4.0);
+    // What has no sign of its own.
+    for (base, power) in [("length(p)", 18), ("sqrt(abs(p.x) + 0.5)", 36), ("abs(-p.x)", 18), ("-p.x * p.x", 18), ("1.1", 18)] {
+        let expected = match base {
+            "-p.x * p.x" => 30.9126805133,
+            "sqrt(abs(p.x) + 0.5)" => 1.6f64.powi(18),
+            _ => 5.5599173134,
+        };
+        near(field(&format!("field f = pow({base}, {power})\nscene = f"), [1.1, 0.0, 0.0]), expected);
+    }
 }
 
 #[test]

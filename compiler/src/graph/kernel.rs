@@ -468,11 +468,11 @@ const MOST_MULTIPLIED: f64 = 16.0;
 /// A number to a constant whole power, which takes negative numbers too. None where that is a power of what has no sign.
 fn whole_power<T: Terms>(graph: &mut T, a: T::Id, n: f64) -> Option<T::Id> {
     if n.abs() > MOST_MULTIPLIED {
-        let is_size = graph.as_constant(a).is_some_and(|c| c >= 0.0) || matches!(graph.operation(a), Some((Op::Abs, _)));
-        if is_size {
+        let size = graph.op(Op::Abs, &[a]);
+        // What is its own size takes the power as it is: an absolute value, a length, a constant that is not negative.
+        if size == a {
             return None;
         }
-        let size = graph.op(Op::Abs, &[a]);
         let is_odd = n % 2.0 != 0.0;
         let even = graph.constant(if is_odd { n - 1.0 } else { n });
         let power = graph.op(Op::Pow, &[size, even]);
