@@ -76,7 +76,7 @@ fn functions_of_glsl_are_there() {
         ("reflect((1, -1, 0), y).y + normalize((0, 0, 5)).z", 2.0),
         ("atan(1, 1) + atan(1) - radians(90)", 0.0),
         ("length1((3, -4)) + length_inf((3, -4)) + length8((2, 0))", 13.0),
-        ("int(2.7) + float(true) + pow(2, 3)", 11.0),
+        ("int(2.7) + float(true) + int(true) + pow(2, 3)", 12.0),
     ] {
         near(number("", expression), expected);
     }
@@ -126,6 +126,8 @@ fn arguments_are_named_wherever_they_are_taken() {
     near(field("scene = scale(s: circle(1), k: 2).extrude(1)", [3.0, 0.0, 0.0]), 1.0);
     near(field("scene = mix(b: sphere(3), a: sphere(1), t: 0.5)", [4.0, 0.0, 0.0]), 2.0);
     near(field("scene = sphere(1).matrix(m: mat4(1))", [3.0, 0.0, 0.0]), 2.0);
+    // A vector may be written out beside what is named.
+    near(field("scene = sphere(1).repeat(4, 0, 4, count: (3, 1, 3))", [6.0, 0.0, 0.0]), 1.0);
     // A combination of numbers is what it is of shapes.
     near(field("field f = round(length(p), 0.1) + length(p).round(0.25)\nscene = f", [1.0, 0.0, 0.0]), 1.65);
 }

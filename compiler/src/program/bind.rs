@@ -68,8 +68,8 @@ impl Elaborator<'_> {
         let mut positional: SmallVec<[Given; 4]> = known.into_iter().map(|(v, s)| Given::Known(v, s)).collect();
         positional.extend(args.iter().filter(|a| a.name.is_none()).map(|a| Given::Written(&a.value)));
         let given = positional.len();
-        if given > parameters.len()
-            && let Some((at, n)) = vector_index(parameters)
+        if given + args.iter().filter(|a| a.name.is_some()).count() > parameters.len()
+            && let Some((at, n)) = vector_index(parameters, args)
             && given + 1 >= n
             && given + 1 - n <= parameters.len()
             && at + n <= given
@@ -377,10 +377,11 @@ impl Elaborator<'_> {
     }
 }
 
-/// The one parameter that is a vector, and its number of components.
-pub(super) fn vector_index(parameters: &[Parameter]) -> Option<(usize, usize)> {
+/// The one parameter that is a vector, and its number of components. What `args` name is given apart.
+pub(super) fn vector_index(parameters: &[Parameter], args: &[Argument]) -> Option<(usize, usize)> {
     let mut found = None;
-    for (i, p) in parameters.iter().enumerate() {
+    let is_named = |p: &Parameter| args.iter().filter_map(|a| a.name.as_ref()).any(|name| name.text == p.name.text);
+    for (i, p) in parameters.iter().enumerate().filter(|(_, p)| !is_named(p)) {
         let n = match &p.ty {
             Some((Type::Vec(n), _)) => usize::from(*n),
             Some((Type::Color, _)) => 3,
@@ -423,7 +424,7 @@ fn is_of_two(parameters: &[Parameter]) -> bool {
 /// A call as advice: what stands before the dot is left out, and a vector may be written out.
 fn written(name: &str, parameters: &[Parameter], hidden: usize, by_components: bool) -> String {
     let mut list: Vec<&str> = parameters.iter().map(|p| &*p.name.text).collect();
-    if let Some((at, n)) = vector_index(parameters).filter(|_| by_components) {
+    if let Some((at, n)) = vector_index(parameters, &[]).filter(|_| by_components) {
         list.splice(at..=at, ["x", "y", "z", "w"].into_iter().take(n));
     }
     let dot = if hidden > 0 { "." } else { "" };

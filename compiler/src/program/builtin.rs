@@ -207,9 +207,9 @@ impl Elaborator<'_> {
             ("int", [Value::Number(n, _)]) => {
                 Ok(Value::Number(self.graph.op(Op::Trunc, &[*n]), true))
             }
-            ("float", [Value::Bool(c)]) => {
+            ("float" | "int", [Value::Bool(c)]) => {
                 let (zero, one) = (self.graph.constant(0.0), self.graph.constant(1.0));
-                Ok(Value::number(self.graph.op(Op::Select, &[*c, one, zero])))
+                Ok(Value::Number(self.graph.op(Op::Select, &[*c, one, zero]), name == "int"))
             }
             ("grid" | "polar", _) => Err(self.error(
                 Code::TypeMismatch,

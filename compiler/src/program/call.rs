@@ -2,6 +2,7 @@
 
 use super::elsewhere::{instead, ours};
 use super::load::{ItemRef, Resolution};
+use super::overload::at_a_point;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
@@ -512,9 +513,31 @@ impl Elaborator<'_> {
                 format!("take `p` out where it is declared: `{} {name} = …`", if function.kind == FunctionKind::Field { "field" } else { "field2" }),
             ));
         }
+        self.takes_no_point(function, &known, args, env)?;
         let bound =
             self.bind(&function.parameters, known, args, span, env, &formula_env, &function.name.text)?;
         self.apply(item, receiver.map(|(v, _)| v), bound, span, Some(env))
+    }
+
+    /// Who comes from GLSL gives a shape the point first.
+    fn takes_no_point(&mut self, function: &ast::Function, known: &[(Value, Span)], args: &[Argument], env: &Env) -> Elaborated<()> {
+        let makes_shape = matches!(function.kind, FunctionKind::Shape | FunctionKind::Shape2 | FunctionKind::Field | FunctionKind::Field2);
+        let written: Vec<&Argument> = args.iter().filter(|a| a.name.is_none()).collect();
+        if !makes_shape || env.point.is_none() || known.len() + written.len() <= function.parameters.len() {
+            return Ok(());
+        }
+        let (first, at) = match (known.first(), written.first()) {
+            (Some((value, at)), _) => (value.clone(), *at),
+            (None, Some(arg)) => (self.expression(&arg.value, env)?, arg.value.span),
+            (None, None) => return Ok(()),
+        };
+        // A vector of numbers may be a size.
+        let Value::Vector(parts) = first else { return Ok(()) };
+        if parts.iter().all(|part| self.graph.as_constant(*part).is_some()) {
+            return Ok(());
+        }
+        let name = &function.name.text;
+        Err(self.error(Code::TypeMismatch, at, format!("`{name}` takes no point"), at_a_point(function)))
     }
 
     /// Runs `inside` for a declaration; where it is the prelude's and a user calls it, what goes wrong inside is reported at the call.

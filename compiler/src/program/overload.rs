@@ -75,9 +75,9 @@ impl Elaborator<'_> {
                 .filter_map(|a| a.name.as_ref())
                 .all(|n| f.parameters.iter().any(|p| p.name.text == n.text));
             let exact = positional <= takes && positional + named >= needs;
-            let grouped = positional > takes
-                && vector_parameter(f).is_some_and(|(_, n)| {
-                    positional + 1 >= n && (needs..=takes).contains(&(positional + 1 - n))
+            let grouped = positional + named > takes
+                && vector_index(&f.parameters, args).is_some_and(|(_, n)| {
+                    positional + 1 >= n && positional + 1 - n <= takes && positional + 1 - n + named >= needs
                 });
             let second_fits = match (&second, second_type(f)) {
                 (Some(value), Some(ty)) => self.fits(value, ty),
@@ -97,12 +97,12 @@ impl Elaborator<'_> {
             let at = known.first().map_or(span, |(_, s)| *s);
             let name = functions.first().map(|(_, f)| f.name.text.clone()).unwrap_or_default();
             let wanted: Vec<String> = functions.iter().map(|(_, f)| signature(f)).collect();
-            return Err(self.error(
-                Code::TypeMismatch,
-                at,
-                format!("no `{name}` takes {found} first"),
-                format!("there is {}", wanted.join(", ")),
-            ));
+            let at_point = match (known.first(), functions.first()) {
+                (Some((Value::Vector(_), _)), Some((_, f))) if env.point.is_some() => Some(at_a_point(f)),
+                _ => None,
+            };
+            let help = at_point.unwrap_or_else(|| format!("there is {}", wanted.join(", ")));
+            return Err(self.error(Code::TypeMismatch, at, format!("no `{name}` takes {found} first"), help));
         }
         Ok(best.map(|(_, item)| item))
     }
@@ -145,10 +145,6 @@ impl Elaborator<'_> {
     }
 }
 
-fn vector_parameter(f: &ast::Function) -> Option<(usize, usize)> {
-    vector_index(&f.parameters)
-}
-
 /// What stands second in a call.
 fn second(f: &ast::Function) -> Option<&Parameter> {
     let implied = usize::from(!matches!(f.kind, FunctionKind::Warp | FunctionKind::Warp2));
@@ -162,6 +158,16 @@ fn second_type(f: &ast::Function) -> Option<&Type> {
 
 fn is_called(parameter: Option<&Parameter>, name: &Name) -> bool {
     parameter.is_some_and(|p| p.name.text == name.text)
+}
+
+/// How the distance of a shape at a point is written, for who gives it the point first.
+pub(super) fn at_a_point(f: &ast::Function) -> String {
+    let names: Vec<&str> = f.parameters.iter().map(|p| &*p.name.text).collect();
+    let (before, names) = match (f.parameters.first().and_then(|p| p.ty.as_ref()), names.split_first()) {
+        (Some((Type::Shape | Type::Shape2, _)), Some((s, rest))) => (format!("{s}."), rest),
+        _ => (String::new(), &names[..]),
+    };
+    format!("it makes a shape; the distance of that at a point is `{before}{}({}).at(p)`", f.name.text, names.join(", "))
 }
 
 /// `box(size)`, as advice.
