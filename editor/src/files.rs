@@ -77,6 +77,21 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     }
 }
 
+/// The scenes in the folder of a scene, itself among them, by name.
+pub fn scenes_beside(scene: &str) -> Vec<String> {
+    /// More are no list for a person.
+    const MOST: usize = 1000;
+    let folder = Path::new(scene).parent().unwrap_or(Path::new(""));
+    // The name of a scene in the working directory has no folder before it.
+    let place = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = std::fs::read_dir(place).into_iter().flatten().flatten();
+    let is_scene = |path: &PathBuf| path.extension().is_some_and(|e| e == "sdf") && path.is_file();
+    let paths = entries.filter_map(|entry| Some(folder.join(entry.file_name())).filter(is_scene));
+    let mut names: Vec<String> = paths.take(MOST).map(|path| path.to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
 /// A name for the new bytes in the same folder, so that renaming stays within one file system.
 fn beside(path: &Path) -> PathBuf {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
@@ -116,6 +131,21 @@ mod tests {
         if cfg!(unix) {
             assert_eq!(read(Path::new("/dev/zero")), Err("this is not a regular file".to_owned()));
         }
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn finds_the_scenes_of_a_folder() {
+        let folder = folder("scenes");
+        for name in ["b.sdf", "a.sdf", "c.wgsl"] {
+            write(&folder.join(name), b"").unwrap();
+        }
+        std::fs::create_dir_all(folder.join("d.sdf")).unwrap();
+        let name = |name: &str| folder.join(name).to_string_lossy().into_owned();
+        assert_eq!(scenes_beside(&name("b.sdf")), [name("a.sdf"), name("b.sdf")]);
+        assert!(scenes_beside("no/such/folder/a.sdf").is_empty());
+        // Named without its folder, as from a terminal that is in it.
+        assert_eq!(scenes_beside("a.sdf"), scenes_beside("./a.sdf").iter().map(|n| n.trim_start_matches("./").to_owned()).collect::<Vec<_>>());
         std::fs::remove_dir_all(folder).unwrap();
     }
 

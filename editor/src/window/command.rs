@@ -3,7 +3,7 @@
 use super::document::{Disk, Document, Resolution};
 use super::orbit::Orbit;
 use super::panels::balls::DROP;
-use super::session::{Place, Question, Session, factors, problems};
+use super::session::{Place, Question, Search, Session, factors, problems};
 use super::world::World;
 use serde_json::json;
 use std::path::Path;
@@ -39,6 +39,8 @@ pub enum Command {
     Jump(Place),
     /// The cursor is where it shall be.
     Jumped,
+    /// Look for something in the text, or no longer.
+    Search(Option<Search>),
     /// The keyboard goes to the text.
     Focus,
     /// It is there.
@@ -101,6 +103,8 @@ pub enum Command {
     ShowSource(bool),
     /// Open or close the panel of the parameters.
     ShowParameters(bool),
+    /// Find out which scenes lie beside the one that is open.
+    LookAround,
     /// Open another scene.
     Open(String),
     /// The answer to a question: save first, go on without, or stay.
@@ -146,6 +150,10 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
             show(session, world, &place.file);
             session.open.source = true;
             session.documents.jump = Some(place);
+        }
+        Command::Search(wanted) => {
+            session.open.source |= wanted.is_some();
+            session.search = wanted;
         }
         Command::Jumped => session.documents.jump = None,
         Command::Focus => session.documents.focus = true,
@@ -194,6 +202,10 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         }
         Command::ShowSource(open) => session.open.source = open,
         Command::ShowParameters(open) => session.open.parameters = open,
+        Command::LookAround => {
+            let scene = session.documents.all.first().map(|d| d.name.clone()).unwrap_or_default();
+            session.open.beside = crate::files::scenes_beside(&scene);
+        }
         Command::Open(path) => {
             if session.is_unsaved() {
                 session.question = Some(Question::Open(path));
@@ -390,12 +402,19 @@ fn open(session: &mut Session, world: &mut World, path: &str) {
             for document in &mut session.documents.all {
                 take_back(document, world);
             }
+            // What a hand moved belongs to the old scene, even where the new one has parameters of the same names.
+            let parameters: Vec<_> = session.scene().iter().flat_map(|scene| scene.parameters.clone()).collect();
+            for parameter in parameters.iter().filter(|p| p.first.is_some()) {
+                session.stage.set(&parameter.name, &parameter.default);
+            }
+            session.search = None;
             world.open(path, &mut session.options);
             session.documents.all = vec![Document::new(path, &text)];
             session.documents.shown = 0;
             session.look.orbit = None;
             session.look.camera = None;
             session.stage.set_time(0.0);
+            session.stage.reset_balls();
         }
         Disk::Unreadable(why) => session.notice = Some(format!("{path} can't be read: {why}")),
         Disk::Gone => session.notice = Some(format!("{path} is not there")),

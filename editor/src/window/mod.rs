@@ -242,6 +242,9 @@ impl eframe::App for App {
         if ui.input_mut(|i| i.consume_shortcut(&save)) {
             commands.push(Command::Save);
         }
+        panels::search::keys(ui, &self.session, &mut commands);
+        self.apply(commands);
+        let mut commands = Vec::new();
         self.panels(ui, &mut commands);
         self.apply(commands);
         let ground = Frame::new().fill(theme::GROUND);

@@ -2,6 +2,7 @@
 
 use super::document::Document;
 use super::orbit::Orbit;
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
 use surefoot_compiler::Options;
@@ -24,6 +25,8 @@ pub struct Session {
     pub look: Look,
     /// Which panels are open.
     pub open: Open,
+    /// What is looked for in the text, while the bar for that is open.
+    pub search: Option<Search>,
     /// What must be answered before anything else, if anything.
     pub question: Option<Question>,
     /// Something that went wrong outside of the scene, for a person to read once.
@@ -108,12 +111,30 @@ pub struct Look {
     pub mode: ViewMode,
 }
 
-/// Which panels are open.
+/// Which panels are open, and what could be.
 pub struct Open {
     /// The text and the problems.
     pub source: bool,
     /// The parameters.
     pub parameters: bool,
+    /// The scenes beside the one that is open, as they were found last.
+    pub beside: Vec<String>,
+}
+
+/// What is looked for in the text that is shown.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Search {
+    /// As it is typed: a word, or after a colon a line.
+    pub wanted: String,
+    /// What was found last, in bytes of the text; where the cursor was, before anything is.
+    pub at: Range<usize>,
+}
+
+impl Search {
+    /// The word that is looked for; empty where it is a line.
+    pub fn word(&self) -> &str {
+        if self.wanted.starts_with(':') { "" } else { &self.wanted }
+    }
 }
 
 /// What must be answered before anything else.
@@ -152,7 +173,8 @@ impl Session {
             stage,
             said: Said::default(),
             look: Look::default(),
-            open: Open { source: true, parameters: true },
+            open: Open { source: true, parameters: true, beside: Vec::new() },
+            search: None,
             question: None,
             notice: None,
             options: Options::default(),

@@ -337,6 +337,26 @@ fn a_choice_compiles_again_and_values_stay() {
 }
 
 #[test]
+fn another_scene_of_the_folder_is_opened() {
+    let folder = Folder::new("beside", SCENE);
+    let other = folder.0.join("other.sdf");
+    std::fs::write(&other, SCENE.replace("size = 1 in", "size = 0.7 in")).unwrap();
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    assert!(harness.state_mut().session.stage.set("size", &[2.0]));
+    let swaps = harness.state().session.said.swaps;
+    harness.get_by_label("Open").click();
+    harness.run_steps(4);
+    pixel(&mut harness, MIDDLE);
+    harness.get_by_label("other.sdf").click();
+    until(&mut harness, |app| app.session.said.swaps > swaps);
+    let app = harness.state();
+    assert_eq!(app.session.documents.current().name, other.to_string_lossy());
+    assert_eq!(value(app, "size"), 0.7, "what a hand moved belongs to the other scene");
+    assert!(harness.query_by_label("scene.sdf").is_none(), "the menu is closed");
+}
+
+#[test]
 fn closing_asks_for_unsaved_edits() {
     let folder = Folder::new("close", SCENE);
     let mut harness = window(&folder.scene());

@@ -2,10 +2,12 @@
 
 pub mod balls;
 pub mod icons;
+pub mod lines;
 pub mod parameters;
 pub mod picture;
 pub mod problems;
 pub mod questions;
+pub mod search;
 pub mod source;
 pub mod status;
 pub mod toolbar;

@@ -3,7 +3,7 @@
 use crate::window::command::Command;
 use crate::window::document::{Document, Resolution};
 use crate::window::panels::icons::{self, Icon};
-use crate::window::panels::problems;
+use crate::window::panels::{lines, problems, search};
 use crate::window::session::{Place, Problem, Session};
 use crate::window::theme::{self, code};
 use egui::cache::{ComputerMut, FrameCache};
@@ -15,6 +15,7 @@ use egui::{
     TextEdit, Ui, vec2,
 };
 use std::ops::Range;
+use std::path::Path;
 use surefoot_compiler::diagnostic::Severity;
 use surefoot_compiler::factors::Explained;
 use surefoot_compiler::graph::Proof;
@@ -25,6 +26,7 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     files(ui, session, commands);
     let document = session.documents.current();
     notes(ui, session, document, commands);
+    search::show(ui, session, document, commands);
     editor(ui, session, document, commands);
 }
 
@@ -41,6 +43,7 @@ fn files(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             if format.on_hover_text("what `surefoot fmt` does").clicked() {
                 commands.extend([Command::Format, Command::Focus]);
             }
+            open(ui, session, commands);
             ui.with_layout(egui::Layout::left_to_right(Align::Center), |ui| {
                 let name = RichText::new(document.short_name()).strong();
                 if document.is_unsaved() {
@@ -70,6 +73,28 @@ fn files(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             });
         });
     });
+}
+
+/// The scenes of the same folder.
+fn open(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let menu = ui.menu_button("Open", |ui| {
+        ui.set_min_width(180.0);
+        ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
+            let scene = session.documents.all.first().map(|document| &document.name);
+            for path in &session.open.beside {
+                let name = Path::new(path).file_name().unwrap_or_default().to_string_lossy();
+                if ui.selectable_label(Some(path) == scene, name).clicked() {
+                    commands.push(Command::Open(path.clone()));
+                    ui.close();
+                }
+            }
+        });
+        ui.separator();
+        ui.label(RichText::new("or drop a file on the window").color(theme::WEAK));
+    });
+    if menu.response.on_hover_text("another scene of the same folder").clicked() {
+        commands.push(Command::LookAround);
+    }
 }
 
 /// The scene's texts, those that are open first.
@@ -158,7 +183,7 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
     let digit = ui.fonts_mut(|f| f.glyph_width(&theme::CODE, '0'));
     let gutter = (digits as f32 + 2.0) * digit;
     let room = Margin { left: gutter as i8, right: 6, top: 4, bottom: 4 };
-    let id = Id::unique(("source", &document.name));
+    let id = id(document);
     let mut text = document.text.clone();
     let mut layouter = |ui: &Ui, buffer: &dyn TextBuffer, _width: f32| {
         let job = ui.memory_mut(|m| {
@@ -168,6 +193,7 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
         ui.fonts_mut(|f| f.layout_job(job))
     };
     undo_in_steps(ui, id);
+    let by_lines = document.is_editable() && change_lines(ui, document, &mut text);
     lay_out_while_typing(ui, id, &document.text);
     let area = ScrollArea::both().id_salt(&document.name).auto_shrink([false, false]);
     Frame::new().fill(theme::WELL).show(ui, |ui| {
@@ -182,6 +208,7 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
                 .layouter(&mut layouter)
                 .show(ui);
             icons::name(ui, id, "Source text");
+            search::mark(ui, session, &output);
             numbers(ui, &output, gutter, session, document);
             factor(&output, session, document);
             if let Some(place) = &session.documents.jump {
@@ -192,11 +219,66 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
                 ui.memory_mut(|m| m.request_focus(id));
                 commands.push(Command::Focused);
             }
-            if output.response.changed() {
+            if by_lines || output.response.changed() {
                 commands.push(Command::Edit(text));
             }
         });
     });
+}
+
+/// What the text's cursor is called.
+fn id(document: &Document) -> Id {
+    Id::unique(("source", &document.name))
+}
+
+/// What is selected in a text, in characters; where the cursor is, where nothing is.
+pub fn selection(ui: &Ui, document: &Document) -> Range<usize> {
+    let range = TextEditState::load(ui.ctx(), id(document)).and_then(|state| state.cursor.char_range());
+    let [start, end] = range.map_or([0, 0], |range| range.sorted_cursors().map(|cursor| cursor.index.0));
+    let count = document.text.chars().count();
+    start.min(count)..end.min(count)
+}
+
+/// Keys that change whole lines: Ctrl+/ makes comments of them; with several selected the tabulator moves them in, and Shift with it any out.
+fn change_lines(ui: &Ui, document: &Document, text: &mut String) -> bool {
+    let id = id(document);
+    if !ui.memory(|m| m.has_focus(id)) {
+        return false;
+    }
+    let selection = selection(ui, document);
+    let is_several = text.chars().skip(selection.start).take(selection.len()).any(|c| c == '\n');
+    let asked = ui.input_mut(|input| {
+        let change = |event: &Event| match event {
+            // On many keyboards the slash itself takes Shift.
+            Event::Key { key: Key::Slash, pressed: true, modifiers, .. } if modifiers.command => Some(Change::Comment),
+            Event::Key { key: Key::Tab, pressed: true, modifiers: Modifiers::SHIFT, .. } => Some(Change::Out),
+            Event::Key { key: Key::Tab, pressed: true, modifiers: Modifiers::NONE, .. } if is_several => Some(Change::In),
+            _ => None,
+        };
+        let at = input.events.iter().position(|event| change(event).is_some())?;
+        change(&input.events.remove(at))
+    });
+    let Some(asked) = asked else { return false };
+    let (new, selection) = match asked {
+        Change::Comment => lines::comment(text, selection),
+        Change::In => lines::shift(text, selection, true),
+        Change::Out => lines::shift(text, selection, false),
+    };
+    *text = new;
+    let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
+    state.cursor.set_char_range(Some(CCursorRange::two(CCursor::new(selection.start), CCursor::new(selection.end))));
+    state.store(ui.ctx(), id);
+    true
+}
+
+/// What is done to whole lines.
+enum Change {
+    /// Comments, or code again.
+    Comment,
+    /// Farther in.
+    In,
+    /// Farther out.
+    Out,
 }
 
 /// A new line begins where the one before did, and within a bracket that was just opened two spaces farther. A tabulator is two spaces.
@@ -286,7 +368,10 @@ fn jump(ui: &Ui, id: Id, output: &TextEditOutput, text: &str, place: &Place) {
     let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
     state.cursor.set_char_range(Some(range));
     state.store(ui.ctx(), id);
-    ui.memory_mut(|m| m.request_focus(id));
+    // Whoever looks for something goes on looking.
+    if !search::has_keyboard(ui) {
+        ui.memory_mut(|m| m.request_focus(id));
+    }
     let at = output.galley.pos_from_cursor(CCursor::new(start));
     let rect = at.translate(output.galley_pos.to_vec2());
     ui.scroll_to_rect(rect.expand2(vec2(40.0, 60.0)), None);

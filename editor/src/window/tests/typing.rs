@@ -92,3 +92,91 @@ fn a_new_line_begins_where_the_one_before_did() {
     assert_eq!(harness.state().session.documents.current().text, "// one\nfield f = {\n  let q = p;\n  length(q)  ");
     assert!(harness.get_by_role(Role::MultilineTextInput).is_focused());
 }
+
+/// What is selected in the text.
+fn selected(harness: &Harness<'_, App>) -> String {
+    let document = harness.state().session.documents.current();
+    let id = egui::Id::unique(("source", &document.name));
+    let state = egui::text_edit::TextEditState::load(&harness.ctx, id).unwrap_or_default();
+    let range = state.cursor.char_range().unwrap_or_default().as_sorted_char_range();
+    document.text.chars().skip(range.start.0).take(range.end.0 - range.start.0).collect()
+}
+
+fn type_in(harness: &mut Harness<'_, App>, text: &str) {
+    harness.event(egui::Event::Text(text.to_owned()));
+    harness.run_steps(3);
+}
+
+#[test]
+fn words_and_lines_are_found() {
+    let folder = Folder::new("find", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::F);
+    harness.run_steps(3);
+    type_in(&mut harness, "style");
+    harness.get_by_label("1 of 2");
+    for (modifiers, key, at) in [(Modifiers::NONE, Key::Enter, 2), (Modifiers::NONE, Key::Enter, 1), (Modifiers::SHIFT, Key::Enter, 2), (Modifiers::NONE, Key::F3, 1)] {
+        harness.key_press_modifiers(modifiers, key);
+        harness.run_steps(3);
+        harness.get_by_label(&format!("{at} of 2"));
+    }
+    pixel(&mut harness, MIDDLE);
+    harness.key_press(Key::Escape);
+    harness.run_steps(3);
+    assert_eq!(selected(&harness), "style");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::F);
+    harness.run_steps(3);
+    harness.get_by_label("1 of 2");
+    type_in(&mut harness, "style and more");
+    harness.get_by_label("nothing");
+    assert_eq!(harness.state().session.documents.current().text, SCENE, "what is typed is no text");
+    harness.key_press(Key::Escape);
+    harness.run_steps(3);
+    assert!(harness.state().session.search.is_none());
+    assert!(harness.get_by_role(Role::MultilineTextInput).is_focused());
+
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::G);
+    harness.run_steps(3);
+    type_in(&mut harness, "8");
+    assert_eq!(harness.state().session.search.as_ref().map(|search| &*search.wanted), Some(":8"));
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert!(harness.state().session.search.is_none());
+    type_in(&mut harness, "// here: ");
+    assert_eq!(harness.state().session.documents.current().text.lines().nth(7).unwrap().split(' ').nth(1), Some("here:"));
+}
+
+#[test]
+fn lines_become_comments_move_and_come_back() {
+    let folder = Folder::new("comments", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let text = |harness: &Harness<'_, App>| harness.state().session.documents.current().text.clone();
+    harness.get_by_role(Role::MultilineTextInput).focus();
+    harness.step();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.step();
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Slash);
+    harness.run_steps(2);
+    assert!(text(&harness).lines().all(|line| line.starts_with("// ")));
+    until(&mut harness, |app| app.session.error().is_some());
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Slash);
+    harness.run_steps(2);
+    assert_eq!(text(&harness), SCENE);
+    until(&mut harness, |app| app.session.error().is_none());
+    harness.key_press(Key::Tab);
+    harness.run_steps(2);
+    assert!(text(&harness).lines().all(|line| line.starts_with("  ")));
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::Tab);
+    harness.run_steps(2);
+    assert_eq!(text(&harness), SCENE);
+    // An undo takes it back as any other edit.
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Slash);
+    harness.run_steps(2);
+    std::thread::sleep(Duration::from_millis(50));
+    harness.run_steps(40);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(2);
+    assert_eq!(text(&harness), SCENE);
+}
