@@ -79,7 +79,7 @@ fn files(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 fn open(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let menu = ui.menu_button("Open", |ui| {
         ui.set_min_width(180.0);
-        ScrollArea::vertical().max_height(420.0).show(ui, |ui| {
+        ScrollArea::vertical().max_height(420.0).min_scrolled_height(420.0).show(ui, |ui| {
             let scene = session.documents.all.first().map(|document| &document.name);
             for path in &session.open.beside {
                 let name = Path::new(path).file_name().unwrap_or_default().to_string_lossy();
