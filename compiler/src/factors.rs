@@ -13,6 +13,17 @@ use rustc_hash::FxHashSet;
 /// How many samples say how steep a formula is at most places.
 const TYPICAL: usize = 33;
 
+/// A parameter on which a factor depends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ranged {
+    /// Its name.
+    pub name: String,
+    /// The least and the greatest that the component on which the factor depends may be; of angles radians.
+    pub range: [f64; 2],
+    /// Whether it is shown in degrees.
+    pub degrees: bool,
+}
+
 /// A factor, explained.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explained {
@@ -45,8 +56,8 @@ pub struct Explained {
     pub region: Option<[[f64; 3]; 2]>,
     /// The closed form behind it, where there is one.
     pub form: Option<String>,
-    /// The names of the parameters on which it depends, each with its range.
-    pub parameters: Vec<(String, [f64; 2])>,
+    /// The parameters on which it depends.
+    pub parameters: Vec<Ranged>,
     /// The name of its field in the uniform block; none where the module does not read it.
     pub uniform: Option<String>,
     /// Why it is needed.
@@ -243,17 +254,16 @@ fn uniform(compiled: &Compiled, index: u32) -> Option<String> {
 }
 
 /// The parameters that have these components, and the range of the first of each that is among them.
-fn parameters(compiled: &Compiled, components: &[u32]) -> Vec<(String, [f64; 2])> {
-    let mut found: Vec<(String, [f64; 2])> = Vec::new();
+fn parameters(compiled: &Compiled, components: &[u32]) -> Vec<Ranged> {
+    let mut found: Vec<Ranged> = Vec::new();
     for &component in components {
         let Some(known) = compiled.graph.parameters.get(component as usize) else { continue };
         let holds = |p: &&crate::compiled::Parameter| {
             p.first.is_some_and(|first| (first..first + p.default.len() as u32).contains(&component))
         };
         let Some(parameter) = compiled.parameters.iter().find(holds) else { continue };
-        if !found.iter().any(|(name, _)| *name == parameter.name) {
-            let degrees = |x: f64| if parameter.degrees { x.to_degrees() } else { x };
-            found.push((parameter.name.clone(), [degrees(known.min), degrees(known.max)]));
+        if !found.iter().any(|known| known.name == parameter.name) {
+            found.push(Ranged { name: parameter.name.clone(), range: [known.min, known.max], degrees: parameter.degrees });
         }
     }
     found
@@ -312,7 +322,7 @@ fn advice(known: &Explained) -> String {
         return "a region, `.within(box(…))`, a clamp of what grows, or divisors kept away from zero: then it can be proven".to_owned();
     }
     if known.live < 0.9 * known.factor && !known.parameters.is_empty() {
-        let ranges: Vec<String> = known.parameters.iter().map(|(name, _)| format!("`{name}`")).collect();
+        let ranges: Vec<String> = known.parameters.iter().map(|parameter| format!("`{}`", parameter.name)).collect();
         return format!("a narrower range of {}", ranges.join(" or "));
     }
     let region = known.region.is_some();
@@ -362,8 +372,7 @@ impl Explained {
         if self.parameters.is_empty() {
             return String::new();
         }
-        let ranges: Vec<String> =
-            self.parameters.iter().map(|(name, [low, high])| format!("{name} in {}..{}", short(*low), short(*high))).collect();
+        let ranges: Vec<String> = self.parameters.iter().map(Ranged::written).collect();
         format!("{} for all {}; {} {now}", times(self.factor), ranges.join(", "), times(self.live))
     }
 
@@ -378,6 +387,14 @@ impl Explained {
             _ if cost < 1.05 => format!("hardly more steps near it{together}"),
             _ => format!("about {} times the steps near it{together}", rough(cost)),
         }
+    }
+}
+
+impl Ranged {
+    /// As one writes it: `turn in 0deg..90deg`.
+    fn written(&self) -> String {
+        let end = |x: f64| if self.degrees { format!("{}deg", short(x.to_degrees())) } else { short(x) };
+        format!("{} in {}..{}", self.name, end(self.range[0]), end(self.range[1]))
     }
 }
 
@@ -438,7 +455,7 @@ mod tests {
         assert_eq!((twist.operation.as_str(), twist.text.as_str()), ("twist", "twist(y, rate)"));
         assert_eq!(twist.place, ("main.sdf".to_owned(), 2, 24));
         assert_eq!(twist.proof, Proof::Derived);
-        assert_eq!(twist.parameters, [("rate".to_owned(), [0.0, 2.0])]);
+        assert_eq!(twist.parameters, [Ranged { name: "rate".to_owned(), range: [0.0, 2.0], degrees: false }]);
         assert!(twist.live < 0.75 * twist.factor, "{twist:?}");
         // From the factor and the region's corner comes out again the largest rate of the range, up to what the search adds.
         let form = twist.form.as_ref().unwrap();

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use surefoot_compiler::compiled::{Compiled, Parameter};
 use surefoot_compiler::diagnostic::{self, Diagnostic, Severity};
-use surefoot_compiler::factors::{self, Explained};
+use surefoot_compiler::factors::{self, Explained, Ranged};
 use surefoot_compiler::graph::Proof;
 use surefoot_compiler::skipped::{skipped, unseen};
 use surefoot_compiler::source::Sources;
@@ -130,7 +130,7 @@ fn scene_json(sources: &Sources, compiled: &Compiled) -> Value {
 
 fn factor_json(factor: &Explained) -> Value {
     let (file, line, column) = &factor.place;
-    let parameter = |(name, [min, max]): &(String, [f64; 2])| json!({ "name": name, "min": min, "max": max });
+    let parameter = |p: &Ranged| json!({ "name": p.name, "degrees": p.degrees, "min": p.range[0], "max": p.range[1] });
     // JSON has no infinity: a side without an end is null.
     let region = factor.region.map(|[min, max]| json!({ "min": min, "max": max }));
     json!({
