@@ -109,8 +109,8 @@ impl Elaborator<'_> {
             Some(module) => format!("{module}.{}", name.text),
             None => name.text.to_string(),
         };
-        if let Some(Expr { kind: ExprKind::List(choices), span }) = domain {
-            return self.chosen(name, shown, value, choices, *span, description.clone(), &env);
+        if let Some(Expr { kind: ExprKind::List(choices), .. }) = domain {
+            return self.chosen(name, shown, value, choices, description.clone(), &env);
         }
         let default = self.expression(value, &env)?;
         let default = match ty {
@@ -285,13 +285,16 @@ impl Elaborator<'_> {
         shown: String,
         value: &Expr,
         choices: &[Expr],
-        span: Span,
         description: Option<String>,
         env: &Env,
     ) -> Elaborated<Value> {
         let label = |e: &Self, expr: &Expr| -> String { e.choice_label(expr) };
         let labels: Vec<String> = choices.iter().map(|c| label(self, c)).collect();
         let written = label(self, value);
+        let twice = choices.iter().zip(&labels).enumerate().find(|(i, (_, name))| labels.iter().take(*i).any(|earlier| earlier == *name));
+        if let Some((_, (choice, name))) = twice {
+            return Err(self.error(Code::BadRange, choice.span, format!("`{name}` stands twice among the choices"), "leave one of the two out"));
+        }
         let asked = self.options.choose.iter().find(|(n, _)| *n == shown).map(|(_, c)| c.clone());
         let wanted = asked.filter(|a| labels.contains(a)).unwrap_or(written);
         let Some(index) = labels.iter().position(|l| *l == wanted) else {
@@ -319,7 +322,6 @@ impl Elaborator<'_> {
             span: name.span,
             first: None,
         });
-        let _ = span;
         let Some(choice) = choices.get(index) else { return Err(Stop) };
         // The others are looked at too, for their errors.
         for (i, other) in choices.iter().enumerate() {

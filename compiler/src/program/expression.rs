@@ -172,7 +172,10 @@ impl Elaborator<'_> {
         let Some(&item) = items.first() else { return Err(Stop) };
         let Some(declared) = self.modules.item(item) else { return Err(Stop) };
         match &declared.kind {
-            ItemKind::Param { .. } => self.parameter(item),
+            ItemKind::Param { .. } => {
+                self.called.insert(item);
+                self.parameter(item)
+            }
             ItemKind::Let(_) => self.top_let(item),
             ItemKind::Material { .. } => self.make_material(item, &[], span).map(Value::Material),
             // `()` may be left off.

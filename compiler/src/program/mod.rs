@@ -483,19 +483,16 @@ impl Elaborator<'_> {
     fn unused_parameters(&mut self, blocks: &SceneBlocks, root: Option<ShapeId>) {
         let Some(root) = root else { return };
         let read = self.graph.parameters_read(root, &blocks.nodes());
-        let main_file = self.modules.file(self.modules.main);
-        let unused: Vec<_> = self
-            .parameters
-            .iter()
-            .filter(|p| p.span.file == main_file)
-            .filter(|p| {
-                p.first.is_some_and(|first| {
-                    let count = p.default.len() as u32;
-                    !(first..first + count).any(|c| read.contains(&c))
-                })
-            })
-            .map(|p| (p.name.clone(), p.span))
-            .collect();
+        let modules = self.modules;
+        let main_file = modules.file(modules.main);
+        // A choice among names is no number that a formula could read; but some text says its name.
+        let is_said = |p: &Parameter| modules.items(modules.main).any(|(item, declared)| declared_as(declared, p) && self.called.contains(&item));
+        let is_read = |p: &Parameter| match p.first {
+            Some(first) => (first..first + p.default.len() as u32).any(|component| read.contains(&component)),
+            None => is_said(p),
+        };
+        let own = self.parameters.iter().filter(|p| p.span.file == main_file);
+        let unused: Vec<_> = own.filter(|p| !is_read(p)).map(|p| (p.name.clone(), p.span)).collect();
         for (name, span) in unused {
             self.report(Diagnostic::new(
                 Code::Unused,
@@ -505,4 +502,9 @@ impl Elaborator<'_> {
             ));
         }
     }
+}
+
+/// Whether a parameter is declared here.
+fn declared_as(item: &ast::Item, parameter: &Parameter) -> bool {
+    load::item_name(item).is_some_and(|name| name.span == parameter.span)
 }
