@@ -78,6 +78,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
 }
 
 /// The scenes in the folder of a scene, itself among them, by name.
+#[cfg(feature = "gui")]
 pub fn scenes_beside(scene: &str) -> Vec<String> {
     /// More are no list for a person.
     const MOST: usize = 1000;
@@ -135,6 +136,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg(feature = "gui")]
     fn finds_the_scenes_of_a_folder() {
         let folder = folder("scenes");
         for name in ["b.sdf", "a.sdf", "c.wgsl"] {
