@@ -68,12 +68,7 @@ impl Elaborator<'_> {
         let mut positional: SmallVec<[Given; 4]> = known.into_iter().map(|(v, s)| Given::Known(v, s)).collect();
         positional.extend(args.iter().filter(|a| a.name.is_none()).map(|a| Given::Written(&a.value)));
         let given = positional.len();
-        if given + args.iter().filter(|a| a.name.is_some()).count() > parameters.len()
-            && let Some((at, n)) = vector_index(parameters, args)
-            && given + 1 >= n
-            && given + 1 - n <= parameters.len()
-            && at + n <= given
-        {
+        if let Some((at, n)) = written_out(parameters, args, given) {
             // One vector's components are written out.
             let group: Vec<Given> = positional.drain(at..at + n).collect();
             let all_written = group.iter().all(|g| matches!(g, Given::Written(_)));
@@ -375,6 +370,13 @@ impl Elaborator<'_> {
         let limit = self.graph.constant(limit);
         self.graph.op(op, &[node, limit])
     }
+}
+
+/// Which parameter is given as its components, and how many these are, where so many arguments stand without a name.
+pub(super) fn written_out(parameters: &[Parameter], args: &[Argument], given: usize) -> Option<(usize, usize)> {
+    let named = args.iter().filter(|a| a.name.is_some()).count();
+    let fits = |(at, n): &(usize, usize)| given + 1 >= *n && given + 1 - *n <= parameters.len() && *at + *n <= given;
+    vector_index(parameters, args).filter(|found| given + named > parameters.len() && fits(found))
 }
 
 /// The one parameter that is a vector, and its number of components. What `args` name is given apart.

@@ -1,5 +1,6 @@
 //! Calls: what is called, by a name, through an import or after a dot.
 
+use super::bind::written_out;
 use super::elsewhere::{instead, ours};
 use super::load::{ItemRef, Resolution};
 use super::overload::at_a_point;
@@ -523,7 +524,9 @@ impl Elaborator<'_> {
     fn takes_no_point(&mut self, function: &ast::Function, known: &[(Value, Span)], args: &[Argument], env: &Env) -> Elaborated<()> {
         let makes_shape = matches!(function.kind, FunctionKind::Shape | FunctionKind::Shape2 | FunctionKind::Field | FunctionKind::Field2);
         let written: Vec<&Argument> = args.iter().filter(|a| a.name.is_none()).collect();
-        if !makes_shape || env.point.is_none() || known.len() + written.len() <= function.parameters.len() {
+        let given = known.len() + written.len();
+        let is_one_too_many = given > function.parameters.len() && written_out(&function.parameters, args, given).is_none();
+        if !makes_shape || env.point.is_none() || !is_one_too_many {
             return Ok(());
         }
         let (first, at) = match (known.first(), written.first()) {
