@@ -62,6 +62,9 @@ pub fn compile_remembering(
 /// More operations than these in one look, and a picture takes minutes. Of a union of many a look takes an operand or a few.
 const COSTLY: usize = 50_000;
 
+/// More shapes than these are entered by one look, and no picture is ever done: each is worth some operations.
+const MOST_ENTERED: f64 = 500_000.0;
+
 /// Room for the deepest nesting that is read, in a build without optimisation.
 const STACK: usize = 256 << 20;
 
@@ -88,6 +91,17 @@ fn run(
         let mut graph = elaboration.graph;
         let facts = &mut elaboration.facts;
         let root = functions::bind_world(&mut graph, root);
+        let entered = graph.entered(root);
+        if entered > MOST_ENTERED {
+            outcome.diagnostics.push(Diagnostic::new(
+                Code::TooLarge,
+                loaded.modules.head(loaded.modules.main),
+                format!("one look at this scene enters {entered:.1e} shapes, and no picture would ever be done"),
+                "let what calls itself do so less often, or join fewer copies of copies",
+            ));
+            tidy(&mut outcome.diagnostics);
+            return outcome;
+        }
         let (functions, summary, found) =
             functions::build(&mut graph, facts, root, &elaboration.blocks, options.strict, Vec::new());
         if let (Some(reach), None, false) = (functions.ahead.beyond, options.extent, elaboration.blocks.says_extent) {

@@ -53,6 +53,22 @@ impl Graph {
         }
     }
 
+    /// How many shapes one look at a shape enters, itself among them: one that two others call counts twice.
+    pub fn entered(&self, shape: ShapeId) -> f64 {
+        let mut order = Vec::new();
+        // What a shape calls was made before it.
+        let mut counts: Vec<f64> = Vec::with_capacity(shape.0 as usize + 1);
+        for (_, shape) in self.shapes().take(shape.0 as usize + 1) {
+            self.calling(&[shape.value], &mut order);
+            let called = order.iter().filter_map(|id| match self.node(*id) {
+                Node::Call(called, ..) => counts.get(called.0 as usize),
+                _ => None,
+            });
+            counts.push(1.0 + called.sum::<f64>());
+        }
+        counts.last().copied().unwrap_or(0.0)
+    }
+
     /// The roots and what is inside of them, without what is not `wanted`, into `order`.
     fn needed<'g>(
         &'g self,
