@@ -334,6 +334,28 @@ mod tests {
             assert!(away > 2.5 * radius && away < 8.0 * radius, "{other}: {camera:?}");
             assert!(extent > 1.4 * radius, "{other}: {extent}");
         }
+        // Of these shapes a first look says next to nothing of where they end.
+        for (other, radius) in [
+            ("scene = prism(6, 30, 30)", 42.0),
+            ("scene = pyramid(300, 300)", 260.0),
+            ("scene = superquadric((10, 10, 10), 4)", 12.0),
+            ("scene = star(5, 400, 200).extrude(50)", 530.0),
+            ("scene = box(30).shear(y, x, 0.3)", 29.0),
+            ("scene = cylinder((-60, -60, 0), (60, 60, 5), 4)", 89.0),
+            ("scene = (rectangle((300, 200)) - for i in 0..11 { circle(4).translate(80, 0).rotate(i / 11 * 1turn) }).extrude(10)", 180.0),
+            ("scene = for i in 0..200 by smooth_union(2) { sphere(3).translate(10 * (i - 100), 0, 0) }", 1000.0),
+            ("param n: int = 6 in 3..12\nscene = prism(n, 300, 50)", 400.0),
+            ("scene = sphere(3).translate(300, 0, 0).repeat_polar(y, 40)", 430.0),
+            ("scene = box(10).translate(150, 0, 0).repeat_polar(y, 12) | sphere(20)", 220.0),
+            ("scene = (for c in polar(30) { circle(3).translate(400, 0) }).extrude(4)", 570.0),
+            ("scene = sphere(101).repeat(250, (2, 1, 2))", 330.0),
+        ] {
+            let (camera, extent) = seen(other);
+            let away = length(sub(camera.eye, camera.target));
+            assert!(length(camera.target) < 0.1 * radius, "{other}: {camera:?}");
+            assert!(away > 1.5 * radius && away < 8.0 * radius, "{other}: {camera:?}");
+            assert!(extent > 1.4 * radius, "{other}: {extent}");
+        }
         // Who says where the camera stands has it there.
         let (camera, extent) = seen("scene = box(20)\ncamera { eye: (0, 0, 50) }\nrender { extent: 30 }");
         assert_eq!((camera.eye, extent), ([0.0, 0.0, 50.0], 30.0));

@@ -13,7 +13,7 @@ use crate::reference::Reference;
 use crate::source::{FileId, Span};
 
 /// Pictures through which is looked, coarse ones first, in pixels.
-const PICTURES: [(u32, u32); 3] = [(5, 3), (20, 12), (60, 36)];
+const PICTURES: [(u32, u32); 4] = [(5, 3), (20, 12), (60, 36), (140, 84)];
 /// What is nearer to a ray than a pixel of a picture of this height counts as met.
 const PIXELS: u32 = 720;
 /// Most operations that a look at all pixels of a picture may take, once.

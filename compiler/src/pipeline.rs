@@ -63,7 +63,7 @@ pub fn compile_remembering(
 const COSTLY: usize = 50_000;
 
 /// More shapes than these are entered by one look, and no picture is ever done: each is worth some operations.
-const MOST_ENTERED: f64 = 500_000.0;
+const MOST_ENTERED: f64 = 1e8;
 
 /// Room for the deepest nesting that is read, in a build without optimisation.
 const STACK: usize = 256 << 20;

@@ -39,6 +39,11 @@ use smallvec::SmallVec;
 use std::rc::Rc;
 use tape::Tape;
 
+/// So many steps may one look run at a formula and all that it calls…
+const MOST_IN_ONE: u64 = 2_000_000;
+/// …and so many where one took more.
+const MOST_IN_NEXT: u64 = 20_000;
+
 /// What is known of the graph's nodes, kept so that nothing is computed twice.
 pub struct Facts {
     /// What was found in this compilation and those before.
@@ -72,6 +77,10 @@ pub struct Facts {
     pub boxes: u64,
     /// Steps of formulas run so far, with their derivatives or without.
     pub ran: u64,
+    /// How many shapes within each other are looked at just now, and how many steps had been run before the outermost.
+    nested: (u32, u64),
+    /// How many steps one look may run: what calls itself twice, thirty times within each other, has no end.
+    most_in_one: u64,
     /// Up to which step kinks are looked at side by side, for the box at hand.
     forks: Option<u64>,
     /// How many steps that has cost so far.
@@ -108,6 +117,8 @@ impl Default for Facts {
             steps: STEPS,
             boxes: 0,
             ran: 0,
+            nested: (0, 0),
+            most_in_one: MOST_IN_ONE,
             forks: None,
             forked: 0,
             searched: 0,
@@ -249,9 +260,25 @@ impl Facts {
         if let Some(known) = self.ranges.get(&key) {
             return *known;
         }
+        if !self.enter() {
+            return Interval::ALL;
+        }
         let range = self.range(graph, s.value, &domain);
+        self.nested.0 -= 1;
         self.ranges.insert(key, range);
         range
+    }
+
+    /// Whether the look at hand may go on into another shape. Of one that took too long nothing is known, and later ones end sooner.
+    fn enter(&mut self) -> bool {
+        if self.nested.0 == 0 {
+            self.nested.1 = self.ran;
+        } else if self.ran - self.nested.1 > self.most_in_one {
+            self.most_in_one = MOST_IN_NEXT;
+            return false;
+        }
+        self.nested.0 += 1;
+        true
     }
 
     /// Value, gradient and its norm of a shape's field over intervals of its arguments.
@@ -261,6 +288,9 @@ impl Facts {
         let key = (shape, domain.key());
         if let Some(known) = self.duals.get(&key) {
             return *known;
+        }
+        if !self.enter() {
+            return Dual { jumps: u8::MAX, ..Dual::unknown(Interval::ALL) };
         }
         let value = s.value;
         let exact = s.exactness == Exactness::Exact;
@@ -274,6 +304,7 @@ impl Facts {
         } else {
             self.dual_of(graph, &tape, &domain).0
         };
+        self.nested.0 -= 1;
         self.duals.insert(key, dual);
         dual
     }

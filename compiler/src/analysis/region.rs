@@ -29,6 +29,8 @@ const LOOKS: u32 = 1000;
 const ENTRIES: u32 = 400;
 /// How many steps one contraction may visit, shared steps counted each time.
 const VISITS: usize = 4000;
+/// So many places tell whether a solid ends.
+const PLACES: u32 = 24;
 
 /// As far as outlines are found.
 pub const WORLD_SIDE: f64 = 1e5;
@@ -128,6 +130,52 @@ impl Facts {
     /// looked at shape by shape, each of them once. It reaches to that distance where nothing better is known.
     pub fn outline(&mut self, graph: &Graph, node: NodeId) -> Box3 {
         self.outline_within(graph, node, 0)
+    }
+
+    /// The same, with a closer look where that reaches beyond so far from the origin: a box that hardly holds anything may be wide.
+    pub fn close_outline(&mut self, graph: &Graph, node: NodeId, far: f64) -> Box3 {
+        let outline = self.outline(graph, node);
+        if outline.is_empty() || outline.0.iter().all(|side| side.magnitude() < far) {
+            return outline;
+        }
+        match graph.node(node) {
+            Node::Op(Op::Min, args) => args.iter().fold(Box3::EMPTY, |hull, &a| hull.hull(&self.close_outline(graph, a, far))),
+            Node::Claim(args, Claim::Continuous) => args.first().map_or(outline, |&a| self.close_outline(graph, a, far)),
+            _ => {
+                let region = outline.intersect(&Box3::cube(WORLD_SIDE));
+                if self.is_found_in(graph, node, &region) {
+                    return region;
+                }
+                self.closer_and_closer(|facts, within| facts.region(graph, node, &Domain::of(within), 0.0), region)
+            }
+        }
+    }
+
+    /// Whether some places of a large box can't be told from the solid: a closer look would leave the box as it is.
+    fn is_found_in(&mut self, graph: &Graph, node: NodeId, region: &Box3) -> bool {
+        // Along each axis by another irrational part of it, so that no two places lie on a plane.
+        const PARTS: [f64; 3] = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9];
+        let tape = self.tape(graph, node);
+        (1..=PLACES).any(|i| {
+            let mut place = *region;
+            for (axis, part) in PARTS.into_iter().enumerate() {
+                let side = region.axis(axis);
+                place = place.with_axis(axis, Interval::point(side.lo + side.width() * (part * f64::from(i)).fract()));
+            }
+            self.ranges_of(graph, &tape, &Domain::of(place)).last().is_none_or(|value| value.lo <= 0.0)
+        })
+    }
+
+    /// What a look at a box leaves of it, again and again: within a large box a small solid is only seen to be somewhere about.
+    pub fn closer_and_closer(&mut self, mut look: impl FnMut(&mut Self, Box3) -> Box3, mut region: Box3) -> Box3 {
+        loop {
+            let before = region.size();
+            region = look(self, region);
+            let gained = region.size() < 0.9 * before;
+            if region.is_empty() || !region.is_finite() || !gained {
+                return region;
+            }
+        }
     }
 
     fn outline_within(&mut self, graph: &Graph, node: NodeId, moves: usize) -> Box3 {

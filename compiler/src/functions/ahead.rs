@@ -62,8 +62,7 @@ impl Builder<'_> {
             planes.retain(|plane| known.contains(plane));
         }
         let solid = if planes.is_empty() { Some(field) } else { self.without(field, &planes) };
-        let (region, beyond) = self.region_of_rest(solid);
-        let home = solid.filter(|_| self.framed && region.is_some()).map(|solid| self.home(solid));
+        let (region, home, beyond) = solid.map_or((Some(Box3::cube(ROOM)), None, None), |solid| self.where_solid(solid));
         let Some(&first) = planes.first() else { return Ahead { planes: None, region, home, beyond } };
         let (rest_bound, rest_distance) = (self.without(bound, &planes), self.without(distance, &planes));
         let mut distance = first;
@@ -158,26 +157,42 @@ impl Builder<'_> {
     /// The box about what is solid where all parameters are as the text gives them.
     fn home(&mut self, solid: NodeId) -> Box3 {
         if self.graph.parameters.is_empty() {
-            return self.facts.outline(self.graph, solid);
+            return self.facts.close_outline(self.graph, solid, self.far());
         }
         let pinned = self.graph.parameters.iter().map(|p| p.default).collect();
-        Facts::at(pinned).outline(self.graph, solid)
+        Facts::at(pinned).close_outline(self.graph, solid, self.extent)
     }
 
-    /// The box about what is solid, and how far from the origin that reaches, where it is beyond the extent.
-    fn region_of_rest(&mut self, solid: Option<NodeId>) -> (Option<Box3>, Option<f64>) {
-        let Some(solid) = solid else { return (Some(Box3::cube(ROOM)), None) };
+    /// What reaches farther is looked at more closely. Nothing is where the text says from where and how far one sees.
+    fn far(&self) -> f64 {
+        if self.framed || !self.says_extent { self.extent } else { f64::INFINITY }
+    }
+
+    /// The box about what is solid, that box as the text gives the parameters, and the extent that the scene should have where it reaches beyond
+    /// the one that it has.
+    fn where_solid(&mut self, solid: NodeId) -> (Option<Box3>, Option<Box3>, Option<f64>) {
         if self.extent > WORLD_SIDE {
-            return (None, None);
+            return (None, None, None);
         }
-        let region = self.facts.outline(self.graph, solid);
-        if region.is_empty() {
-            return (None, None);
+        let mut solid = solid;
+        let mut outline = self.facts.close_outline(self.graph, solid, self.far());
+        if outline.is_empty() {
+            // What is nowhere within the extent may be beyond it.
+            solid = self.graph.shape(self.root).map_or(solid, |shape| shape.value);
+            outline = self.facts.close_outline(self.graph, solid, self.far());
         }
-        let widest = region.0.iter().map(|side| side.width()).fold(0.0, f64::max);
-        let [x, y, z] = region.0.map(Interval::magnitude);
-        let reach = x.hypot(y).hypot(z);
-        let within = [x, y, z].iter().all(|c| *c < self.extent);
-        (within.then_some(region.grow(ROOM * widest)), (LEAST * reach > self.extent && AMPLE * reach < WORLD_SIDE).then_some(AMPLE * reach))
+        if outline.is_empty() {
+            return (None, None, None);
+        }
+        let extent = self.extent;
+        let ends = |outline: &Box3| outline.0.iter().all(|side| side.magnitude() < extent);
+        let widest = outline.0.iter().map(|side| side.width()).fold(0.0, f64::max);
+        let region = ends(&outline).then(|| outline.grow(ROOM * widest));
+        // Where parameters may put it anywhere, it is somewhere at first.
+        let home = (self.framed || region.is_none() && !self.says_extent).then(|| self.home(solid)).filter(|home| !home.is_empty());
+        let reach = |outline: Box3| outline.0.map(Interval::magnitude).into_iter().fold(0.0, f64::hypot);
+        let known = [Some(outline), home].into_iter().flatten().map(reach).find(|reach| AMPLE * reach < WORLD_SIDE);
+        let beyond = known.filter(|reach| LEAST * reach > extent).map(|reach| AMPLE * reach);
+        (region, home.filter(|home| self.framed && ends(home)), beyond)
     }
 }

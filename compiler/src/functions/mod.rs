@@ -241,6 +241,8 @@ pub struct Builder<'a> {
     facts: &'a mut Facts,
     root: ShapeId,
     extent: f64,
+    /// Whether the text says it.
+    says_extent: bool,
     /// Whether there is a camera that frames what is solid.
     framed: bool,
     domains: FxHashMap<ShapeId, Domain>,
@@ -311,6 +313,7 @@ pub fn build(
         facts,
         root,
         extent: blocks.extent,
+        says_extent: blocks.says_extent,
         framed: blocks.cameras.is_empty() || blocks.cameras.iter().any(|c| c.eye.or(c.target).is_none()),
         domains: with_room(shapes),
         treatments: FxHashMap::default(),

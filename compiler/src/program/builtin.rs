@@ -255,15 +255,8 @@ impl Elaborator<'_> {
     /// A corner of a box that surely holds a shape, whatever the parameters are. Where it has no end, the box ends far away.
     fn corner(&mut self, shape: ShapeId, high: bool) -> Value {
         const ENDLESS: f64 = 1e6;
-        let mut region = self.facts.body_region(&mut self.graph, shape, &|_| None, Box3::cube(ENDLESS));
-        // Within a large box a small solid is only seen to be somewhere about; a closer look is one within what was found.
-        while let Some(size) = Some(region.size()).filter(|size| size.is_finite() && *size > 0.0) {
-            let closer = self.facts.body_region(&mut self.graph, shape, &|_| None, region);
-            region = closer;
-            if closer.size() > 0.9 * size {
-                break;
-            }
-        }
+        let graph = &mut self.graph;
+        let region = self.facts.closer_and_closer(|facts, within| facts.body_region(graph, shape, &|_| None, within), Box3::cube(ENDLESS));
         let dimensions = usize::from(self.dimensions(shape));
         let cells = (0..dimensions)
             .map(|i| {

@@ -5,6 +5,7 @@
 
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
+use crate::analysis::region::WORLD_SIDE;
 use crate::analysis::Box3;
 use crate::diagnostic::Code;
 use crate::graph::interval::Interval;
@@ -115,12 +116,12 @@ impl Elaborator<'_> {
                 Some(_) => Some((-1e6, 1e6)),
             }
         };
-        let region = self.facts.body_region(&mut self.graph, body, &cells, Box3::cube(self.extent));
+        let region = self.body_box(body, &cells);
         let mut copies = 1;
         for axis in &mut axes {
             let side = region.axis(axis.index);
             axis.reach = side.magnitude();
-            let unbounded = !side.is_finite() || axis.reach >= self.extent;
+            let unbounded = !side.is_finite() || axis.reach >= self.extent.max(WORLD_SIDE);
             if side.is_empty() {
                 axis.reach = 0.0;
             } else if unbounded || !axis.fit() {
@@ -275,6 +276,19 @@ impl Elaborator<'_> {
         self.make_shape(dimensions as u8, value, span)
     }
 
+    /// A box that holds a body over all of its cells. What is not seen to end within the extent, or does not begin there, is looked for far beyond
+    /// it: the scene may be given a larger one.
+    fn body_box(&mut self, body: ShapeId, cells: &dyn Fn(u32) -> Option<(f64, f64)>) -> Box3 {
+        let graph = &mut self.graph;
+        let extent = self.extent;
+        let near = self.facts.body_region(graph, body, cells, Box3::cube(extent));
+        if !near.is_empty() && near.0.iter().all(|side| side.magnitude() < extent) {
+            return near;
+        }
+        let far = Box3::cube(extent.max(WORLD_SIDE));
+        self.facts.closer_and_closer(|facts, within| facts.body_region(graph, body, cells, within), far)
+    }
+
     /// A cap, or the distance to a box that holds all copies, if that is more: none is nearer than that either.
     fn at_least_outside(&mut self, cap: NodeId, around: &Box3, dimensions: usize) -> NodeId {
         // What reaches to the extent goes on there.
@@ -356,7 +370,7 @@ impl Elaborator<'_> {
         let body = self.to_shape(&body, dimensions, each.body.span)?;
         let last = range.hi - 1.0;
         let cells = |v: u32| (v == variable).then_some((0.0, last));
-        let region = self.facts.body_region(&mut self.graph, body, &cells, Box3::cube(self.extent));
+        let region = self.body_box(body, &cells);
         let plane = match axis_value {
             None => Some((0, 1, 1.0)),
             Some((axis, _)) => match axis.map(|n| self.graph.as_constant(n)) {
