@@ -5,6 +5,7 @@ mod absorbed;
 use crate::compiled::{Compiled, Shadow};
 use crate::graph::interval::Interval;
 use crate::graph::{Function, Leaf, Node, Shape};
+use crate::reference::shade;
 use crate::source::{Sources, Span};
 use std::collections::BTreeMap;
 
@@ -96,7 +97,7 @@ pub const PARTS: [(&str, &str); 8] = [
 fn parts(scene: &Compiled) -> impl Iterator<Item = (&'static str, &'static str)> {
     let frame = scene.frame(&scene.live());
     let (reach, strength) = frame.ambient_occlusion;
-    let throws = |wanted: fn(&Shadow) -> bool| frame.shadows && frame.lights.iter().any(|l| wanted(&l.shadow));
+    let throws = |wanted: fn(&Shadow) -> bool| frame.shadows && shade::lights(&frame).iter().any(|l| wanted(&l.shadow));
     let shadows = throws(|s| *s != Shadow::None);
     let (meshes, balls) = (scene.has_meshes(), scene.has_balls());
     let there = [
@@ -195,11 +196,13 @@ mod tests {
             "scene = box(1).rotate(y, 0.3) | sphere(1).translate(0.5, 0, 0)",
             "scene = box(1) - sphere(0.4).translate(5 * cos(time), 0, 0)",
             "scene = for i in 0..3 { sphere(0.1).translate(i * time, 0, 0) } | box(1)",
+            "scene = circle(10).loft(circle(5), 30)",
             "param r = 0.2 in 0.1..3\nscene = box(1) | sphere(r)",
             "param r = 0.2 in 0.1..3\nscene = box(1).translate(r, 0, 0) | sphere(0.2)",
         ] {
             assert!(of(unseen, text).is_empty(), "{text}");
         }
+        assert!(!said.iter().any(|l| l.starts_with("shadows:")), "the light of a scene without any throws one: {said:?}");
         assert!(said.contains(&"balls: the scene has none".to_owned()), "{said:?}");
         assert!(said.contains(&"occlusion: its reach or its strength is 0".to_owned()), "{said:?}");
     }

@@ -11,6 +11,7 @@
 use super::vector::{Vec3, add, cross, dot, length, mix, mul, scale, smooth, sub, unit};
 use crate::compiled::{Frame, Light, LightKind, Shadow, Sky};
 use crate::images::Cube;
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -75,12 +76,15 @@ pub struct Arriving {
     pub radiance: Vec3,
 }
 
+/// The lights of a moment as the text has them, or the one of a scene without any.
+pub fn lights(frame: &Frame) -> Cow<'_, [Light]> {
+    if frame.lights.is_empty() && !frame.has_environment { Cow::Owned(vec![default_light()]) } else { Cow::Borrowed(&frame.lights) }
+}
+
 /// The lights of a moment, at most [`MAX_LIGHTS`]. A scene without any is lit by a warm one from the upper left, its shadow soft; one whose
 /// sky is an image, by that alone.
 pub fn lamps(frame: &Frame) -> Vec<Lamp> {
-    let key = [default_light()];
-    let lights = if frame.lights.is_empty() && !frame.has_environment { &key[..] } else { &frame.lights[..] };
-    lights
+    lights(frame)
         .iter()
         .take(MAX_LIGHTS)
         .map(|light| {

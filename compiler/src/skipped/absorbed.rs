@@ -193,6 +193,8 @@ impl<'s> Search<'s> {
     /// The text that makes the shape which a node calls.
     fn place_of(&self, node: NodeId) -> Option<Span> {
         let &Node::Call(id, Function::Field, _) = self.graph.node(node) else { return None };
+        // What makes a solid of drawings puts them together in its own way.
+        self.graph.shape(id).filter(|shape| shape.dimensions == 3)?;
         self.place(id)
     }
 
