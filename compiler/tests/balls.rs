@@ -257,6 +257,37 @@ fn a_belt_takes_a_ball_along() {
 }
 
 #[test]
+fn drawings_carry_as_solids_do() {
+    let law = "physics { rolling: 0, friction: 0.6, restitution: 0 }\nballs b { count: 0 }";
+    for (drawn, solid) in [
+        ("rectangle((200, 1)).translate(1.4 * time, -0.5).extrude(4)", "rectangle((200, 1)).extrude(4).translate(1.4 * time, -0.5, 0)"),
+        ("(circle(1) | rectangle(0.3)).rotate(-3 * time).extrude(4).translate(0, -1, 0)", "circle(1).extrude(4).rotate(z, -3 * time).translate(0, -1, 0)"),
+        ("circle(1).rotate(2 * time).extrude(1).rotate(x, -90deg).translate(-0.4, -0.5, 0)", "cylinder(1, 1).rotate(y, 2 * time).translate(-0.4, -0.5, 0)"),
+    ] {
+        let velocity = |text: &str| {
+            let world = run_scene(&scene(&format!("scene = {text}\n{law}")), vec![Ball::at([0.0, 0.05, 0.0], 0.05)], 0.3);
+            world.balls[0].velocity
+        };
+        let (found, expected) = (velocity(drawn), velocity(solid));
+        println!("{drawn}: {found:?}, as a solid {expected:?}");
+        assert!(length(expected) > 0.1, "{solid} carries");
+        assert!(length(sub(found, expected)) < 1e-6, "{drawn}");
+    }
+}
+
+#[test]
+fn what_time_moves_fast_takes_balls_along() {
+    for speed in [2.0, 6.0, 12.0, 40.0] {
+        let text = format!("scene = box((4, 1, 4)).translate(0, -0.6 + {speed} * time, 0)\nphysics {{ gravity: (0, 0, 0), restitution: 0 }}\nballs b {{ count: 0 }}");
+        let world = run_scene(&scene(&text), vec![Ball::at([0.0, 0.0, 0.0], 0.05)], 0.4);
+        let ball = &world.balls[0];
+        println!("{speed}: {:?} {:?}", ball.position, ball.velocity);
+        assert!((ball.velocity[1] / speed - 1.0).abs() < 0.01, "{speed}: {:?}", ball.velocity);
+        assert!(ball.position[1] >= -0.1 + 0.4 * speed + 0.049, "on top of it: {:?}", ball.position);
+    }
+}
+
+#[test]
 fn a_ball_on_a_turntable_goes_round_at_two_sevenths() {
     // Its path is a circle: Earnshaw, "Dynamics" (1844).
     let rate = 4.0;

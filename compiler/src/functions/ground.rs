@@ -177,9 +177,17 @@ impl Own<'_> {
 
     fn call(&mut self, shape: ShapeId, args: &[NodeId]) -> [NodeId; 3] {
         let here = self.graph.point();
-        // A drawing can't tell where it is along its third axis.
+        let mut args = args.to_vec();
         if self.graph.shape(shape).is_none_or(|s| s.dimensions != 3) {
-            return here;
+            // A drawing can't tell where it is along its third axis. It stays there where the other two know nothing of that.
+            let [_, _, along] = here;
+            let plane: Vec<NodeId> = args.iter().take(2).copied().collect();
+            if self.graph.reachable(&plane).contains(&along) {
+                return here;
+            }
+            if let Some(third) = args.get_mut(2) {
+                *third = along;
+            }
         }
         let own = self.shape(shape);
         let place: Vec<NodeId> = args.iter().take(3).copied().collect();
@@ -187,7 +195,7 @@ impl Own<'_> {
         if own == here && !self.graph.reachable(&place).iter().any(moves) {
             return here;
         }
-        self.graph.open_all(shape, own, args)
+        self.graph.open_all(shape, own, &args)
     }
 
     /// In a blend, the part whose surface is nearest.

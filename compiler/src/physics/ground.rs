@@ -17,6 +17,10 @@ pub trait Ground {
     fn distance(&self, p: Vec3) -> f64;
     /// The distance of a point before the newest part of a step, where the surface moves.
     fn before(&self, p: Vec3) -> Option<f64>;
+    /// Whether it moves by nothing but time.
+    fn is_moved_by_time(&self) -> bool {
+        false
+    }
     /// How far what is solid at a point went in the newest part of a step, where it moves as a whole. Along the surface only: how the
     /// surface itself goes up and down is in the distances.
     fn carried(&self, _: Vec3) -> Vec3 {
@@ -40,6 +44,7 @@ pub struct Field {
     /// Gradient, field, distance.
     slopes: Tape,
     before: Option<Tape>,
+    by_time: bool,
     /// Where a point lies in its part, now and before.
     carry: Option<[Tape; 2]>,
 }
@@ -65,6 +70,7 @@ impl Field {
         Ok(Self {
             bound: tape(&[own(Function::Bound).unwrap_or(field)], live)?,
             slopes: tape(&[slope(0), slope(1), slope(2), field, distance], live)?,
+            by_time: before.is_some_and(|before| before.components == live.components),
             before: before.map(|before| tape(&[distance], before)).transpose()?,
             carry: match (before, functions.carry.map(|carry| carry.nodes())) {
                 (Some(before), Some(nodes)) => Some([tape(&nodes, live)?, tape(&nodes, before)?]),
@@ -153,6 +159,10 @@ impl Ground for Field {
 
     fn before(&self, p: Vec3) -> Option<f64> {
         self.before.as_ref().map(|tape| one(tape, p))
+    }
+
+    fn is_moved_by_time(&self) -> bool {
+        self.by_time
     }
 
     fn carried(&self, p: Vec3) -> Vec3 {

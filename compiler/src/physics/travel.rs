@@ -4,8 +4,11 @@ use super::ground::near;
 use super::{Ball, Ground, LOOKS, Law, PATIENCE, PLACE, SETTLES, State, Touch};
 use crate::reference::vector::{Vec3, add, along, cross, dot, length, scale, sub};
 
-/// A wall that appears within this part of the radius of a ball in one part of a step moves; farther, it jumps.
+/// A wall that a hand puts elsewhere, by a slider or another text, moves where it goes no farther in one part of a step than this part of the
+/// radius of a ball; farther, it jumps.
 const JUMP: f64 = 0.5;
+/// The same of a wall that time alone moves: that is on its way.
+const JUMP_OF_TIME: f64 = 4.0;
 /// A ball that turns faster than this does not sleep, in radians a second.
 const IDLE: f64 = 4.0;
 
@@ -61,7 +64,8 @@ fn stays(ball: &Ball, ground: &impl Ground) -> bool {
 fn surface_velocity(ball: &Ball, touch: &Touch, ground: &impl Ground, h: f64) -> Vec3 {
     let n = touch.normal;
     let foot = sub(ball.position, scale(n, touch.distance));
-    let short = |way: f64| if way.abs() > JUMP * ball.radius { 0.0 } else { way };
+    let most = ball.radius * if ground.is_moved_by_time() { JUMP_OF_TIME } else { JUMP };
+    let short = |way: f64| if way.abs() > most { 0.0 } else { way };
     let moved = ground.before(foot).map_or(0.0, short);
     let carried = ground.carried(foot);
     let aside = sub(carried, scale(n, dot(carried, n)));

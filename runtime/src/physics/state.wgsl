@@ -20,7 +20,7 @@ struct Step {
     mask: u32,
     // 1: the box from `low` to `high` has walls.
     walls: u32,
-    // 1: the field is not as it was before this step; 2: it is another field, and every ball wakes.
+    // 1: the field is not as it was before this step; 3: time alone has changed it; 2: it is another field, and every ball wakes.
     moves: u32,
     // Where a hand pulls a ball to, and which one; more than there are: none.
     place: vec3f,
