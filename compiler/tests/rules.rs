@@ -128,6 +128,10 @@ fn arguments_are_named_wherever_they_are_taken() {
     near(field("scene = sphere(1).matrix(m: mat4(1))", [3.0, 0.0, 0.0]), 2.0);
     // A vector may be written out beside what is named.
     near(field("scene = sphere(1).repeat(4, 0, 4, count: (3, 1, 3))", [6.0, 0.0, 0.0]), 1.0);
+    // Where a whole number is needed a slider's is rounded.
+    for n in ["6", "5.6", "6.4"] {
+        near(field(&format!("param n = {n} in 3..12\nscene = prism(n, 1, 0.5)"), [0.3, 0.9, 0.2]), field("scene = prism(6, 1, 0.5)", [0.3, 0.9, 0.2]));
+    }
     // A combination of numbers is what it is of shapes.
     near(field("field f = round(length(p), 0.1) + length(p).round(0.25)\nscene = f", [1.0, 0.0, 0.0]), 1.65);
 }

@@ -73,6 +73,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     match error.kind() {
         // A folder that takes no new files may hold one that takes new bytes.
         ErrorKind::PermissionDenied if known.is_ok() => std::fs::write(&target, bytes).map_err(|error| words(&error)),
+        ErrorKind::NotFound => Err("there is no such folder".to_owned()),
         _ => Err(words(&error)),
     }
 }
@@ -159,7 +160,7 @@ mod tests {
         write(&path, b"two").unwrap();
         assert_eq!(read(&path), Ok(b"two".to_vec()));
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
-        assert!(write(&folder.join("no/such/folder.txt"), b"").is_err());
+        assert_eq!(write(&folder.join("no/such/folder.txt"), b""), Err("there is no such folder".to_owned()));
         let mut locked = std::fs::metadata(&path).unwrap().permissions();
         locked.set_readonly(true);
         std::fs::set_permissions(&path, locked).unwrap();

@@ -148,7 +148,7 @@ impl Painter {
         match self {
             #[cfg(feature = "gpu")]
             Self::Gpu(painter) => {
-                let pixels = painter.paint(compiled, live, shot);
+                let pixels = painter.paint(compiled, live, shot, progress);
                 progress(1.0);
                 pixels
             }
@@ -229,8 +229,8 @@ mod gpu {
             &self.broken
         }
 
-        /// Lets the balls fall until the moment of the picture; from the start, where they are beyond it.
-        fn show_balls(&mut self, compiled: &Compiled, live: &Live) -> Result<(), String> {
+        /// Lets the balls fall until the moment of the picture; from the start, where they are beyond it. `progress` hears how much of that is done.
+        fn show_balls(&mut self, compiled: &Compiled, live: &Live, progress: &(dyn Fn(f64) + Sync)) -> Result<(), String> {
             let known = self.balls.take().filter(|balls| balls.time <= live.time);
             let begun = |physics| Balls { physics, time: 0.0 };
             self.balls = match known {
@@ -246,6 +246,7 @@ mod gpu {
                     // Not more than a few at once are in the queue of a slow device.
                     if step % 16 == 0 {
                         physics.wait()?;
+                        progress(f64::from(step) / f64::from(steps));
                     }
                 }
                 *time = start + f64::from(steps) * STEP;
@@ -284,8 +285,9 @@ mod gpu {
             compiled: &Compiled,
             live: &Live,
             shot: &Shot,
+            progress: &(dyn Fn(f64) + Sync),
         ) -> Result<Vec<u8>, String> {
-            self.show_balls(compiled, live)?;
+            self.show_balls(compiled, live, progress)?;
             let wanted = headless::Shot {
                 camera: Some(shot.camera),
                 samples: self.samples,

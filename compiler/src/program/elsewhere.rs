@@ -3,7 +3,7 @@
 use crate::syntax::words::{self, nearest};
 
 /// A name of another tool, and ours. Those that begin like Quilez' (`sd`, `op`) stand without that beginning, in small letters.
-const NAMES: [(&str, &str); 65] = [
+const NAMES: [(&str, &str); 66] = [
     // Shadertoy, Quilez, hg_sdf.
     ("smin", "smooth_union"),
     ("smax", "smooth_intersection"),
@@ -67,6 +67,7 @@ const NAMES: [(&str, &str); 65] = [
     ("tile", "repeat"),
     ("kaleidoscope", "repeat_polar"),
     ("rect", "rectangle"),
+    ("square", "rectangle"),
     ("line", "segment"),
     ("hexagon", "regular_polygon"),
     ("triangle", "polygon"),

@@ -177,6 +177,8 @@ impl Elaborator<'_> {
                         format!("a whole number is needed here, and this is {c}"),
                         format!("write {}", c.round()),
                     )),
+                    // A slider that is not said to be whole stands between whole numbers too.
+                    None if !self.graph.reads_point(*node) => Ok(Value::Number(self.graph.op(Op::Round, &[*node]), true)),
                     _ => Ok(Value::Number(*node, true)),
                 }
             }
@@ -288,7 +290,7 @@ impl Elaborator<'_> {
     /// What to write where a shape is needed and a number stands.
     pub(super) fn instead_of_number(&self, node: NodeId) -> &'static str {
         match self.graph.as_constant(node) {
-            Some(_) => "write a shape, as `sphere(1)` or `box(1)`; `cube` and `square` are powers of numbers",
+            Some(_) => "write a shape, as `sphere(1)` or `box(1)`; `cube` is the third power of a number",
             None => "declare the formula with `field name = …`, and write its name here",
         }
     }

@@ -69,6 +69,9 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     }
     let balls = spawn::spawn(&compiled.groups(&live));
     let mut machine = machine(args.device, compiled, &balls)?;
+    if let Some(folder) = &args.frames {
+        std::fs::create_dir_all(folder).map_err(|why| Failure::usage(format!("can't make the folder {}: {why}", folder.display())))?;
+    }
     let bar = LateBar::new();
     let begun = Instant::now();
     let steps = (args.seconds * args.rate).round().max(1.0) as u64;
