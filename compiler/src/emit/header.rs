@@ -12,6 +12,7 @@ use crate::graph::kernel::Op;
 use crate::graph::{Factor, Graph, Proof};
 use crate::source::Sources;
 use crate::syntax::ast::Type;
+use rustc_hash::FxHashSet;
 use std::fmt::Write;
 
 /// What the comment speaks of.
@@ -233,13 +234,15 @@ fn factor(sources: &Sources, factor: &Factor) -> String {
     format!("factor: {proof}, {operation} at {file}:{line}:{column}")
 }
 
-/// The parameters that are in the text and not in the module, and why.
-pub fn unread(parameters: &[Parameter], uniforms: &Candidates) -> Vec<String> {
+/// The parameters that are in the text and not in the module, and why. `by_blocks` are the components that cameras, lights and the like read.
+pub fn unread(parameters: &[Parameter], uniforms: &Candidates, by_blocks: &FxHashSet<u32>) -> Vec<String> {
     let mut out = Vec::new();
     for (index, parameter) in parameters.iter().enumerate() {
         let read = uniforms.all.iter().any(|c| c.parameter == Some(index) && (c.read || c.computes));
         if parameter.first.is_none() {
             out.push(format!("{}: a choice among names is part of the text of the module", parameter.name));
+        } else if !read && parameter.first.is_some_and(|first| (first..first + parameter.default.len() as u32).any(|c| by_blocks.contains(&c))) {
+            out.push(format!("{}: no function of the module reads it, only what stands around the scene: cameras, lights and the like", parameter.name));
         } else if !read {
             out.push(format!("{}: nothing in the module reads it", parameter.name));
         }

@@ -31,7 +31,7 @@ use crate::compiled::{Export, Live, Module, ModuleTables, Options, Parameter, Sc
 use crate::functions::Functions;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Terms;
-use crate::graph::{Function, Graph, NodeId, ShapeId, WORLD};
+use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
 use crate::source::Sources;
 use body::{Body, Code, Space, world_count};
 use layers::{layers_function, layers_struct, mesh_functions};
@@ -188,7 +188,12 @@ pub fn emit(
         context.uniforms.read(UniformSource::OcclusionReach);
         context.uniforms.read(UniformSource::OcclusionStrength);
     }
-    skipped.extend(header::unread(parameters, &context.uniforms));
+    let around = graph.reachable(&blocks.nodes());
+    let by_blocks = around.iter().filter_map(|id| match graph.node(*id) {
+        Node::Leaf(Leaf::Parameter(component)) => Some(*component),
+        _ => None,
+    });
+    skipped.extend(header::unread(parameters, &context.uniforms, &by_blocks.collect()));
     let (fields, size) = context.uniforms.layout();
     let formulas = body.formulas.take().unwrap_or_default();
     let facts = header::Facts {
