@@ -45,7 +45,7 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
         cameras.take(MOST_TRIED).find(finds).map(|other| written(nodes, &other))
     };
     if field(camera.eye) < 0.0 && length(camera.eye) < frame.extent {
-        let message = "the camera stands inside the solid, where everything is black";
+        let message = "the camera stands inside the solid, where nothing can be seen";
         let help = better().unwrap_or_else(|| "move its `eye` to where the field is above zero".to_owned());
         return Some(Diagnostic::new(Code::InsideSolid, place(compiled, nodes), message, help));
     }
@@ -63,7 +63,10 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
         }
         Sight::Empty => {}
     }
-    let help = if empty {
+    let out = length(camera.eye).min(length(camera.target)) > frame.extent;
+    let help = if out {
+        format!("the camera has left the scene, which ends {} from the origin: set `render {{ extent: … }}` to more", short(frame.extent))
+    } else if empty {
         "write a shape as the scene, for example `scene = sphere(1)`".to_owned()
     } else if sees(compiled, &reference, &camera, &frame, FAR)? == Sight::Solid {
         format!("it is farther away than `max_distance`, which is {}: set `render {{ max_distance: … }}` to more", short(frame.max_distance))

@@ -5,7 +5,7 @@ use super::tape::Step;
 use super::{Domain, Facts};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::graph::{Graph, NodeId};
+use crate::graph::{Graph, Leaf, NodeId};
 
 /// A term whose slope has no limit though the slopes of its arguments have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,7 +16,12 @@ pub struct Steep {
     pub op: Option<Op>,
     /// Whether it has no limit because it grows, and not where something reaches zero.
     pub grows: bool,
+    /// Whether it grows by what time alone makes.
+    pub by_time: bool,
 }
+
+/// What time alone makes is without an end where it is larger than this.
+const LONG: f64 = 1e5;
 
 /// What to write for what grows.
 const GROWS: &str = "keep the shape within a region with `.within(box(…))`, or clamp what grows";
@@ -25,6 +30,7 @@ impl Steep {
     /// Why it has no limit.
     pub fn why(&self) -> &'static str {
         match self.op {
+            _ if self.by_time => "it grows without end as time goes on",
             _ if self.grows => "it grows without end",
             Some(Op::Div) => "the divisor can reach zero",
             Some(Op::Pow) => "the power is infinitely steep where its base reaches zero, or grows without end",
@@ -41,6 +47,7 @@ impl Steep {
     /// What to write instead, where the shape is `within` a region already or not.
     pub fn instead(&self, within: bool) -> &'static str {
         match self.op {
+            _ if self.by_time => "let time come back, or end: `sin(time)`, `fract(time)` or `clamp(time, 0, 60)` in place of `time`",
             Some(Op::Exp) if within => "keep what it is the power of small, for example `exp(min(a, 4))`",
             _ if self.grows && within => "keep its value small, for example `clamp(f, -1, 1)`: the surface stays where it is",
             _ if self.grows => GROWS,
@@ -70,7 +77,12 @@ impl Facts {
                 Step::Op(op, args) => {
                     let power = args.get(1).and_then(|&a| duals.get(a)).is_some_and(|d| d.value.lo >= 1.0);
                     let grows = matches!(op, Op::Mul | Op::Square | Op::Exp) || *op == Op::Pow && power;
-                    Some(Steep { node: at, op: Some(*op), grows })
+                    let is_time = |&a: &usize| {
+                        let endless = duals.get(a).is_some_and(|d| d.value.magnitude() > LONG);
+                        let moment = |&node: &NodeId| !graph.reads_point(node) && graph.leaves_under(&[node]).contains(&Leaf::Time);
+                        endless && tape.nodes.get(a).is_some_and(moment)
+                    };
+                    Some(Steep { node: at, op: Some(*op), grows, by_time: grows && args.iter().any(is_time) })
                 }
                 Step::Call(shape, args) => {
                     let args: Vec<Interval> =
@@ -78,9 +90,9 @@ impl Facts {
                     let s = graph.shape(*shape)?;
                     let own = super::call_domain(&s.variables, &args);
                     let value = s.value;
-                    self.steep_term(graph, value, &own, limit).or(Some(Steep { node: at, op: None, grows: false }))
+                    self.steep_term(graph, value, &own, limit).or(Some(Steep { node: at, op: None, grows: false, by_time: false }))
                 }
-                _ => Some(Steep { node: at, op: None, grows: false }),
+                _ => Some(Steep { node: at, op: None, grows: false, by_time: false }),
             };
         }
         None
