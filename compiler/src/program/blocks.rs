@@ -652,12 +652,8 @@ impl Elaborator<'_> {
         if let (Some((lo, hi)), Some(c)) = (limits, self.graph.as_constant(node))
             && !(lo..=hi).contains(&c)
         {
-            return Err(self.error(
-                Code::BadValue,
-                expr.span,
-                format!("this is {}", short(c)),
-                format!("write {wanted}"),
-            ));
+            let found = if wanted.contains("deg") { format!("{}deg", short(c.to_degrees())) } else { short(c) };
+            return Err(self.error(Code::BadValue, expr.span, format!("this is {found}"), format!("write {wanted}")));
         }
         Ok(node)
     }

@@ -16,16 +16,14 @@ impl Elaborator<'_> {
     fn warn_of_bytes(&mut self, color: [NodeId; 3], at: Span) {
         let [Some(r), Some(g), Some(b)] = color.map(|c| self.graph.as_constant(c)) else { return };
         let all = [r, g, b];
-        if all.iter().all(|c| *c <= 2.0) {
-            return;
-        }
+        let Some(beyond) = all.into_iter().filter(|c| !(0.0..=2.0).contains(c)).reduce(f64::max) else { return };
         let are_bytes = all.iter().all(|c| (0.0..=255.0).contains(c) && c.fract() == 0.0);
         let hexadecimal: String = all.iter().map(|c| format!("{:02x}", *c as u8)).collect();
         let help = match are_bytes {
             true => format!("write `#{hexadecimal}`"),
             false => "write numbers from 0 to 1; what shines by itself has an `emission`".to_owned(),
         };
-        let message = format!("the components of a colour go from 0 to 1, and one of these is {}", r.max(g).max(b));
+        let message = format!("the components of a colour go from 0 to 1, and one of these is {beyond}");
         self.warn(Code::ColorBytes, at, message, help);
     }
 
