@@ -118,6 +118,15 @@ fn distances_written_out_need_no_factor() {
     }
 }
 
+/// The field of what is stretched is scaled by the least of the three, wherever their sliders stand.
+#[test]
+fn a_live_stretch_is_no_steeper_than_its_shape() {
+    for text in ["box((3, 1, 1)).stretch(k, 1, 1)", "sphere(1).stretch(1, 1 + 0.5 * sin(time), k)", "star(5, 1, 0.4).stretch(k, 1).extrude(1)"] {
+        let scene = scene(&format!("param k = 1 in 0.1..2\nscene = {text}\n"));
+        assert!(scene.graph.factors.is_empty(), "{text}: {:?}", scene.graph.factors);
+    }
+}
+
 /// A drawing made solid has its region under a warp too, so that the warp's constant is that of where the solid is.
 #[test]
 fn a_warped_drawing_is_as_steep_as_its_own_size_makes_it() {
