@@ -57,6 +57,7 @@ pub struct Facts {
     regions: FxHashMap<(NodeId, Key, u64), Box3>,
     sifted: FxHashMap<(NodeId, Key, u64), Box3>,
     outlines: FxHashMap<NodeId, Box3>,
+    close_outlines: FxHashMap<NodeId, Box3>,
     constants: FxHashMap<(NodeId, Key, usize), Constant>,
     maps: FxHashMap<(NodeList, Key, usize), Constant>,
     /// Boxes that hold all points at which a node is at most zero, where whoever made the node knows.
@@ -106,6 +107,7 @@ impl Default for Facts {
             regions: FxHashMap::default(),
             sifted: FxHashMap::default(),
             outlines: FxHashMap::default(),
+            close_outlines: FxHashMap::default(),
             constants: FxHashMap::default(),
             maps: FxHashMap::default(),
             solids: FxHashMap::default(),

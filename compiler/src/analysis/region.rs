@@ -134,21 +134,35 @@ impl Facts {
 
     /// The same, with a closer look where that reaches beyond so far from the origin: a box that hardly holds anything may be wide.
     pub fn close_outline(&mut self, graph: &Graph, node: NodeId, far: f64) -> Box3 {
-        let outline = self.outline(graph, node);
+        self.close_outline_within(graph, node, far, 0)
+    }
+
+    fn close_outline_within(&mut self, graph: &Graph, node: NodeId, far: f64, moves: usize) -> Box3 {
+        let outline = self.outline_within(graph, node, moves);
         if outline.is_empty() || outline.0.iter().all(|side| side.magnitude() < far) {
             return outline;
         }
-        match graph.node(node) {
-            Node::Op(Op::Min, args) => args.iter().fold(Box3::EMPTY, |hull, &a| hull.hull(&self.close_outline(graph, a, far))),
-            Node::Claim(args, Claim::Continuous) => args.first().map_or(outline, |&a| self.close_outline(graph, a, far)),
-            _ => {
-                let region = outline.intersect(&Box3::cube(WORLD_SIDE));
-                if self.is_found_in(graph, node, &region) {
-                    return region;
-                }
-                self.closer_and_closer(|facts, within| facts.region(graph, node, &Domain::of(within), 0.0), region)
-            }
+        if let Some(known) = self.close_outlines.get(&node) {
+            return *known;
         }
+        let found = match graph.node(node) {
+            Node::Op(Op::Min, args) => args.iter().fold(Box3::EMPTY, |hull, &a| hull.hull(&self.close_outline_within(graph, a, far, moves))),
+            Node::Claim(args, Claim::Continuous) => args.first().map_or(outline, |&a| self.close_outline_within(graph, a, far, moves)),
+            Node::Call(shape, Function::Field, args) if moves < MOVES && let Some((value, shifts)) = shifted(graph, *shape, args) => {
+                // Of many copies one is looked at.
+                let own = self.close_outline_within(graph, value, far, moves + 1);
+                moved_back(own, shifts)
+            }
+            _ => {
+                let region = outline.intersect(&Box3::cube(FARTHEST));
+                match self.is_found_in(graph, node, &region) {
+                    true => region,
+                    false => self.closer_and_closer(|facts, within| facts.region(graph, node, &Domain::of(within), 0.0), region),
+                }
+            }
+        };
+        self.close_outlines.insert(node, found);
+        found
     }
 
     /// Whether some places of a large box can't be told from the solid: a closer look would leave the box as it is.
@@ -188,8 +202,7 @@ impl Facts {
             Node::Claim(args, Claim::Continuous) => args.first().map_or(Box3::ALL, |&a| self.outline_within(graph, a, moves)),
             Node::Call(shape, Function::Field, args) if moves < MOVES && let Some((value, shifts)) = shifted(graph, *shape, args) => {
                 let own = self.outline_within(graph, value, moves + 1);
-                let back = (0..3).zip(shifts).fold(own, |b, (i, shift)| b.with_axis(i, own.axis(i).sub(Interval::point(shift))));
-                if own.is_empty() { own } else { back }
+                moved_back(own, shifts)
             }
             _ => self.rough_region(graph, node, &Domain::of(Box3::cube(FARTHEST))),
         };
@@ -410,6 +423,14 @@ fn shifted(graph: &Graph, shape: ShapeId, args: &[NodeId]) -> Option<(NodeId, [f
         *shift = shift_along(graph, *args.get(i)?, i).filter(|shift| shift.abs() < 0.01 * FARTHEST)?;
     }
     Some((s.value, shifts))
+}
+
+/// The box of a shape's solid where it is called at a point that is moved so far.
+fn moved_back(own: Box3, shifts: [f64; 3]) -> Box3 {
+    if own.is_empty() {
+        return own;
+    }
+    (0..3).zip(shifts).fold(own, |back, (i, shift)| back.with_axis(i, own.axis(i).sub(Interval::point(shift))))
 }
 
 /// By how much a coordinate is moved, where it is only moved.
