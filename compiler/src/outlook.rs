@@ -45,7 +45,7 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
         cameras.take(MOST_TRIED).find(finds).map(|other| written(nodes, &other))
     };
     if field(camera.eye) < 0.0 && length(camera.eye) < frame.extent {
-        let message = "the camera stands inside the solid, where nothing can be seen";
+        let message = "the camera stands inside the solid, where nothing can be seen rightly";
         let help = better().unwrap_or_else(|| "move its `eye` to where the field is above zero".to_owned());
         return Some(Diagnostic::new(Code::InsideSolid, place(compiled, nodes), message, help));
     }

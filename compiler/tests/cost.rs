@@ -39,3 +39,18 @@ fn no_example_costs_more_than_it_did() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// A shape of which a first look does not say where it ends is looked at closely once, however many copies there are.
+#[test]
+fn many_copies_are_looked_at_as_one() {
+    let steps = |copies: u32| {
+        let loader = MemoryLoader::new().with("main.sdf", format!("scene = for i in 0..{copies} {{ prism(6, 2, 1).translate(7 * i, 0, 0) }}"));
+        let mut memory = Memory::default();
+        let outcome = compile_remembering(&loader, "main.sdf", &Options::default(), &mut memory, &mut |_| {});
+        assert!(outcome.compiled.is_some());
+        memory.steps
+    };
+    let (few, many) = (steps(20), steps(200));
+    println!("20 copies: {few}, 200 copies: {many}");
+    assert!(many < 2 * few, "{few}, {many}");
+}

@@ -93,6 +93,12 @@ struct Step {
     held: u32,
 }
 
+// How the field came to be as it is, as `state.wgsl` says.
+const STILL: u32 = 0;
+const BY_HAND: u32 = 1;
+const ANOTHER: u32 = 2;
+const BY_TIME: u32 = 3;
+
 /// A ball, as `state.wgsl` declares it.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -324,10 +330,10 @@ impl Physics {
         let parts = law.substeps;
         let changes = self.contact.write_moments(&self.gpu, compiled, before, now, parts);
         let moves = match (self.anew, changes) {
-            (true, _) => 2,
-            (false, false) => 0,
-            (false, true) if before.components == now.components => 3,
-            (false, true) => 1,
+            (true, _) => ANOTHER,
+            (false, false) => STILL,
+            (false, true) if before.components == now.components => BY_TIME,
+            (false, true) => BY_HAND,
         };
         let h = seconds / f64::from(parts);
         let step = self.numbers(law, h, moves);

@@ -14,21 +14,20 @@ fn distance_before(p: vec3f) -> f32 {
 
 // The velocity of the surface; what jumps does not push.
 fn surface_velocity(foot: vec3f, n: vec3f, r: f32) -> vec3f {
-    if law.moves % 2u == 0u {
+    if law.moves == STILL || law.moves == ANOTHER {
         return vec3f(0.0);
     }
     let moved = distance_before(foot);
     let way = carried(foot);
     let aside = way - n * dot(way, n);
-    // What a hand puts elsewhere jumps sooner than what time moves, which is on its way.
-    let most = select(0.5, 4.0, law.moves == 3u) * r;
+    let most = select(0.5, 4.0, law.moves == BY_TIME) * r;
     return (select(aside, vec3f(0.0), length(aside) > most) + n * select(moved, 0.0, abs(moved) > most)) / law.h;
 }
 
 // Whether a ball that sleeps goes on: nothing near it moves.
 fn stays(ball: Ball) -> bool {
-    if law.moves % 2u == 0u {
-        return law.moves != 2u;
+    if law.moves == STILL || law.moves == ANOTHER {
+        return law.moves == STILL;
     }
     let before = distance_before(ball.p);
     let now = sf_distance(ball.p);

@@ -20,12 +20,21 @@ struct Step {
     mask: u32,
     // 1: the box from `low` to `high` has walls.
     walls: u32,
-    // 1: the field is not as it was before this step; 3: time alone has changed it; 2: it is another field, and every ball wakes.
+    // How the field came to be as it is: one of the four below.
     moves: u32,
     // Where a hand pulls a ball to, and which one; more than there are: none.
     place: vec3f,
     held: u32,
 }
+
+// It is as it was before this step.
+const STILL = 0u;
+// A hand has changed it: what goes far has jumped.
+const BY_HAND = 1u;
+// It is another field, and every ball wakes.
+const ANOTHER = 2u;
+// Time alone has changed it: what goes far is on its way.
+const BY_TIME = 3u;
 
 @group(1) @binding(0) var<uniform> law: Step;
 @group(1) @binding(1) var<storage, read> source: array<Ball>;

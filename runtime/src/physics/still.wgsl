@@ -8,5 +8,5 @@ fn surface_velocity(foot: vec3f, n: vec3f, r: f32) -> vec3f {
 }
 
 fn stays(ball: Ball) -> bool {
-    return law.moves != 2u;
+    return law.moves != ANOTHER;
 }
