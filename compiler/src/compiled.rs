@@ -14,6 +14,7 @@ use crate::graph::{multiple_of, Graph, Leaf, NodeId, Proof, ShapeId};
 pub use crate::loader::{Loader, MemoryLoader};
 use crate::source::{Sources, Span};
 use crate::syntax::ast::Type;
+use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -134,6 +135,13 @@ pub struct Parameter {
     pub span: Span,
     /// Index of its first component in [`Graph::parameters`]; a choice has none, and recompiles.
     pub first: Option<u32>,
+}
+
+impl Parameter {
+    /// The indices of its components in [`Graph::parameters`]; a choice has none.
+    pub fn components(&self) -> Range<u32> {
+        self.first.map_or(0..0, |first| first..first + self.default.len() as u32)
+    }
 }
 
 /// Values of what is live: time and the parameters' components.

@@ -258,9 +258,7 @@ fn parameters(compiled: &Compiled, components: &[u32]) -> Vec<Ranged> {
     let mut found: Vec<Ranged> = Vec::new();
     for &component in components {
         let Some(known) = compiled.graph.parameters.get(component as usize) else { continue };
-        let holds = |p: &&crate::compiled::Parameter| {
-            p.first.is_some_and(|first| (first..first + p.default.len() as u32).contains(&component))
-        };
+        let holds = |p: &&crate::compiled::Parameter| p.components().contains(&component);
         let Some(parameter) = compiled.parameters.iter().find(holds) else { continue };
         if !found.iter().any(|known| known.name == parameter.name) {
             found.push(Ranged { name: parameter.name.clone(), range: [known.min, known.max], degrees: parameter.degrees });

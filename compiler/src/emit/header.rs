@@ -241,7 +241,7 @@ pub fn unread(parameters: &[Parameter], uniforms: &Candidates, by_blocks: &FxHas
         let read = uniforms.all.iter().any(|c| c.parameter == Some(index) && (c.read || c.computes));
         if parameter.first.is_none() {
             out.push(format!("{}: a choice among names is part of the text of the module", parameter.name));
-        } else if !read && parameter.first.is_some_and(|first| (first..first + parameter.default.len() as u32).any(|c| by_blocks.contains(&c))) {
+        } else if !read && parameter.components().any(|c| by_blocks.contains(&c)) {
             out.push(format!("{}: no function of the module reads it, only what stands around the scene: cameras, lights and the like", parameter.name));
         } else if !read {
             out.push(format!("{}: nothing in the module reads it", parameter.name));

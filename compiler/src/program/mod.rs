@@ -488,7 +488,7 @@ impl Elaborator<'_> {
         // A choice among names is no number that a formula could read; but some text says its name.
         let is_said = |p: &Parameter| modules.items(modules.main).any(|(item, declared)| declared_as(declared, p) && self.called.contains(&item));
         let is_read = |p: &Parameter| match p.first {
-            Some(first) => (first..first + p.default.len() as u32).any(|component| read.contains(&component)),
+            Some(_) => p.components().any(|component| read.contains(&component)),
             None => is_said(p),
         };
         let own = self.parameters.iter().filter(|p| p.span.file == main_file);
