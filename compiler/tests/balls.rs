@@ -202,6 +202,47 @@ fn two_balls_keep_their_momentum() {
     assert!(lost < 1e-5, "{lost}");
 }
 
+/// The energy of balls in a box without gravity after two seconds, over that at the start.
+fn energy_left(count: u32, restitution: f64) -> f64 {
+    let text = format!(
+        "scene = sphere(1).translate(0, 50, 0)\nballs b {{ count: {count}, radius: 0.1..0.2, spawn: (-1.8, -1.8, -1.8)..(1.8, 1.8, 1.8), velocity: (3, 0.3, 0.7), seed: 7 }}"
+    );
+    let compiled = scene(&text);
+    let law = Law { gravity: [0.0; 3], walls: Some([[-2.0; 3], [2.0; 3]]), ..law(restitution, 0.0, 0.0) };
+    let balls = spawn::spawn(&compiled.groups(&compiled.live()));
+    let start = World::new(balls.clone()).energy(&law);
+    run(&compiled, &compiled.live(), &law, balls, 2.0, |_| {}).energy(&law) / start
+}
+
+#[test]
+fn elastic_balls_keep_their_energy() {
+    let [thin, dense, half] = [energy_left(100, 1.0), energy_left(500, 1.0), energy_left(100, 0.5)];
+    println!("left after two seconds: {thin:.3} among 100, {dense:.3} among 500, {half:.3} among 100 that lose half of their speed");
+    assert!((0.97..1.01).contains(&thin), "{thin}");
+    assert!((0.85..1.01).contains(&dense), "{dense}");
+    assert!(half < 0.3, "{half}");
+}
+
+/// What one ball gives to a row of four that touch: all of its momentum, and most of its energy; the last one takes the largest part.
+#[test]
+fn a_blow_goes_through_a_row() {
+    let compiled = scene("scene = sphere(1).translate(0, 50, 0)");
+    let law = Law { gravity: [0.0; 3], ..law(1.0, 0.0, 0.0) };
+    let mut balls: Vec<Ball> = (0..4).map(|i| Ball::at([0.2 * f64::from(i), 0.0, 0.0], 0.1)).collect();
+    let mut first = Ball::at([-0.5, 0.0, 0.0], 0.1);
+    first.velocity = [1.0, 0.0, 0.0];
+    balls.push(first);
+    let world = run(&compiled, &compiled.live(), &law, balls, 1.0, |_| {});
+    let momentum: f64 = world.balls.iter().map(|b| b.velocity[0]).sum();
+    let energy: f64 = world.balls.iter().map(|b| b.velocity[0] * b.velocity[0]).sum();
+    let last = world.balls.get(3).map_or(0.0, |b| b.velocity[0]);
+    println!("momentum {momentum:.4}, energy {energy:.3}, the last one goes at {last:.3}");
+    assert!((momentum - 1.0).abs() < 1e-9);
+    assert!((0.7..1.01).contains(&energy), "{energy}");
+    let others = world.balls.get(..3).unwrap_or_default();
+    assert!(others.iter().all(|b| b.velocity[0] < last), "the last one goes at {last}");
+}
+
 #[test]
 fn fast_balls_pass_no_thin_wall() {
     let compiled = scene("scene = box(0.01, 4, 4)");

@@ -423,6 +423,21 @@ fn two_balls_keep_their_momentum() {
 }
 
 #[test]
+fn elastic_balls_keep_their_energy() {
+    let gpu = gpu();
+    let compiled = scene(
+        "scene = sphere(1).translate(0, 50, 0)\nballs b { count: 100, radius: 0.1..0.2, spawn: (-1.8, -1.8, -1.8)..(1.8, 1.8, 1.8), velocity: (3, 0.3, 0.7), seed: 7 }",
+    );
+    let law = Law { gravity: [0.0; 3], walls: Some([[-2.0; 3], [2.0; 3]]), ..law(1.0, 0.0, 0.0) };
+    let balls = spawn::spawn(&compiled.groups(&compiled.live()));
+    let mut physics = Physics::with(&gpu, &compiled, &balls).unwrap();
+    run(&mut physics, &compiled, &law, &mut compiled.live(), 120);
+    let left = World::new(physics.read().unwrap()).energy(&law) / World::new(balls).energy(&law);
+    println!("{left:.4} of the energy is left after two seconds");
+    assert!((0.97..1.01).contains(&left), "{left}");
+}
+
+#[test]
 fn a_ball_is_seen_where_it_is() {
     use surefoot_compiler::reference::camera::Basis;
     use surefoot_runtime::headless::{FORMAT, Shot, render_with};

@@ -58,17 +58,20 @@ pub fn neighbours(balls: &mut [Ball]) -> Vec<Vec<usize>> {
     lists
 }
 
-/// One meeting of all balls with their neighbours. The first one bounces.
-pub fn meet(balls: &[Ball], lists: &[Vec<usize>], law: &Law, h: f64, first: bool) -> Vec<Ball> {
-    balls.iter().zip(lists).map(|(ball, list)| gather(ball, list, balls, law, h, first)).collect()
+/// One meeting of all balls with their neighbours. `arrivals` are the velocities that they had before the first one: two part with the speed
+/// that the law leaves of that with which they came, through however many meetings it takes (Newton's law of impact, for all at once).
+pub fn meet(balls: &[Ball], lists: &[Vec<usize>], arrivals: &[Vec3], law: &Law, h: f64) -> Vec<Ball> {
+    let each = balls.iter().zip(lists).zip(arrivals);
+    each.map(|((ball, list), arrival)| gather(ball, list, *arrival, balls, arrivals, law, h)).collect()
 }
 
-fn gather(ball: &Ball, list: &[usize], balls: &[Ball], law: &Law, h: f64, first: bool) -> Ball {
+fn gather(ball: &Ball, list: &[usize], arrival: Vec3, balls: &[Ball], arrivals: &[Vec3], law: &Law, h: f64) -> Ball {
     let mut met = *ball;
     let mut push = [0.0; 3];
     let rest = law.rest(h);
     let sleeps = ball.state == State::Asleep;
-    for other in list.iter().filter_map(|i| balls.get(*i)) {
+    let mut bounces = false;
+    for (other, came) in list.iter().filter_map(|i| balls.get(*i).zip(arrivals.get(*i))) {
         let apart = sub(other.position, ball.position);
         let far = length(apart);
         let overlap = ball.radius + other.radius - far;
@@ -91,11 +94,13 @@ fn gather(ball: &Ball, list: &[usize], balls: &[Ball], law: &Law, h: f64, first:
         let crowd = f64::from(ball.touching.max(other.touching).max(1));
         let gain = share / (1.0 + 0.5 * (crowd - 1.0));
         push = along(push, n, -gain * overlap);
-        if across >= 0.0 {
+        let came = -dot(sub(*came, arrival), n);
+        let leaves = if came > rest { law.restitution * came } else { 0.0 };
+        bounces |= leaves > 0.0;
+        if across >= leaves {
             continue;
         }
-        let bounce = if first && across < -rest { law.restitution } else { 0.0 };
-        let press = (1.0 + bounce) * -across;
+        let press = leaves - across;
         met.velocity = along(met.velocity, n, -gain * press);
         let turning = add(scale(ball.spin, ball.radius), scale(other.spin, other.radius));
         let slide = sub(sub(relative, scale(n, across)), cross(turning, n));
@@ -114,8 +119,8 @@ fn gather(ball: &Ball, list: &[usize], balls: &[Ball], law: &Law, h: f64, first:
     if way > 0.0 {
         let out = scale(push, 1.0 / far);
         met.position = along(met.position, out, way);
-        // In a heap what is pushed back stops: the blows of so many do not reach through it within a step.
-        if list.len() >= HEAP {
+        // In a heap what is pushed back stops, if it does not bounce: the blows of so many do not reach through it within a step.
+        if list.len() >= HEAP && !bounces {
             met.velocity = along(met.velocity, out, (-dot(met.velocity, out)).clamp(0.0, way / h));
         }
     }

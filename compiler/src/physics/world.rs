@@ -30,8 +30,9 @@ impl World {
             let from = start + h * f64::from(part);
             let ground = ground(from, from + h);
             let lists = meet::neighbours(&mut self.balls);
-            for turn in 0..MEETINGS {
-                self.balls = meet::meet(&self.balls, &lists, law, h, turn == 0);
+            let arrivals: Vec<_> = self.balls.iter().map(|ball| ball.velocity).collect();
+            for _ in 0..MEETINGS {
+                self.balls = meet::meet(&self.balls, &lists, &arrivals, law, h);
             }
             for (i, ball) in self.balls.iter_mut().enumerate() {
                 let held = self.held.filter(|(index, _)| *index == i);

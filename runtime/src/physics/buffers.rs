@@ -65,7 +65,7 @@ impl Balls {
         let counts = buffer("surefoot balls, counts", 4 * u64::from(buckets), Use::STORAGE | Use::COPY_DST);
         let sums = buffer("surefoot balls, sums", u64::from(buckets / 64), Use::STORAGE);
         let order = buffer("surefoot balls, order", 4 * room, Use::STORAGE);
-        let lists = buffer("surefoot balls, neighbours", 4 * room * (NEIGHBOURS as u64 + 1), Use::STORAGE);
+        let lists = buffer("surefoot balls, neighbours", 4 * room * (NEIGHBOURS as u64 + 1 + 3), Use::STORAGE);
         let group = |source: usize| {
             let parts = [&step, &states[source], &states[1 - source], &counts, &sums, &order, &lists];
             let entries: Vec<_> = (0u32..)

@@ -4,7 +4,7 @@
 @group(1) @binding(3) var<storage, read_write> counts: array<atomic<u32>>;
 @group(1) @binding(4) var<storage, read_write> sums: array<u32>;
 @group(1) @binding(5) var<storage, read_write> order: array<u32>;
-// 24 neighbours of each ball, then how many of them there are.
+// 24 neighbours of each ball, then how many of them there are, then the three components of the velocity with which each ball came.
 @group(1) @binding(6) var<storage, read_write> lists: array<u32>;
 
 const NEIGHBOURS: u32 = 24u;
@@ -173,10 +173,19 @@ fn neighbours(@builtin(global_invocation_id) id: vec3u) {
         }
     }
     lists[law.count * NEIGHBOURS + index] = found;
+    let came = bitcast<vec3u>(ball.v);
+    for (var i = 0u; i < 3u; i++) {
+        lists[law.count * (NEIGHBOURS + 1u) + index * 3u + i] = came[i];
+    }
 }
 
 fn touching(index: u32) -> u32 {
     return lists[law.count * NEIGHBOURS + index];
+}
+
+fn arrival(index: u32) -> vec3f {
+    let at = law.count * (NEIGHBOURS + 1u) + index * 3u;
+    return bitcast<vec3f>(vec3u(lists[at], lists[at + 1u], lists[at + 2u]));
 }
 
 // A ball that sleeps wakes where a neighbour has left.
@@ -184,9 +193,16 @@ fn sleeps(index: u32) -> bool {
     return (source[index].word & ASLEEP) != 0u && touching(index) >= source[index].touching;
 }
 
-// What the neighbours do to a ball: each one's gain is the other's loss, number for number.
-fn meet(index: u32, first: bool) {
+// What the neighbours do to a ball: each one's gain is the other's loss, number for number. Two part with the speed that the law leaves of
+// that with which they came, through however many meetings it takes.
+@compute @workgroup_size(64)
+fn meet(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= law.count {
+        return;
+    }
+    let index = order[id.x];
     let ball = source[index];
+    let mine_came = arrival(index);
     var met = ball;
     let asleep = sleeps(index);
     if (ball.word & ASLEEP) != 0u && !asleep {
@@ -194,6 +210,7 @@ fn meet(index: u32, first: bool) {
     }
     let count = touching(index);
     var push = vec3f(0.0);
+    var bounces = false;
     for (var i = 0u; i < count; i++) {
         let at = lists[index * NEIGHBOURS + i];
         let other = source[at];
@@ -227,13 +244,13 @@ fn meet(index: u32, first: bool) {
         let crowd = f32(max(max(count, touching(at)), 1u));
         let gain = share / (1.0 + 0.5 * (crowd - 1.0));
         push -= gain * overlap * n;
-        if across >= 0.0 {
+        let came = -dot(arrival(at) - mine_came, n);
+        let leaves = select(0.0, law.restitution * came, came > law.rest);
+        bounces = bounces || leaves > 0.0;
+        if across >= leaves {
             continue;
         }
-        var press = -across;
-        if first && across < -law.rest {
-            press *= 1.0 + law.restitution;
-        }
+        let press = leaves - across;
         met.v -= gain * press * n;
         let turning = ball.spin * ball.r + other.spin * other.r;
         let slide = relative - n * across - cross(turning, n);
@@ -249,9 +266,9 @@ fn meet(index: u32, first: bool) {
     let most = 0.05 * ball.r;
     push *= select(1.0, most / size, size > most);
     met.p += push;
-    // In a heap what is pushed back stops: the blows of so many do not reach through it within a step.
+    // In a heap what is pushed back stops, if it does not bounce: the blows of so many do not reach through it within a step.
     let way = min(size, most);
-    if count >= HEAP && way > 0.0 {
+    if count >= HEAP && way > 0.0 && !bounces {
         let out = push / way;
         met.v += out * clamp(-dot(met.v, out), 0.0, way / law.h);
     }
@@ -259,18 +276,4 @@ fn meet(index: u32, first: bool) {
         met.touching = count;
     }
     goal[index] = met;
-}
-
-@compute @workgroup_size(64)
-fn meet_first(@builtin(global_invocation_id) id: vec3u) {
-    if id.x < law.count {
-        meet(order[id.x], true);
-    }
-}
-
-@compute @workgroup_size(64)
-fn meet_again(@builtin(global_invocation_id) id: vec3u) {
-    if id.x < law.count {
-        meet(order[id.x], false);
-    }
 }

@@ -67,8 +67,7 @@ pub struct Passes {
     scatter: wgpu::ComputePipeline,
     put_in_order: wgpu::ComputePipeline,
     neighbours: wgpu::ComputePipeline,
-    meet_first: wgpu::ComputePipeline,
-    meet_again: wgpu::ComputePipeline,
+    meet: wgpu::ComputePipeline,
 }
 
 /// The numbers of a step, as `state.wgsl` declares them.
@@ -394,8 +393,8 @@ impl Physics {
             pass.set_pipeline(pipeline);
             pass.dispatch_workgroups(groups, 1, 1);
         }
-        for turn in 0..MEETINGS {
-            pass.set_pipeline(if turn == 0 { &passes.meet_first } else { &passes.meet_again });
+        pass.set_pipeline(&passes.meet);
+        for _ in 0..MEETINGS {
             pass.set_bind_group(1, self.balls.group(), &[]);
             pass.dispatch_workgroups(each, 1, 1);
             self.balls.trade();
@@ -425,8 +424,7 @@ impl Passes {
                 scatter: pass("scatter")?,
                 put_in_order: pass("put_in_order")?,
                 neighbours: pass("neighbours")?,
-                meet_first: pass("meet_first")?,
-                meet_again: pass("meet_again")?,
+                meet: pass("meet")?,
                 layout,
             })
         })?
