@@ -287,3 +287,18 @@ fn a_distance_is_one_as_long_as_it_is_but_moved() {
         assert_eq!(kind(other), Kind::Lipschitz, "{other}");
     }
 }
+
+#[test]
+fn a_factor_is_laid_to_what_is_steep() {
+    let wavy = "circle(1).displace(0.2 * sin(8 * p.x))";
+    for (text, blamed) in [
+        (format!("shape2 wavy = {wavy}\nscene = wavy.extrude(1)"), "displace(0.2 * sin(8 * p.x))"),
+        (format!("scene = (rectangle(0.3) | {wavy}.translate(3, 0)).revolve()"), "displace(0.2 * sin(8 * p.x))"),
+        // Here it is the sweep itself.
+        ("scene = circle(0.1).sweep_helix(0.3, 1, 3)".to_owned(), "sweep_helix(0.3, 1, 3)"),
+    ] {
+        let scene = scene(&text);
+        let spans: Vec<&str> = scene.graph.factors.iter().map(|f| &text[f.span.start as usize..f.span.end as usize]).collect();
+        assert_eq!(spans, [blamed], "{text}");
+    }
+}

@@ -7,11 +7,15 @@ use crate::analysis::{Box3, Constant, Domain, has_cells};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Factor, Function, Node, NodeId, Proof, ShapeId, FAR};
+use crate::program::load::in_prelude;
 
 /// No formula may be steeper than this, though it is gentle at its surface: 32 bits can't hold what its bound is made of.
 const STEEPEST_OF_ALL: f64 = 1e7;
 /// A measured factor above this may cost a ray more steps than it has.
 const SLOW: f64 = 100.0;
+
+/// A part of a group whose constant is this much of the group's makes it steep.
+const BLAMED: f64 = 0.9;
 
 impl Builder<'_> {
     /// How far a ray may step by a formula of a shape. `continuous`: jumps of the formula itself cancel.
@@ -406,8 +410,38 @@ impl Builder<'_> {
         self.graph.op(Op::Mul, &[value, factor])
     }
 
+    /// The part of a claimed group that makes it steep, which is what a person wants to see: of `wavy.extrude(1)` the waves in the drawing. The
+    /// group itself where it is steep by itself.
+    fn steep_within(&mut self, at: NodeId, shape: ShapeId, lipschitz: f64) -> (NodeId, ShapeId) {
+        let mut found = (at, shape);
+        let mut inside = match self.graph.node(at) {
+            Node::Claim(args, Claim::Lipschitz(..)) => args.get(1..).unwrap_or_default().to_vec(),
+            _ => return found,
+        };
+        let mut shape = shape;
+        loop {
+            let steep = |n: &NodeId| self.facts.constant(self.graph, *n, &Domain::of(Box3::ALL), 1).lipschitz;
+            let constants: Vec<f64> = inside.iter().map(steep).collect();
+            let steepest = inside.iter().zip(constants).max_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((&node, _)) = steepest.filter(|(_, c)| *c > BLAMED * lipschitz) else { return found };
+            inside = match self.graph.node(node) {
+                Node::Call(called, Function::Field, _) => {
+                    shape = *called;
+                    self.graph.shape(shape).map(|s| s.value).into_iter().collect()
+                }
+                Node::Op(Op::Min | Op::Max | Op::Select, args) => args.to_vec(),
+                Node::Claim(args, Claim::Lipschitz(..)) => args.get(1..).unwrap_or_default().to_vec(),
+                _ => Vec::new(),
+            };
+            if self.graph.location(node).is_some_and(|span| !in_prelude(span)) {
+                found = (node, shape);
+            }
+        }
+    }
+
     /// The factor for a constant, which may be there already: its index in the graph.
     fn factor(&mut self, constant: Known, at: NodeId, shape: ShapeId) -> u32 {
+        let (at, shape) = self.steep_within(at, shape, constant.lipschitz);
         let span = self.place(shape, at);
         // Found by searching: a little is added for the rounding of the search itself.
         let lipschitz = constant.lipschitz * (1.0 + ROUNDING);

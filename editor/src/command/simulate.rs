@@ -17,7 +17,7 @@ pub struct Args {
     /// The scene.
     scene: String,
     /// How long.
-    #[arg(long, allow_negative_numbers = true, default_value_t = 10.0, value_parser = above_zero, value_name = "SECONDS")]
+    #[arg(long, alias = "time", allow_negative_numbers = true, default_value_t = 10.0, value_parser = above_zero, value_name = "SECONDS")]
     seconds: f64,
     /// Steps a second; each has the parts that `physics { substeps }` says.
     #[arg(long, allow_negative_numbers = true, default_value_t = 60.0, value_parser = above_zero, value_name = "N")]
