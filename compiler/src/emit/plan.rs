@@ -168,6 +168,8 @@ pub struct Target {
     pub shape: ShapeId,
     /// Which.
     pub group: Group,
+    /// Whether it is a bound that computes the same as the field.
+    is_field: bool,
     /// How it is computed.
     pub plan: Plan,
     /// Whether it becomes a function of the module; else it is opened where it is called.
@@ -232,7 +234,8 @@ impl<'a> Plans<'a> {
             Some(id) => id,
             None => {
                 let plan = Plan::default();
-                let target = Target { shape, group: same, plan, stands_alone: false, uses: 0, size: 0 };
+                let is_field = same == Group::Bound && self.alike(shape, Function::Bound, Function::Field, 0);
+                let target = Target { shape, group: same, plan, is_field, stands_alone: false, uses: 0, size: 0 };
                 self.targets.push(target);
                 self.targets.len() as TargetId - 1
             }
@@ -257,7 +260,7 @@ impl<'a> Plans<'a> {
 
     /// The table of a union behind whose region a bound stands: beyond that the distance to the region is enough.
     pub fn region(&self, target: &Target) -> Option<&'a Table> {
-        (target.group == Group::Bound && self.table(target).is_none()).then(|| self.region_of(target.shape))?
+        (target.is_field && self.table(target).is_none()).then(|| self.region_of(target.shape))?
     }
 
     /// The table of a shape's field, where the shape lies in a region.
@@ -431,8 +434,6 @@ impl<'a> Plans<'a> {
 
     /// The first group of a shape whose formula computes the same: the same node, a call that passes everything on, or see [`Plans::computes`].
     fn same(&mut self, shape: ShapeId, group: Group, depth: u32) -> Group {
-        let functions = self.functions;
-        let formula = |f: Function| functions.formulas.get(&(shape, f)).copied();
         let (first, earlier): (Function, &[(Function, Group)]) = match group {
             Group::Bound => (Function::Bound, &[(Function::Field, Group::Field)]),
             Group::Distance => (
@@ -441,11 +442,8 @@ impl<'a> Plans<'a> {
             ),
             Group::Field | Group::Gradient => return group,
         };
-        let Some(own) = formula(first) else { return group };
         for &(function, other) in earlier {
-            let union = self.functions.unions.get(&(shape, first));
-            let alike = union.is_some_and(|u| u.same == Some(function)) && self.tables.get((shape, function)).is_some();
-            if alike || self.passes_on(own, shape, function) || formula(function).is_some_and(|f| self.computes(own, f, depth)) {
+            if self.alike(shape, first, function, depth) {
                 if group == Group::Bound && self.region_of(shape).is_some() {
                     return group;
                 }
@@ -453,6 +451,17 @@ impl<'a> Plans<'a> {
             }
         }
         group
+    }
+
+    /// Whether two functions of a shape compute the same.
+    fn alike(&mut self, shape: ShapeId, one: Function, other: Function, depth: u32) -> bool {
+        let functions = self.functions;
+        let formula = |f: Function| functions.formulas.get(&(shape, f)).copied();
+        let Some(own) = formula(one) else { return false };
+        let union = functions.unions.get(&(shape, one));
+        union.is_some_and(|u| u.same == Some(other)) && self.tables.get((shape, other)).is_some()
+            || self.passes_on(own, shape, other)
+            || formula(other).is_some_and(|f| self.computes(own, f, depth))
     }
 
     /// Whether two formulas are the same but for calls of functions that are.

@@ -3,7 +3,7 @@
 use crate::functions::Functions;
 use crate::functions::unions::{Join, Of, Operand};
 use crate::graph::kernel::Op;
-use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId};
+use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId, multiple_of};
 use rustc_hash::FxHashMap;
 
 /// What a step of a form does. Its arguments are earlier steps.
@@ -61,7 +61,7 @@ pub struct Filled {
 }
 
 /// A body of more steps is a function of its own, called by text that is written out.
-const LONGEST: usize = 600;
+const LONGEST: usize = 2000;
 /// So deep a body may call.
 const DEEPEST: usize = 48;
 
@@ -69,6 +69,8 @@ const DEEPEST: usize = 48;
 pub struct Former<'a> {
     graph: &'a Graph,
     functions: &'a Functions,
+    /// Whether a factor is a number of the row, which no search makes smaller; else each is a step of its own.
+    fixed: bool,
     filled: Filled,
     /// What is computed of each space: a shape at a point.
     frames: FxHashMap<(ShapeId, [u32; 3]), FxHashMap<NodeId, u32>>,
@@ -82,8 +84,8 @@ pub fn components(of: Of, gradient: bool) -> Vec<Of> {
 
 impl<'a> Former<'a> {
     /// For functions of a graph.
-    pub fn new(graph: &'a Graph, functions: &'a Functions) -> Self {
-        Self { graph, functions, filled: Filled::default(), frames: FxHashMap::default() }
+    pub fn new(graph: &'a Graph, functions: &'a Functions, fixed: bool) -> Self {
+        Self { graph, functions, fixed, filled: Filled::default(), frames: FxHashMap::default() }
     }
 
     /// A step of a union: an operand that is joined, or a join of what is there. None where it can't be had.
@@ -174,6 +176,10 @@ impl<'a> Former<'a> {
                 Node::Leaf(Leaf::Time) => self.push(Action::Time, &[], name),
                 Node::Leaf(Leaf::Parameter(i)) => self.push(Action::Parameter(*i), &[], name),
                 Node::Leaf(Leaf::Normal(_) | Leaf::Variable(_)) => return None,
+                Node::Factor(i) if self.fixed => {
+                    let lipschitz = self.graph.factors.get(*i as usize)?.lipschitz;
+                    self.number(f64::from(multiple_of(lipschitz)), name)
+                }
                 Node::Factor(i) => self.push(Action::Factor(*i), &[], name),
                 Node::Claim(args, _) => self.argument(&frame, *args.first()?)?,
                 // What a number alone decides is a number too.

@@ -140,7 +140,9 @@ impl Tables {
         for (of, union) in unions {
             let gradients = |of: Of| functions.formulas.contains_key(&(of.0, Function::Gradient(0)));
             let gradient = of.1 == Function::Field && union.functions().all(gradients);
-            if let Some(mut table) = tables.table(graph, functions, union, gradient) {
+            // Copies whose factors differ are alike with the factors as numbers.
+            let table = [false, true].into_iter().find_map(|fixed| tables.table(graph, functions, union, gradient, fixed));
+            if let Some(mut table) = table {
                 table.index = tables.tables.len() as u32;
                 tables.tables.insert(*of, table);
             }
@@ -148,7 +150,7 @@ impl Tables {
         tables
     }
 
-    fn table(&mut self, graph: &Graph, functions: &Functions, union: &Union, gradient: bool) -> Option<Table> {
+    fn table(&mut self, graph: &Graph, functions: &Functions, union: &Union, gradient: bool, fixed: bool) -> Option<Table> {
         // The class of each step, and the numbers of the rows of each class.
         let mut classes: Vec<(Class, Vec<Vec<f64>>)> = Vec::new();
         let mut known: FxHashMap<(Form, bool), usize> = FxHashMap::default();
@@ -164,7 +166,7 @@ impl Tables {
                 Step::Operand(operand, join) => (Some(operand), join),
                 Step::Pop(join) => (None, join),
             };
-            let Filled { form, numbers, names } = Former::new(graph, functions).step(operand, join, gradient)?;
+            let Filled { form, numbers, names } = Former::new(graph, functions, fixed).step(operand, join, gradient)?;
             let key = (form, operand.is_none());
             let class = match known.get(&key) {
                 Some(&class) => class,
