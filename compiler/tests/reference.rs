@@ -270,3 +270,36 @@ fn awkward_cameras_and_sizes_still_give_a_picture() {
         }
     }
 }
+
+/// A body without a material is grey beside one that has one, a cut shows what cut it, if that has one.
+#[test]
+fn what_has_no_material_looks_as_it_would_alone() {
+    // On the cube's right side, and on the ball that stands out of its top or dents it.
+    let (side, top, dent) = ([1.0, -0.5, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 0.0]);
+    const RED: f64 = 1.0;
+    const GREY: f64 = 0.55;
+    for (text, places) in [
+        ("cube | ball.material(red)", [(side, GREY), (top, RED)]),
+        ("cube - ball.material(red)", [(side, GREY), (dent, RED)]),
+        ("cube.material(red) - ball", [(side, RED), (dent, RED)]),
+        ("cube.material(red) & ball", [(side, RED), (top, RED)]),
+        ("smooth_union(cube, ball.material(red), 0.1)", [(side, GREY), (top, RED)]),
+        ("smooth_union(cube.material(red), ball, 0.1)", [(side, RED), (top, GREY)]),
+        ("smooth_difference(cube, ball.material(red), 0.1)", [(side, GREY), (dent, RED)]),
+        ("smooth_difference(cube.material(red), ball, 0.1)", [(side, RED), (dent, RED)]),
+        ("smooth_intersection(cube.material(red), ball, 0.1)", [(side, RED), (top, RED)]),
+        ("cube.material(red).displace(0.05 * ball)", [(side, RED), (top, RED)]),
+        ("mix(cube.material(red), cube, 0.5)", [(side, 0.5 * (RED + GREY)), (side, 0.5 * (RED + GREY))]),
+        ("for i in 0..5 by smooth_union(0.05) { if i == 2 { ball.material(red) } else { cube.translate(0, 0, 4 * i) } }", [(side, GREY), (top, RED)]),
+    ] {
+        let compiled = scene(&format!(
+            "material red {{ color: (1, 0.1, 0.1) }}\nshape cube = box(2)\nshape ball = sphere(1).translate(0, 1, 0)\nscene = {text}"
+        ));
+        let reference = reference(&compiled);
+        for (point, want) in places {
+            let place = Seen { point, normal: [0.0, 1.0, 0.0], direction: [0.0, -1.0, 0.0], t: 1.0 };
+            let red = reference.surfaces(&[place])[0].color[0];
+            assert!((red - want).abs() < 0.01, "{text} at {point:?}: {red} and not {want}");
+        }
+    }
+}

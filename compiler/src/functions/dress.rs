@@ -54,7 +54,8 @@ impl Builder<'_> {
                 match parts.as_slice() {
                     parts if parts.iter().all(|p| *p == Dress::Bare) => Dress::Bare,
                     [Dress::One(a), Dress::One(b)] if a == b && matches!(op, Op::Min | Op::Max) => Dress::One(*a),
-                    [Dress::One(a), Dress::Bare] | [Dress::Bare, Dress::One(a)] if op == Op::Max => Dress::One(*a),
+                    [Dress::One(m), Dress::Bare] if op == Op::Max && !args.first().is_some_and(|a| self.cuts(*a)) => Dress::One(*m),
+                    [Dress::Bare, Dress::One(m)] if op == Op::Max && !args.get(1).is_some_and(|a| self.cuts(*a)) => Dress::One(*m),
                     _ => Dress::Many,
                 }
             }

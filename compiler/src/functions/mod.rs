@@ -5,6 +5,7 @@
 //! estimate that light and contact use: it is composed in the same way and never holds a factor.
 
 mod ahead;
+mod bodies;
 mod bound;
 mod convex;
 mod distance;

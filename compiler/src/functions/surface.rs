@@ -1,10 +1,12 @@
 //! The surface: how a point of it answers light.
 
+use super::bodies::bodies;
 use super::dress::Dress;
 use super::{Builder, Layer, Look, Surface};
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, Leaf, Material, MaterialId, Node, NodeId, ShapeId, kernel, WORLD};
 use crate::mesh::MeshNodes;
+use rustc_hash::FxHashSet;
 use std::rc::Rc;
 
 /// The looks of the shapes that a formula calls.
@@ -183,9 +185,9 @@ impl Builder<'_> {
                 let (first, second) = match (self.look(a), self.look(b)) {
                     (None, None) => return None,
                     (Some(first), Some(second)) => (first, second),
-                    // A cut shows the cutter's material if it has one; a part of a union without one looks as it would alone.
-                    (Some(one), None) if op == Op::Max => return Some(one),
-                    (None, Some(one)) if op == Op::Max => return Some(one),
+                    // A cut shows the cutter's material if it has one; a body without one looks as it would alone.
+                    (Some(one), None) if op == Op::Max && !self.cuts(a) => return Some(one),
+                    (None, Some(one)) if op == Op::Max && !self.cuts(b) => return Some(one),
                     (Some(first), None) => (first, self.default_look()),
                     (None, Some(second)) => (self.default_look(), second),
                 };
@@ -209,21 +211,31 @@ impl Builder<'_> {
         }
     }
 
+    /// Whether an operand of an intersection is what is taken away.
+    pub(super) fn cuts(&self, node: NodeId) -> bool {
+        matches!(self.graph.node(node), Node::Op(Op::Neg, _))
+    }
+
     /// Of a formula over several shapes: their materials, by how much the value follows each of them.
     fn mixed_look(&mut self, node: NodeId) -> Option<Look> {
-        match self.looks_under(node) {
-            Looks::None => return None,
-            Looks::One(look) => return Some(look),
-            Looks::Many => {}
+        let under = self.looks_under(node);
+        if matches!(under, Looks::None) {
+            return None;
         }
-        let mut looks: Vec<(NodeId, Look)> = Vec::new();
-        for call in self.graph.reachable(&[node]) {
-            if matches!(self.graph.node(call), Node::Call(_, Function::Field, _))
-                && let Some(look) = self.look(call)
-            {
-                looks.push((call, look));
-            }
+        let calls = self.graph.reachable(&[node]).into_iter().filter(|n| matches!(self.graph.node(*n), Node::Call(_, Function::Field, _)));
+        let found: Vec<(NodeId, Option<Look>)> = calls.collect::<Vec<_>>().into_iter().map(|call| (call, self.look(call))).collect();
+        // A body without a material looks as it would alone, and what only cuts or roughens a surface shows that of the body.
+        let bodies = match found.iter().any(|(_, look)| look.is_none()) {
+            true => bodies(self.graph, node),
+            false => FxHashSet::default(),
+        };
+        let bare = found.iter().any(|(call, look)| look.is_none() && bodies.contains(call));
+        if let (Looks::One(look), false) = (under, bare) {
+            return Some(look);
         }
+        let plain = bare.then(|| self.default_look());
+        let of = |(call, look): (NodeId, Option<Look>)| look.or_else(|| plain.clone().filter(|_| bodies.contains(&call))).map(|look| (call, look));
+        let looks: Vec<(NodeId, Look)> = found.into_iter().filter_map(of).collect();
         let weights: Vec<NodeId> = looks
             .iter()
             .map(|(call, _)| {
