@@ -413,7 +413,7 @@ fn sf_occlusion(p: vec3f, normal: vec3f) -> f32 {
 }
 ";
 
-/// A fragment function that looks at the scene, for modules that trace and have a gradient.
+/// A fragment function that looks at the scene, for modules that trace and have a gradient; in GLSL, where a fragment's y goes up.
 pub const ENTRY_TRACE: &str = "\
 @fragment
 fn sf_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
@@ -422,7 +422,7 @@ fn sf_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
   let right = normalize(cross(forward, vec3f(0.0, 1.0, 0.0)));
   let up = cross(right, forward);
   let at = (position.xy - vec2f(320.0, 180.0)) / 360.0;
-  let direction = normalize(forward + 0.73 * (at.x * right - at.y * up));
+  let direction = normalize(forward + 0.73 * (at.x * right + at.y * up));
   let start = eye - sf_uniforms.origin;
   let hit = sf_trace(start, direction, 0.0, 1000.0, 0.002);
   if !hit.hit {

@@ -72,12 +72,14 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
             };
             let mut out = String::new();
             let policies = naga::proc::BoundsCheckPolicies::default();
-            glsl::Writer::new(&mut out, &parsed, &info, &options, &pipeline, policies)
+            let reflection = glsl::Writer::new(&mut out, &parsed, &info, &options, &pipeline, policies)
                 .and_then(|mut writer| writer.write())
                 .map_err(|e| e.to_string())?;
+            let block = reflection.uniforms.values().next();
+            let block = block.map_or_else(String::new, |name| format!("// The uniform block is found by its name, `{name}`; it has no binding.\n"));
             // Before the version nothing may stand.
             let (version, rest) = out.split_once('\n').unwrap_or((&out, ""));
-            Ok(format!("{version}\n{}{rest}", head(module)).into_bytes())
+            Ok(format!("{version}\n{}{block}{rest}", head(module)).into_bytes())
         }
         Target::Hlsl => {
             let options = hlsl::Options {

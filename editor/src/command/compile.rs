@@ -1,6 +1,6 @@
 //! `surefoot compile`: the functions of a scene as shader text.
 
-use super::{Exit, Failure, compile_file, print, show_broken, show_diagnostics};
+use super::{Exit, Failure, compile_file, print, show_broken, show_diagnostics, spare};
 use crate::files;
 use clap::builder::PossibleValuesParser;
 use std::io::IsTerminal;
@@ -20,11 +20,11 @@ pub struct Args {
     #[arg(long, value_delimiter = ',', value_parser = export, value_name = "NAMES",
           default_value = "field,bound,distance,gradient,trace,shadow,collision,occlusion,surface")]
     functions: Vec<Export>,
-    /// Before every name.
+    /// Before every name. What the translation to another language adds of its own has none.
     #[arg(long, default_value = "sf_", value_parser = prefix)]
     prefix: String,
     /// Bind group of the uniform block.
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u32).range(..256))]
     group: u32,
     /// Binding of the uniform block.
     #[arg(long, default_value_t = 0, value_name = "N")]
@@ -77,8 +77,8 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if show_broken(&outcome, &crate::picture::broken_meshes(compiled)) == Exit::Errors {
         return Ok(Exit::Errors);
     }
-    if let Some(file) = args.output.as_deref().filter(|file| is_among(file, &outcome.files)) {
-        return Err(Failure::usage(format!("{file} is a file of the scene, and would be written over: say another after -o")));
+    if let Some(file) = &args.output {
+        spare(Path::new(file), &outcome)?;
     }
     for skipped in &compiled.module.skipped {
         eprintln!("note: left out: {skipped}");
@@ -112,12 +112,6 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         }
     }
     Ok(Exit::Fine)
-}
-
-/// Whether a path leads to one of some files.
-fn is_among(path: &str, files: &[String]) -> bool {
-    let real = |path: &str| std::fs::canonicalize(path).ok();
-    real(path).is_some_and(|target| files.iter().any(|file| real(file).as_ref() == Some(&target)))
 }
 
 #[cfg(test)]

@@ -129,6 +129,21 @@ fn compile_file(scene: &str, options: &Options) -> Result<Outcome, Failure> {
     Ok(surefoot_compiler::compile(&FileLoader, scene, options))
 }
 
+/// Fails where a path that is to be written is a file that the scene reads: a text, an image or a mesh.
+fn spare(path: &std::path::Path, outcome: &Outcome) -> Result<(), Failure> {
+    let Ok(target) = std::fs::canonicalize(path) else { return Ok(()) };
+    let images = outcome.compiled.iter().flat_map(|c| c.graph.images.iter().map(|image| &image.path));
+    let meshes = outcome.compiled.iter().flat_map(|c| c.blocks.meshes.iter().map(|mesh| &mesh.file));
+    let mut read = outcome.files.iter().chain(images).chain(meshes);
+    match read.any(|file| std::fs::canonicalize(file).is_ok_and(|file| file == target || target.is_file() && file.is_dir() && target.starts_with(&file))) {
+        false => Ok(()),
+        true => Err(Failure::usage(format!(
+            "{} is a file of the scene, and would be written over: say another after -o",
+            path.display()
+        ))),
+    }
+}
+
 /// Whether a stream shows colours: it is a terminal, and nobody has asked for none (<https://no-color.org>).
 fn colored(stream: &impl IsTerminal) -> bool {
     stream.is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())

@@ -2,7 +2,7 @@
 
 use super::bar::LateBar;
 use super::values::{self, Setting};
-use super::{Exit, Failure, compile_file, print, show_broken, show_diagnostics, show_found};
+use super::{Exit, Failure, compile_file, print, show_broken, show_diagnostics, show_found, spare};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -97,6 +97,9 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if args.output.extension().is_some_and(|e| !e.eq_ignore_ascii_case("png")) {
         let png = args.output.with_extension("png");
         return Err(Failure::usage(format!("pictures are written as PNG: write `-o {}`", png.display())));
+    }
+    if args.frames.is_none() {
+        spare(&args.output, &outcome)?;
     }
     // A wrong name is said before anything slow is done.
     camera(&compiled.frame(&live), args.camera.as_deref())?;

@@ -1,6 +1,6 @@
 //! `surefoot view`: a scene in a live window.
 
-use super::{Exit, Failure, compile_file, show_broken, show_diagnostics};
+use super::{Exit, Failure, compile_file, show_broken, show_diagnostics, spare};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::path::{Path, PathBuf};
 use surefoot_compiler::Options;
@@ -83,8 +83,12 @@ fn picture(args: &Args, why: &str) -> Result<Exit, Failure> {
     let rgba = painter
         .paint(compiled, &live, &shot, &|_| {})
         .map_err(|why| Failure::usage(format!("can't draw {scene}: {why}")))?;
-    let path =
+    let mut path =
         PathBuf::from(Path::new(scene).file_name().unwrap_or_default()).with_extension("png");
+    // An image of the scene may have its name.
+    if spare(&path, &outcome).is_err() {
+        path.set_extension("picture.png");
+    }
     write_png(&path, shot.width, shot.height, &rgba)
         .map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
     let shown = std::path::absolute(&path).unwrap_or(path);
