@@ -244,6 +244,19 @@ fn a_blow_goes_through_a_row() {
 }
 
 #[test]
+fn balls_in_one_place_part() {
+    let compiled = scene("scene = plane(y)");
+    let balls = vec![Ball::at([0.0, 1.0, 0.0], 0.1); 5];
+    let world = run(&compiled, &compiled.live(), &law(0.5, 0.3, 0.01), balls, 5.0, |_| {});
+    for (i, a) in world.balls.iter().enumerate() {
+        for b in &world.balls[..i] {
+            let apart = length(sub(a.position, b.position));
+            assert!(apart > 0.19, "{apart} apart: {:?} and {:?}", a.position, b.position);
+        }
+    }
+}
+
+#[test]
 fn fast_balls_pass_no_thin_wall() {
     let compiled = scene("scene = box(0.01, 4, 4)");
     let law = Law { gravity: [0.0; 3], ..law(1.0, 0.3, 0.0) };

@@ -61,24 +61,31 @@ pub fn neighbours(balls: &mut [Ball]) -> Vec<Vec<usize>> {
 /// One meeting of all balls with their neighbours. `arrivals` are the velocities that they had before the first one: two part with the speed
 /// that the law leaves of that with which they came, through however many meetings it takes (Newton's law of impact, for all at once).
 pub fn meet(balls: &[Ball], lists: &[Vec<usize>], arrivals: &[Vec3], law: &Law, h: f64) -> Vec<Ball> {
-    let each = balls.iter().zip(lists).zip(arrivals);
-    each.map(|((ball, list), arrival)| gather(ball, list, *arrival, balls, arrivals, law, h)).collect()
+    (0..balls.len()).filter_map(|index| gather(index, lists.get(index)?, balls, arrivals, law, h)).collect()
 }
 
-fn gather(ball: &Ball, list: &[usize], arrival: Vec3, balls: &[Ball], arrivals: &[Vec3], law: &Law, h: f64) -> Ball {
+/// From the first to the second of two balls that are in one place, one way for each pair.
+fn one_way(first: usize, second: usize) -> Vec3 {
+    let turn = 2.4 * ((first + second) % 1024) as f64;
+    let side = if first < second { 1.0 } else { -1.0 };
+    scale([0.8 * turn.cos(), 0.6, 0.8 * turn.sin()], side)
+}
+
+fn gather(index: usize, list: &[usize], balls: &[Ball], arrivals: &[Vec3], law: &Law, h: f64) -> Option<Ball> {
+    let (ball, arrival) = (balls.get(index)?, *arrivals.get(index)?);
     let mut met = *ball;
     let mut push = [0.0; 3];
     let rest = law.rest(h);
     let sleeps = ball.state == State::Asleep;
     let mut bounces = false;
-    for (other, came) in list.iter().filter_map(|i| balls.get(*i).zip(arrivals.get(*i))) {
+    for (at, other, came) in list.iter().filter_map(|i| Some((*i, balls.get(*i)?, arrivals.get(*i)?))) {
         let apart = sub(other.position, ball.position);
         let far = length(apart);
         let overlap = ball.radius + other.radius - far;
         if overlap <= 0.0 || sleeps && other.state == State::Asleep {
             continue;
         }
-        let n = if far > 1e-9 { scale(apart, 1.0 / far) } else { [0.0, 1.0, 0.0] };
+        let n = if far > 1e-9 { scale(apart, 1.0 / far) } else { one_way(index, at) };
         let relative = sub(other.velocity, ball.velocity);
         let across = dot(relative, n);
         let hit = across < -2.0 * rest;
@@ -124,5 +131,5 @@ fn gather(ball: &Ball, list: &[usize], arrival: Vec3, balls: &[Ball], arrivals: 
             met.velocity = along(met.velocity, out, (-dot(met.velocity, out)).clamp(0.0, way / h));
         }
     }
-    met
+    Some(met)
 }

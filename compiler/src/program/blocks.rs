@@ -356,6 +356,7 @@ impl Elaborator<'_> {
             }
         }
         self.extent = blocks.extent;
+        self.balls_within_walls(module, &blocks);
         blocks
     }
 

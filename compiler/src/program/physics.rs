@@ -3,11 +3,12 @@
 use super::blocks::short;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
+use crate::compiled::SceneBlocks;
 use crate::diagnostic::Code;
 use crate::graph::NodeId;
 use crate::physics::{BallsNodes, MOST_BALLS, MOST_SUBSTEPS, PhysicsNodes};
 use crate::source::Span;
-use crate::syntax::ast::{Entry, Expr, Type};
+use crate::syntax::ast::{BlockKind, Entry, Expr, ItemKind, Type};
 use rustc_hash::FxHashMap;
 
 /// The entries of a block by their keys.
@@ -65,6 +66,39 @@ impl Elaborator<'_> {
             self.room(count, radius, spawn, expr.span);
         }
         Ok(BallsNodes { name, count, radius, spawn, velocity: velocity?, seed: seed?, look: material?, red_at: colored.transpose()? })
+    }
+
+    /// Warns where balls begin outside of the walls: they would all be put to the nearest one, in one place.
+    pub(super) fn balls_within_walls(&mut self, module: usize, blocks: &SceneBlocks) {
+        let Some(walls) = blocks.physics.as_ref().and_then(|p| p.walls) else { return };
+        let mut spans = Vec::new();
+        for (_, item) in self.modules.items(module) {
+            if let ItemKind::Block { kind: BlockKind::Balls, kind_span, entries, .. } = &item.kind {
+                let spawn = entries.iter().find(|e| &*e.key.text == "spawn");
+                spans.push(spawn.map_or(*kind_span, |e| e.value.span));
+            }
+        }
+        // A block with an error is not among them.
+        if spans.len() != blocks.balls.len() {
+            return;
+        }
+        for (balls, span) in blocks.balls.iter().zip(spans) {
+            let apart = |axis: usize| {
+                let at = |ends: [[NodeId; 3]; 2], end: usize| ends.get(end).and_then(|e| self.graph.as_constant(*e.get(axis)?));
+                let (low, high) = (at(balls.spawn, 0), at(balls.spawn, 1));
+                let (least, most) = (at(walls, 0), at(walls, 1));
+                let beyond = |a: Option<f64>, b: Option<f64>| a.zip(b).is_some_and(|(a, b)| a > b);
+                beyond(low, most) || beyond(least, high)
+            };
+            if (0..3).any(apart) {
+                self.warn(
+                    Code::NoRoom,
+                    span,
+                    format!("the balls `{}` begin outside of the walls that `bounds` of `physics` puts up", balls.name),
+                    "move `spawn` within `bounds`, or make `bounds` larger",
+                );
+            }
+        }
     }
 
     /// Warns where so many balls have no room in their box.

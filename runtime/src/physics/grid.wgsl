@@ -193,6 +193,12 @@ fn sleeps(index: u32) -> bool {
     return (source[index].word & ASLEEP) != 0u && touching(index) >= source[index].touching;
 }
 
+// From the first to the second of two balls that are in one place, one way for each pair.
+fn one_way(first: u32, second: u32) -> vec3f {
+    let turn = 2.4 * f32((first + second) % 1024u);
+    return select(-1.0, 1.0, first < second) * vec3f(0.8 * cos(turn), 0.6, 0.8 * sin(turn));
+}
+
 // What the neighbours do to a ball: each one's gain is the other's loss, number for number. Two part with the speed that the law leaves of
 // that with which they came, through however many meetings it takes.
 @compute @workgroup_size(64)
@@ -221,7 +227,7 @@ fn meet(@builtin(global_invocation_id) id: vec3u) {
         if overlap <= 0.0 || asleep && other_asleep {
             continue;
         }
-        var n = vec3f(0.0, 1.0, 0.0);
+        var n = one_way(index, at);
         if far > 1e-9 {
             n = apart / far;
         }
