@@ -356,6 +356,22 @@ mod tests {
             assert!(away > 1.5 * radius && away < 8.0 * radius, "{other}: {camera:?}");
             assert!(extent > 1.4 * radius, "{other}: {extent}");
         }
+        // A tree whose branches are turned, again and again: its middle is in the picture.
+        let tree = "shape tree(n: int, len: float) = {
+  let trunk = capsule((0, 0, 0), (0, len, 0), 0.08 * len);
+  if n == 0 { trunk } else {
+    trunk
+    | tree(n - 1, 0.7 * len).rotate(z, 30deg).translate(0, len, 0)
+    | tree(n - 1, 0.7 * len).rotate(z, -25deg).rotate(y, 70deg).translate(0, len, 0)
+    | tree(n - 1, 0.6 * len).rotate(x, 35deg).translate(0, len, 0)
+  }
+}";
+        for (branches, height) in [(4, 2.7), (5, 3.0), (7, 3.2)] {
+            let (camera, _) = seen(&format!("{tree}\nscene = tree({branches}, 1)"));
+            let away = length(sub(camera.eye, camera.target));
+            assert!((camera.target[1] - 0.5 * height).abs() < 0.5, "{branches}: {camera:?}");
+            assert!(away > 1.2 * height && away < 4.0 * height, "{branches}: {camera:?}");
+        }
         // Who says where the camera stands has it there.
         let (camera, extent) = seen("scene = box(20)\ncamera { eye: (0, 0, 50) }\nrender { extent: 30 }");
         assert_eq!((camera.eye, extent), ([0.0, 0.0, 50.0], 30.0));

@@ -16,6 +16,7 @@ mod map;
 mod matrix;
 pub mod memory;
 pub mod period;
+mod placed;
 mod polar;
 pub mod region;
 pub mod search;

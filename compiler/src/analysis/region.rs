@@ -2,6 +2,7 @@
 //! are proven empty.
 
 use super::back::Turned;
+use super::placed::Placed;
 use super::tape::{Step, Tape};
 use super::{call_domain, Box3, Constant, Domain, Facts};
 use crate::graph::interval::Interval;
@@ -148,10 +149,9 @@ impl Facts {
         let found = match graph.node(node) {
             Node::Op(Op::Min, args) => args.iter().fold(Box3::EMPTY, |hull, &a| hull.hull(&self.close_outline_within(graph, a, far, moves))),
             Node::Claim(args, Claim::Continuous) => args.first().map_or(outline, |&a| self.close_outline_within(graph, a, far, moves)),
-            Node::Call(shape, Function::Field, args) if moves < MOVES && let Some((value, shifts)) = shifted(graph, *shape, args) => {
+            Node::Call(shape, Function::Field, args) if moves < MOVES && let Some((value, placed)) = placed(graph, *shape, args) => {
                 // Of many copies one is looked at.
-                let own = self.close_outline_within(graph, value, far, moves + 1);
-                moved_back(own, shifts)
+                placed.back(self.close_outline_within(graph, value, far, moves + 1))
             }
             _ => {
                 let region = outline.intersect(&Box3::cube(FARTHEST));
@@ -200,9 +200,10 @@ impl Facts {
             Node::Op(Op::Min, args) => args.iter().fold(Box3::EMPTY, |hull, &a| hull.hull(&self.outline_within(graph, a, moves))),
             Node::Op(Op::Max, args) => args.iter().fold(Box3::ALL, |common, &a| common.intersect(&self.outline_within(graph, a, moves))),
             Node::Claim(args, Claim::Continuous) => args.first().map_or(Box3::ALL, |&a| self.outline_within(graph, a, moves)),
-            Node::Call(shape, Function::Field, args) if moves < MOVES && let Some((value, shifts)) = shifted(graph, *shape, args) => {
-                let own = self.outline_within(graph, value, moves + 1);
-                moved_back(own, shifts)
+            Node::Call(shape, Function::Field, args) if moves < MOVES && let Some((value, placed)) = placed(graph, *shape, args) => {
+                let moved = placed.back(self.outline_within(graph, value, moves + 1));
+                // A box about a turned box is wider than one about what is in it.
+                if placed.turns() { moved.intersect(&self.rough_region(graph, node, &Domain::of(Box3::cube(FARTHEST)))) } else { moved }
             }
             _ => self.rough_region(graph, node, &Domain::of(Box3::cube(FARTHEST))),
         };
@@ -415,22 +416,11 @@ impl Facts {
     }
 }
 
-/// The value of a shape that reads nothing but its point, and how far a call moves it along each axis, if that is all that it does.
-fn shifted(graph: &Graph, shape: ShapeId, args: &[NodeId]) -> Option<(NodeId, [f64; 3])> {
+/// The value of a shape that reads nothing but its point, and where a call puts it, if it only moves and turns it.
+fn placed(graph: &Graph, shape: ShapeId, args: &[NodeId]) -> Option<(NodeId, Placed)> {
     let s = graph.shape(shape).filter(|s| s.variables.is_empty() && s.dimensions == 3)?;
-    let mut shifts = [0.0; 3];
-    for (i, shift) in shifts.iter_mut().enumerate() {
-        *shift = shift_along(graph, *args.get(i)?, i).filter(|shift| shift.abs() < 0.01 * FARTHEST)?;
-    }
-    Some((s.value, shifts))
-}
-
-/// The box of a shape's solid where it is called at a point that is moved so far.
-fn moved_back(own: Box3, shifts: [f64; 3]) -> Box3 {
-    if own.is_empty() {
-        return own;
-    }
-    (0..3).zip(shifts).fold(own, |back, (i, shift)| back.with_axis(i, own.axis(i).sub(Interval::point(shift))))
+    let placed = Placed::of(graph, args).filter(|placed| placed.farthest() < 0.01 * FARTHEST)?;
+    Some((s.value, placed))
 }
 
 /// By how much a coordinate is moved, where it is only moved.
