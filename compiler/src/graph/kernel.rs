@@ -548,6 +548,12 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
         Op::Mul if is(ca, 0.0) || is(cb, 0.0) => Some(graph.constant(0.0)),
         // The square of one interval is not the product of two.
         Op::Mul if a == b => Some(graph.op(Op::Square, &[a])),
+        // `-x * x` and `2 * x * x` are products of a multiple and `x`.
+        Op::Mul if let Some((by, x)) = multiple_of_other(graph, a, b) => {
+            let square = graph.op(Op::Square, &[x]);
+            let by = graph.constant(by);
+            Some(graph.op(Op::Mul, &[by, square]))
+        }
         // ((x x) x) x
         Op::Mul if fourth(graph, a, b).is_some() => fourth(graph, a, b).map(|square| graph.op(Op::Square, &[square])),
         Op::Mul if is(ca, 1.0) => Some(b),
@@ -771,4 +777,15 @@ impl Claim {
             Claim::Continuous => "continuous",
         }
     }
+}
+
+/// Where one of two nodes is a multiple of the other: by how much, and that other one.
+fn multiple_of_other<T: Terms>(graph: &T, a: T::Id, b: T::Id) -> Option<(f64, T::Id)> {
+    let multiple = |of: T::Id, x: T::Id| match graph.operation(of)? {
+        (Op::Neg, &[y]) if y == x => Some(-1.0),
+        (Op::Mul, &[y, z]) if z == x => graph.as_constant(y),
+        (Op::Mul, &[y, z]) if y == x => graph.as_constant(z),
+        _ => None,
+    };
+    multiple(a, b).map(|by| (by, b)).or_else(|| multiple(b, a).map(|by| (by, a)))
 }
