@@ -6,7 +6,7 @@ use super::write::{self, Context};
 use super::{EmitError, own_space, scene_space, surface_struct};
 use crate::compiled::UniformSource;
 use crate::functions::Surface;
-use crate::graph::ShapeId;
+use crate::graph::{ShapeId, Slot};
 use std::borrow::Cow;
 use std::fmt::Write;
 
@@ -46,15 +46,22 @@ pub fn layers_function(
     text.push_str("\n// How steeply the surface looks to rise, and the images that lie on it.\n");
     // Of a file only its own name, so that the same text gives the same module in any folder.
     let name = |path: &str| format!("{:?}", path.rsplit(['/', '\\']).next().unwrap_or(path));
-    let images = surface.layers.iter().filter_map(|layer| graph.images.get(layer.image as usize));
-    let images: Vec<String> = images.map(|image| name(&image.path)).collect();
+    let images = surface.layers.iter().filter_map(|layer| Some((layer.slot, graph.images.get(layer.image as usize)?)));
+    let use_of = |slot: Slot| match slot {
+        Slot::Color => "the colour",
+        Slot::Roughness => "the roughness, by its green",
+        Slot::Metallic => "metallic, by its blue",
+        Slot::Relief => "heights, by its green",
+    };
+    let lines = images.enumerate().map(|(i, (slot, image))| format!("//   {i}: {} for {}\n", name(&image.path), use_of(slot)));
+    let images: String = lines.collect();
     if !images.is_empty() {
         let _ = write!(
             text,
-            "// What {prefix}surface gives is without them. A host adds for each, which are {}, in this order:\n\
-             // weight times the image at (z, -y), (x, z) and (x, -y) of point, in widths of the image to the right and down, shared by the squares of\n\
-             // the normal's components in that space to the power sharpness. Along the scene's axes point grows by across, up and along.\n",
-            images.join(", ")
+            "// What {prefix}surface gives is without them:\n{images}\
+             // To what each is for a host adds weight times the image at (z, -y), (x, z) and (x, -y) of point, in widths of the image to the right and\n\
+             // down, shared by the squares of the normal's components in that space to the power sharpness. Along the scene's axes point grows by\n\
+             // across, up and along. Heights lean the normal: how they rise along the scene's axes, less what of that goes along the normal, is taken from it.\n"
         );
     }
     let _ = writeln!(text, "fn {prefix}layers(p: vec3f, normal: vec3f) -> {prefix}Layers {{");

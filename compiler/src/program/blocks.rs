@@ -325,8 +325,10 @@ impl Elaborator<'_> {
         let Some(choice) = choices.get(index) else { return Err(Stop) };
         // The others are looked at too, for their errors.
         for (i, other) in choices.iter().enumerate() {
-            if i != index {
-                let _ = self.expression(other, env);
+            if i != index
+                && let Ok(Value::Shape(shape)) = self.expression(other, env)
+            {
+                self.alternatives.push(shape);
             }
         }
         self.expression(choice, env)

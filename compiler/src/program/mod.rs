@@ -135,6 +135,8 @@ pub struct Elaborator<'a> {
     parameter_values: FxHashMap<ItemRef, Option<Elaborated<Value>>>,
     lets: FxHashMap<ItemRef, Option<Elaborated<Value>>>,
     called: FxHashSet<ItemRef>,
+    /// Shapes that another choice would put into the scene.
+    alternatives: Vec<ShapeId>,
     memo: FxHashMap<(ItemRef, Option<Value>, Vec<Value>), Option<Value>>,
     depth: usize,
     nesting: usize,
@@ -183,6 +185,7 @@ pub fn elaborate(modules: &Modules, options: &Options, facts: Facts) -> Elaborat
         parameter_values: FxHashMap::default(),
         lets: FxHashMap::default(),
         called: FxHashSet::default(),
+        alternatives: Vec::new(),
         memo: FxHashMap::default(),
         depth: 0,
         nesting: 0,
@@ -482,7 +485,8 @@ impl Elaborator<'_> {
     /// Warns of parameters that nothing reads.
     fn unused_parameters(&mut self, blocks: &SceneBlocks, root: Option<ShapeId>) {
         let Some(root) = root else { return };
-        let read = self.graph.parameters_read(root, &blocks.nodes());
+        let mut read = self.graph.parameters_read(root, &blocks.nodes());
+        read.extend(self.alternatives.iter().flat_map(|shape| self.graph.parameters_read(*shape, &[])));
         let modules = self.modules;
         let main_file = modules.file(modules.main);
         // A choice among names is no number that a formula could read; but some text says its name.

@@ -83,6 +83,11 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     for skipped in &compiled.module.skipped {
         eprintln!("note: left out: {skipped}");
     }
+    for (count, what) in [(compiled.blocks.meshes.len(), "meshes"), (compiled.blocks.balls.len(), "balls")] {
+        if count > 0 {
+            eprintln!("note: left out: {what}; the module holds the field alone");
+        }
+    }
     if !compiled.functions.surface.layers.is_empty() {
         eprintln!("note: left out: images; {}layers says where they lie", args.prefix);
     }
