@@ -98,7 +98,8 @@ fn no_noise_can_leave_the_range_that_it_claims() {
 /// Every claim of a range is one that is known here, and what is drawn with it has a box that is hardly larger than it is.
 #[test]
 fn what_is_made_of_noise_has_a_box() {
-    let claiming = |name: &str| ["perlin", "value_noise", "simplex", "cellular", "random_balls"].contains(&name);
+    // The two steps are polynomials that rise from 0 to 1 over a number kept between these.
+    let claiming = |name: &str| ["perlin", "value_noise", "simplex", "cellular", "random_balls", "smoothstep", "smootherstep"].contains(&name);
     for entry in CHAPTERS.iter().flat_map(|(name, _, text)| entries(name, text)) {
         let claims = entry.claim.as_deref().is_some_and(|c| c.contains(".."));
         assert_eq!(claims, claiming(&entry.name), "{}", entry.name);
@@ -108,5 +109,18 @@ fn what_is_made_of_noise_has_a_box() {
         let scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
         let [low, high] = scene.bounds().expect(noise);
         assert!(low.iter().all(|x| (-1.1..=-0.7).contains(x)) && high.iter().all(|x| (0.7..=1.1).contains(x)), "{noise}: {low:?} {high:?}");
+    }
+}
+
+/// What one shape becomes another by is a share of both, so it is where they are.
+#[test]
+fn what_is_mixed_by_a_step_is_where_its_parts_are() {
+    for step in ["smoothstep(-1, 1, p.y)", "smootherstep(-1, 1, p.y + 0.3 * sin(p.x))"] {
+        let loader = MemoryLoader::new().with("main.sdf", format!("scene = mix(sphere(1), box(1.5), {step})\n"));
+        let scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
+        let factors: Vec<f64> = scene.graph.factors.iter().map(|f| f.lipschitz).collect();
+        assert!(!factors.is_empty() && factors.iter().all(|f| *f < 3.0), "{step}: {factors:?}");
+        let [low, high] = scene.bounds().expect(step);
+        assert!(low.iter().all(|x| (-1.1..=-0.7).contains(x)) && high.iter().all(|x| (0.7..=1.1).contains(x)), "{step}: {low:?} {high:?}");
     }
 }
