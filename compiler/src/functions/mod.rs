@@ -456,6 +456,11 @@ impl Builder<'_> {
                 ),
             };
             self.diagnostics.push(Diagnostic::new(Code::NothingSolid, span, message, instead));
+        } else if let Some(value) = value
+            && self.built.ahead.region.is_some_and(|region| region.0.iter().all(|side| side.width() < 1e-9))
+        {
+            let (message, instead) = ("what is solid of this scene is a single point, which nobody sees", "give it a size: a radius or an edge is 0 here");
+            self.diagnostics.push(Diagnostic::new(Code::NothingSolid, self.place(self.root, value), message, instead));
         }
         Summary { nodes: self.graph.reachable(&values).len(), primitives, factor, kind: self.kind }
     }

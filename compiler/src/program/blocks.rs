@@ -520,6 +520,14 @@ impl Elaborator<'_> {
                 other => {
                     let v = self.to_vector(&other, 2, expr.span)?;
                     let &[reach, strength] = &*v else { return Err(Stop) };
+                    for (node, most) in [(reach, f64::INFINITY), (strength, 1.0)] {
+                        if let Some(c) = self.graph.as_constant(node)
+                            && !(0.0..=most).contains(&c)
+                        {
+                            let help = "write `(reach, strength)`: how far it reaches, at least 0, and how strong it is, from 0 to 1";
+                            return Err(self.error(Code::BadValue, expr.span, format!("this is {}", short(c)), help));
+                        }
+                    }
                     Ok((reach, strength))
                 }
             });
@@ -655,8 +663,14 @@ impl Elaborator<'_> {
         if let (Some((lo, hi)), Some(c)) = (limits, self.graph.as_constant(node))
             && !(lo..=hi).contains(&c)
         {
-            let found = if wanted.contains("deg") { format!("{}deg", short(c.to_degrees())) } else { short(c) };
-            return Err(self.error(Code::BadValue, expr.span, format!("this is {found}"), format!("write {wanted}")));
+            let is_angle = wanted.contains("deg");
+            let found = if is_angle { format!("{}deg", short(c.to_degrees())) } else { short(c) };
+            let bare = matches!(expr.kind, ExprKind::Int(_) | ExprKind::Float(_));
+            let help = match is_angle && bare && (lo..=hi).contains(&c.to_radians()) {
+                true => format!("write `{}deg`: a bare number is in radians", short(c)),
+                false => format!("write {wanted}"),
+            };
+            return Err(self.error(Code::BadValue, expr.span, format!("this is {found}"), help));
         }
         Ok(node)
     }

@@ -1,7 +1,7 @@
 //! Materials: their entries as nodes, and shapes that have them.
 
 use super::elsewhere;
-use super::load::ItemRef;
+use super::load::{self, ItemRef};
 use super::texture::Texture;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
@@ -35,7 +35,19 @@ impl Elaborator<'_> {
         span: Span,
     ) -> Elaborated<MaterialId> {
         self.called.insert(item);
-        self.for_user(item, span, |e| e.deeper(span, |e| e.material_of(item, args, span)))
+        if self.materials.contains(&item) {
+            let name = self.modules.item(item).and_then(load::item_name).map(|name| name.text.to_string()).unwrap_or_default();
+            return Err(self.error(
+                Code::TypeMismatch,
+                span,
+                format!("`{name}` is this material itself"),
+                "write a colour in its place, as `#ffd700` or `(1, 0.7, 0)`",
+            ));
+        }
+        self.materials.push(item);
+        let made = self.for_user(item, span, |e| e.deeper(span, |e| e.material_of(item, args, span)));
+        self.materials.pop();
+        made
     }
 
     fn material_of(

@@ -139,6 +139,8 @@ pub struct Elaborator<'a> {
     alternatives: Vec<ShapeId>,
     memo: FxHashMap<(ItemRef, Option<Value>, Vec<Value>), Option<Value>>,
     depth: usize,
+    /// Materials whose entries are being read.
+    materials: Vec<ItemRef>,
     nesting: usize,
     steps: u64,
     /// Calls went too deep: nothing is evaluated until the outermost one has ended.
@@ -188,6 +190,7 @@ pub fn elaborate(modules: &Modules, options: &Options, facts: Facts) -> Elaborat
         alternatives: Vec::new(),
         memo: FxHashMap::default(),
         depth: 0,
+        materials: Vec::new(),
         nesting: 0,
         steps: 0,
         endless: false,

@@ -192,6 +192,16 @@ impl Elaborator<'_> {
             }
             (Value::Nothing, Type::Shape) => self.to_shape(&value, 3, span).map(Value::Shape),
             (Value::Nothing, Type::Shape2) => self.to_shape(&value, 2, span).map(Value::Shape),
+            // One number would be a point on the diagonal, which nobody means who writes a list of coordinates.
+            (Value::List(items), Type::List(inner)) if let (Type::Vec(n), true) = (&**inner, items.iter().any(|v| matches!(v, Value::Number(..)))) => {
+                let point = |from: u8| format!("({})", (from..from + n).map(|i| i.to_string()).collect::<Vec<_>>().join(", "));
+                Err(self.error(
+                    Code::TypeMismatch,
+                    span,
+                    "a list of points is needed here, and there is a single number in this one",
+                    format!("put each point's {n} numbers in parentheses: `[{}, {}]`", point(0), point(1)),
+                ))
+            }
             (Value::List(items), Type::List(inner)) => {
                 let items: Vec<Value> = items
                     .iter()

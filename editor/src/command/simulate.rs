@@ -94,7 +94,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if let Some(path) = &args.output {
         write(path, &balls)?;
     }
-    print(summary(&balls, args.seconds, steps, took).as_bytes())?;
+    print(summary(&balls, steps as f64 / args.rate, steps, took).as_bytes())?;
     Ok(Exit::Fine)
 }
 

@@ -111,6 +111,9 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let cases: Vec<Case> = cases::cases().into_iter().filter(|case| wanted(&case.name)).collect();
     let heaps: Vec<balls::Heap> = balls::heaps(args).into_iter().filter(|heap| wanted(&heap.name)).collect();
     let count = cases.len() + heaps.len();
+    if count == 0 {
+        return Err(Failure::usage(format!("no case has a name with {} in it", args.words.join(" or "))));
+    }
     let bar = LateBar::new();
     let mut rows = Vec::new();
     let failed = |name: &str, why: String| Failure::usage(format!("can't try '{name}': {why}"));
