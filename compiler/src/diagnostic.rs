@@ -208,7 +208,7 @@ codes! {
         "Nothing solid lies within the scene's extent, so the picture shows the sky alone. Move the scene toward the origin, or set `render { extent: … }` to more. Shapes that do not meet have no intersection.",
         "scene = sphere(1).translate(150, 0, 0)\nrender { extent: 100 }";
     InsideSolid, "inside-solid", Warning,
-        "The camera stands inside what is solid, so that nothing can be seen rightly: mostly the picture is black. Move its `eye` out; where a shape is meant as a room, take its inside away: `box(9) - box(8)`.",
+        "The camera stands inside what is solid, so that nothing can be seen rightly: mostly the picture is black. Move its `eye` out; where a shape is meant as a room, take its inside away: `box(9) - box(8)`. Or a light stands there, as a lamp in its bulb, and all lies in the bulb's shadow: `shadow: none` lets it shine through.",
         "scene = box(4)\ncamera { eye: (0, 0, 1) }";
     NothingSeen, "nothing-seen", Warning,
         "Nothing solid is in sight of the camera, so the picture shows the sky alone. Look to where something is, or set `render { max_distance: … }` to how far away it is.",

@@ -197,6 +197,8 @@ pub struct LightNodes {
     pub intensity: NodeId,
     /// Shadow, and its penumbra's number where it is soft.
     pub shadow: (Shadow, Option<NodeId>),
+    /// The word `light`.
+    pub span: Span,
 }
 
 impl Compiled {

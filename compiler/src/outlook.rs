@@ -1,7 +1,7 @@
 //! What a scene's camera sees before anything is drawn: of a picture that would be black or empty a person is told why.
 
 use crate::analysis::Box3;
-use crate::compiled::{Camera, CameraNodes, Compiled, EYE, Frame, Live};
+use crate::compiled::{Camera, CameraNodes, Compiled, EYE, Frame, LightKind, Live, Shadow};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::frame::SMALLEST;
 use crate::graph::FAR;
@@ -49,13 +49,21 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
         let help = better().unwrap_or_else(|| "move its `eye` to where the field is above zero".to_owned());
         return Some(Diagnostic::new(Code::InsideSolid, place(compiled, nodes), message, help));
     }
+    // A lamp in its own bulb.
+    let lamp = || {
+        let lights = frame.lights.iter().zip(&compiled.blocks.lights).filter(|(light, _)| frame.shadows && light.shadow != Shadow::None);
+        let mut within = lights.filter(|(light, _)| matches!(light.kind, LightKind::Position(place) if length(place) < frame.extent && field(place) < 0.0));
+        let (light, nodes) = within.next()?;
+        let message = format!("the light `{}` stands inside the solid, whose shadow lies on everything", light.name);
+        Some(Diagnostic::new(Code::InsideSolid, nodes.span, message, "move it out, or write `shadow: none` in it: then it shines through all that is solid"))
+    };
     // Whoever writes `nothing` means it where there are meshes or balls.
     let has_others = !compiled.blocks.meshes.is_empty() || compiled.has_balls();
     if has_others {
-        return None;
+        return lamp();
     }
     match sees(compiled, &reference, &camera, &frame, frame.max_distance)? {
-        Sight::Solid => return None,
+        Sight::Solid => return lamp(),
         Sight::Lost => {
             let message = "rays spend all of their steps before they meet anything solid";
             let help = "say where the shape lies with `.within(box(…))`, or write its formula so that it grows more evenly";
@@ -191,6 +199,10 @@ mod tests {
             assert_eq!(found(&format!("{scene}\n{mended}\n")), None, "{scene}\n{mended}");
         }
         assert_eq!(found("scene = sphere(1)"), None);
+        // A lamp in its bulb.
+        let lit = |shadow: &str| found(&format!("scene = plane(y) | sphere(0.2).translate(0, 1, 0)\nlight l {{ position: (0, 1, 0){shadow} }}"));
+        assert_eq!(lit(""), Some((Code::InsideSolid, "shadow: none".to_owned())));
+        assert_eq!(lit(", shadow: none"), None);
         let julia = "let z = vec4(p, 0), d = 1 for i in 0..10 while dot(z, z) < 64 {
             z = vec4(z.x*z.x - dot(z.yzw, z.yzw), 2*z.x*z.yzw) + (-0.2, 0.6, 0.2, 0.2), d = 2 * length(z) * d
           }; 0.5 * length(z) * log(length(z)) / d";

@@ -110,6 +110,7 @@ impl Elaborator<'_> {
                         format!("`{name}` takes {takes} argument{}, and here are {given}", if takes == 1 { "" } else { "s" }),
                         match takes {
                             0 => format!("write `{name}`"),
+                            _ if name == "scale" => "write `.scale(2)`, the same along all axes, or `.stretch(1, 2, 1)`".to_owned(),
                             _ if is_of_two(parameters) => of_many(name, parameters),
                             _ => format!("write `{}`", written(name, parameters, hidden, true)),
                         },
@@ -218,7 +219,13 @@ impl Elaborator<'_> {
                 }
             };
             let at = value.as_ref().map_or(span, |(_, at)| *at);
+            let after_axis = parameters.iter().take_while(|p| p.name.text != parameter.name.text).any(|p| &*p.name.text == "axis");
             let typed = value.and_then(|(value, at)| match &parameter.ty {
+                Some((ty, _)) if after_axis && matches!(value, Value::Vector(_)) && !self.fits(&value, ty) => {
+                    let found = value.describe(self);
+                    let help = format!("the axis stands first: write `{}`", written(name, parameters, hidden, false));
+                    Err(self.error(Code::TypeMismatch, at, format!("{} is needed here, and this is {found}", type_words(ty)), help))
+                }
                 Some((ty, _)) => self.coerce(value, ty, at, place),
                 None => match (&parameter.default, &value) {
                     // Without a type the default's kind is wanted.

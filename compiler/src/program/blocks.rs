@@ -473,6 +473,7 @@ impl Elaborator<'_> {
                     color: color?,
                     intensity: intensity?,
                     shadow: shadow?,
+                    span: kind_span,
                 });
             }
             BlockKind::Environment => {

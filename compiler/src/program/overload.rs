@@ -101,7 +101,14 @@ impl Elaborator<'_> {
                 (Some((Value::Vector(_), _)), Some((_, f))) if env.point.is_some() => Some(at_a_point(f)),
                 _ => None,
             };
-            let help = at_point.unwrap_or_else(|| format!("there is {}", wanted.join(", ")));
+            let of_shape = functions.iter().all(|(_, f)| matches!(f.kind, FunctionKind::Warp | FunctionKind::Warp2));
+            let help = at_point.unwrap_or_else(|| match functions.first() {
+                Some((_, f)) if of_shape => {
+                    let rest: Vec<&str> = f.parameters.iter().map(|p| &*p.name.text).collect();
+                    format!("the shape stands first: write `shape.{name}({})`", rest.join(", "))
+                }
+                _ => format!("there is {}", wanted.join(", ")),
+            });
             return Err(self.error(Code::TypeMismatch, at, format!("no `{name}` takes {found} first"), help));
         }
         Ok(best.map(|(_, item)| item))

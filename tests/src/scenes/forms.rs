@@ -176,8 +176,8 @@ const SHAPE: &[&str] = &[
     // Many of one.
     "(for i in 0..many { <same>.translate(0.7 * i - 1, 0, 0).rotate(y, i * <angle>) })",
     "(for i in 0..<count> by smooth_union(<small>) { <same>.translate(0.6 * i, 0.2 * i * i, 0) })",
-    "(for i in 0..30 { <same>.twist(y, 0.05 * i).translate(1.1 * i - 16, 0, 0) })",
-    "(for i in 0..30 by smooth_union(<small>) { <same>.displace(0.01 * i * sin(4 * p.x)).scale(0.5).translate(0.6 * i - 9, 0.1 * i, 0) })",
+    "(for i in 0..26 { box(<size>).twist(y, 0.1 * i).translate(i, 0, 0) })",
+    "(for i in 0..26 by smooth_union(<small>) { sphere(<size>).displace(0.01 * i * sin(4 * p.x)).translate(0.6 * i, 0, 0) })",
     "(for i in 0..2 by meet(<formula>) { <same>.translate(0.5 * i, 0, 0) })",
     "(for v in seeds { <same>.scale(v.w).translate(v.xyz) })",
     "(for cell in grid((<size>, 0, <size>)) { <same>.scale(0.2 + 0.3 * hash(cell)).rotate(y, cell.x) })",
