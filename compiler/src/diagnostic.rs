@@ -229,7 +229,7 @@ codes! {
         "One evaluation of the scene takes so many operations that a picture may take minutes. Copies that are joined by a `for`, or repeated, are looked at only where they are near.",
         "";
     NoRoom, "no-room", Warning,
-        "The balls of a group have no room in the box where they begin. They begin within each other and push apart.",
+        "The balls of a group have no room in the box where they begin: they begin within each other and push apart. Or that box lies outside of the walls.",
         "scene = plane(y)\nballs b { count: 1000, radius: 0.5, spawn: (0, 1, 0)..(1, 2, 1) }";
 }
 

@@ -441,3 +441,32 @@ fn bench_lists_what_nobody_knows_and_stands_in_no_wall() {
     assert_eq!((ours["missed"].as_u64(), ours["false"].as_u64()), (Some(0), Some(0)), "{out}");
     assert!(ours["depth_pixels"]["max"].as_f64().unwrap() < 0.5, "{out}");
 }
+
+/// What a scene reads stays as it is, whatever is asked to be written.
+#[test]
+fn nothing_that_a_scene_reads_is_written_over() {
+    let folder = folder("read");
+    let stone = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/images/stone.png");
+    for name in ["stone.png", "stone_0001.png", "sky.png"] {
+        std::fs::copy(stone, folder.join(name)).unwrap();
+    }
+    let text = "material m { texture: \"stone.png\" }\nmaterial n { texture: \"stone_0001.png\" }
+scene = sphere(1).material(m) | box(1).translate(2, 0, 0).material(n)\nenvironment { sky: equirect(\"sky.png\") }\n";
+    std::fs::write(folder.join("stone.sdf"), text).unwrap();
+    let before = std::fs::read(stone).unwrap();
+    for args in [
+        &["render", "stone.sdf", "-o", "stone.png", "--size", "8x8"][..],
+        &["render", "stone.sdf", "-o", "sky.png", "--size", "8x8"],
+        &["render", "stone.sdf", "-o", "stone.png", "--size", "8x8", "--frames", "0..3"],
+        &["compile", "stone.sdf", "-o", "stone.png"],
+        &["compile", "stone.sdf", "-o", "./stone.sdf"],
+    ] {
+        let (code, _, said) = run(&folder, args);
+        assert_eq!(code, 2, "{args:?}: {said}");
+        assert!(said.contains("would be written over"), "{args:?}: {said}");
+    }
+    for name in ["stone.png", "stone_0001.png", "sky.png"] {
+        assert!(std::fs::read(folder.join(name)).unwrap() == before, "{name}");
+    }
+    assert_eq!(std::fs::read_to_string(folder.join("stone.sdf")).unwrap(), text);
+}

@@ -129,13 +129,14 @@ fn compile_file(scene: &str, options: &Options) -> Result<Outcome, Failure> {
     Ok(surefoot_compiler::compile(&FileLoader, scene, options))
 }
 
-/// Fails where a path that is to be written is a file that the scene reads: a text, an image or a mesh.
+/// Fails where a path that is to be written is a file that the scene reads: a text, an image, one in a folder of images, or a mesh.
 fn spare(path: &std::path::Path, outcome: &Outcome) -> Result<(), Failure> {
     let Ok(target) = std::fs::canonicalize(path) else { return Ok(()) };
-    let images = outcome.compiled.iter().flat_map(|c| c.graph.images.iter().map(|image| &image.path));
+    let images = outcome.compiled.iter().flat_map(|c| c.graph.images.iter().chain(c.blocks.environment.as_ref().map(|e| &e.file)));
     let meshes = outcome.compiled.iter().flat_map(|c| c.blocks.meshes.iter().map(|mesh| &mesh.file));
-    let mut read = outcome.files.iter().chain(images).chain(meshes);
-    match read.any(|file| std::fs::canonicalize(file).is_ok_and(|file| file == target || target.is_file() && file.is_dir() && target.starts_with(&file))) {
+    let mut read = outcome.files.iter().chain(images.map(|image| &image.path)).chain(meshes);
+    // A path starts with itself.
+    match read.any(|file| std::fs::canonicalize(file).is_ok_and(|file| target.starts_with(file))) {
         false => Ok(()),
         true => Err(Failure::usage(format!(
             "{} is a file of the scene, and would be written over: say another after -o",

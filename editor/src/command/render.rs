@@ -98,8 +98,14 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         let png = args.output.with_extension("png");
         return Err(Failure::usage(format!("pictures are written as PNG: write `-o {}`", png.display())));
     }
-    if args.frames.is_none() {
-        spare(&args.output, &outcome)?;
+    let shots: Vec<(f64, PathBuf)> = match &args.frames {
+        None => vec![(args.time, args.output.clone())],
+        Some(range) => {
+            range.clone().map(|n| (f64::from(n) / args.fps, numbered(&args.output, n))).collect()
+        }
+    };
+    for (_, path) in &shots {
+        spare(path, &outcome)?;
     }
     // A wrong name is said before anything slow is done.
     camera(&compiled.frame(&live), args.camera.as_deref())?;
@@ -118,12 +124,6 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         eprintln!("note: {note}");
     }
     let exit = show_broken(&outcome, painter.broken());
-    let shots: Vec<(f64, PathBuf)> = match &args.frames {
-        None => vec![(args.time, args.output.clone())],
-        Some(range) => {
-            range.clone().map(|n| (f64::from(n) / args.fps, numbered(&args.output, n))).collect()
-        }
-    };
     let bar = LateBar::new();
     for (i, (time, path)) in shots.iter().enumerate() {
         live.time = *time;
