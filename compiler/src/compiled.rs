@@ -277,8 +277,35 @@ impl Module {
         if let Some(tables) = &self.tables {
             return tables.code();
         }
+        self.wgsl.get(self.head().len()..).unwrap_or(&self.wgsl)
+    }
+
+    /// The comment at its head.
+    pub fn head(&self) -> &str {
         let head: usize = self.wgsl.split_inclusive('\n').take_while(|line| line.starts_with("//")).map(str::len).sum();
-        self.wgsl.get(head..).unwrap_or(&self.wgsl)
+        self.wgsl.get(..head).unwrap_or("")
+    }
+
+    /// The module with its tables as storage buffers, which its comment names, and the bytes of the two; nothing where it has no tables. `options`: those
+    /// that it was emitted with.
+    pub fn with_buffers(&self, options: &Options) -> Option<(Module, [Vec<u8>; 2])> {
+        let tables = self.tables.as_ref()?;
+        let mut rows: Vec<u8> = tables.tables.rows.iter().flatten().flat_map(|number| number.to_le_bytes()).collect();
+        // No buffer may be empty.
+        rows.resize(rows.len().max(16), 0);
+        let lists = tables.lists().iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
+        let (group, binding) = (options.group, u64::from(options.binding));
+        let wgsl = format!(
+            "{}//\n// The tables of its unions are two storage buffers of group {group}, read only, little-endian:\n//\n\
+             //   binding {}: array<vec4f>, {} bytes\n//   binding {}: array<u32>, {} bytes\n{}",
+            self.head(),
+            binding + 1,
+            rows.len(),
+            binding + 2,
+            lists.len(),
+            tables.code(),
+        );
+        Some((Module { wgsl, ..self.clone() }, [rows, lists]))
     }
 }
 

@@ -197,6 +197,38 @@ fn compile_writes_every_language_and_nothing_on_an_error() {
     }
 }
 
+/// Small tables are private variables, which drivers pick from without a copy; larger ones are more than WGSL promises to take. Other languages have constants.
+#[test]
+fn compile_writes_tables_into_the_text_or_beside_it() {
+    let folder = folder("tables");
+    for (name, count, held) in [("few", 100, "var<private> "), ("many", 700, "const ")] {
+        let text = format!("scene = for i in 0..{count} {{ sphere(0.1).translate(4 * hash3(i)) }}");
+        std::fs::write(folder.join(format!("{name}.sdf")), text).unwrap();
+        let (code, wgsl, err) = run(&folder, &["compile", &format!("{name}.sdf")]);
+        assert!(code == 0 && err.contains("--tables buffers"), "{err}");
+        assert!(["table", "lists"].iter().all(|table| wgsl.contains(&format!("\n{held}sf_{table} = array"))), "{name}");
+    }
+    let (_, metal, _) = run(&folder, &["compile", "few.sdf", "--target", "msl"]);
+    let constant = |table: &str| metal.lines().any(|line| line.starts_with("constant ") && line.contains(&format!(" sf_{table} = ")));
+    assert!(constant("table") && constant("lists") && !metal.contains("thread type_"), "{metal}");
+
+    let buffers = ["--tables", "buffers"];
+    let (code, _, err) = run(&folder, &[&["compile", "few.sdf", "-o", "out.wgsl"], &buffers[..]].concat());
+    assert_eq!((code, err.as_str()), (0, ""));
+    let wgsl = std::fs::read_to_string(folder.join("out.wgsl")).unwrap();
+    for (binding, file) in [(1, "out.table.bin"), (2, "out.lists.bin")] {
+        let bytes = std::fs::metadata(folder.join(file)).unwrap().len();
+        assert!(bytes > 400 && wgsl.contains(&format!(", {bytes} bytes\n")), "{file}: {bytes}");
+        assert!(wgsl.contains(&format!("@group(0) @binding({binding}) var<storage, read> ")), "{wgsl}");
+    }
+    let (_, _, err) = run(&folder, &[&["compile", "good.sdf", "-o", "out.wgsl"], &buffers[..]].concat());
+    assert!(err.contains("no large unions"), "{err}");
+    for wrong in [&[][..], &["-o", "-"], &["-o", "out.glsl", "--target", "glsl"]] {
+        let (code, _, err) = run(&folder, &[&["compile", "few.sdf"], &buffers[..], wrong].concat());
+        assert_eq!(code, 2, "{wrong:?}: {err}");
+    }
+}
+
 #[test]
 fn fmt_lays_out_in_place_and_only_asks_with_check() {
     let folder = folder("fmt");

@@ -1,6 +1,6 @@
 //! Modules checked, and in other languages, through naga.
 
-use super::{library, spirv};
+use super::{library, spirv, table};
 use crate::compiled::{Export, Module};
 use naga::back::{glsl, hlsl, msl, spv};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -51,7 +51,10 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
     if target == Target::Wgsl {
         return Ok(module.wgsl.clone().into_bytes());
     }
-    let mut text = module.wgsl.clone();
+    let mut text = match target {
+        Target::Spirv => module.wgsl.clone(),
+        _ => table::with_constants(&module.wgsl, prefix),
+    };
     if target == Target::Glsl {
         text.push('\n');
         text.push_str(&entry(module).replace("sf_", prefix));
@@ -112,7 +115,7 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
 
 /// What the module says of itself, for a language with the same comments.
 fn head(module: &Module) -> String {
-    let mut head: String = module.wgsl.lines().take_while(|line| line.starts_with("//")).flat_map(|line| [line, "\n"]).collect();
+    let mut head = module.head().to_owned();
     head.push_str("//\n// This says so of the module in WGSL. Here names that the language does not take end in `_`.\n\n");
     head
 }

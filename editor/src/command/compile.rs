@@ -8,6 +8,9 @@ use std::path::Path;
 use surefoot_compiler::emit::{Target, translate, validate};
 use surefoot_compiler::{Export, Options};
 
+const TEXT: &str = "text";
+const BUFFERS: &str = "buffers";
+
 /// What to write, and how it is named.
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -32,6 +35,10 @@ pub struct Args {
     /// The language to write. GLSL needs an entry point, and has one that draws; names that it does not take end in `_`.
     #[arg(long, default_value = "wgsl", value_parser = PossibleValuesParser::new(Target::ALL.map(Target::name)))]
     target: String,
+    /// Where the numbers of large unions stand: in the text, or in two storage buffers, whose bytes go into OUT.table.bin and OUT.lists.bin. Those
+    /// are faster: near a point only what matters there is looked at.
+    #[arg(long, default_value = TEXT, value_parser = PossibleValuesParser::new([TEXT, BUFFERS]))]
+    tables: String,
     /// Make it an error where a factor is measured and not proven.
     #[arg(long)]
     strict: bool,
@@ -62,6 +69,15 @@ fn prefix(text: &str) -> Result<String, String> {
 
 /// Compiles and writes. Nothing is written where anything is wrong.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
+    let target = Target::ALL.into_iter().find(|t| t.name() == args.target).unwrap_or(Target::Wgsl);
+    let file = args.output.as_deref().filter(|file| *file != "-").map(Path::new);
+    let buffered = args.tables == BUFFERS;
+    if buffered && file.is_none() {
+        return Err(Failure::usage("tables in buffers are files of their own: say where to write with -o FILE"));
+    }
+    if buffered && target == Target::Glsl {
+        return Err(Failure::usage("GLSL ES 3.0 has no storage buffers: leave --tables buffers out"));
+    }
     let options = Options {
         exports: args.functions.clone(),
         prefix: args.prefix.clone(),
@@ -77,8 +93,13 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if show_broken(&outcome, &crate::picture::broken_meshes(compiled)) == Exit::Errors {
         return Ok(Exit::Errors);
     }
-    if let Some(file) = &args.output {
-        spare(Path::new(file), &outcome)?;
+    let with_buffers = compiled.module.with_buffers(&options).filter(|_| buffered);
+    let (module, tables) = match &with_buffers {
+        Some((module, bytes)) => (module, file.into_iter().flat_map(|file| ["table.bin", "lists.bin"].map(|end| file.with_extension(end))).zip(bytes).collect()),
+        None => (&compiled.module, Vec::new()),
+    };
+    for path in file.into_iter().chain(tables.iter().map(|(path, _)| path.as_path())) {
+        spare(path, &outcome)?;
     }
     for skipped in &compiled.module.skipped {
         eprintln!("note: left out: {skipped}");
@@ -91,9 +112,13 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if !compiled.functions.surface.layers.is_empty() {
         eprintln!("note: left out: images; {}layers says where they lie", args.prefix);
     }
-    let target = Target::ALL.into_iter().find(|t| t.name() == args.target).unwrap_or(Target::Wgsl);
-    let bytes = validate(&compiled.module.wgsl)
-        .and_then(|_| translate(&compiled.module, &args.prefix, target))
+    match (&compiled.module.tables, buffered) {
+        (None, true) => eprintln!("note: the scene has no large unions, and so no tables"),
+        (Some(_), false) => eprintln!("note: the numbers of large unions stand in the text; --tables buffers is faster, by far where there are many"),
+        _ => {}
+    }
+    let bytes = validate(&module.wgsl)
+        .and_then(|_| translate(module, &args.prefix, target))
         .map_err(|why| Failure {
             exit: Exit::Errors,
             words: format!(
@@ -102,19 +127,17 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
                 args.scene
             ),
         })?;
-    match args.output.as_deref() {
-        None | Some("-") => {
-            if target == Target::Spirv && std::io::stdout().is_terminal() {
-                return Err(Failure::usage(
-                    "SPIR-V is no text: say where to write it with -o FILE",
-                ));
-            }
-            print(&bytes)?;
+    let Some(file) = file else {
+        if target == Target::Spirv && std::io::stdout().is_terminal() {
+            return Err(Failure::usage(
+                "SPIR-V is no text: say where to write it with -o FILE",
+            ));
         }
-        Some(file) => {
-            files::write(Path::new(file), &bytes)
-                .map_err(|why| Failure::usage(format!("can't write {file}: {why}")))?;
-        }
+        print(&bytes)?;
+        return Ok(Exit::Fine);
+    };
+    for (path, bytes) in tables.iter().map(|(path, bytes)| (path.as_path(), *bytes)).chain([(file, &bytes)]) {
+        files::write(path, bytes).map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
     }
     Ok(Exit::Fine)
 }

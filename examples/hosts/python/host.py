@@ -101,8 +101,8 @@ def camera(eye, target, fov, width, height):
     return struct.pack("<16f", *(value for row in rows for value in row))
 
 
-def draw(wgsl, uniforms, entry_point, width, height):
-    """The picture's pixels, four bytes each, rows from the top."""
+def draw(wgsl, groups, entry_point, width, height):
+    """The picture's pixels, four bytes each, rows from the top. `groups`: for each bind group the kind and the bytes of its buffers, by binding."""
     device = wgpu.gpu.request_adapter_sync(power_preference="high-performance").request_device_sync()
     module = device.create_shader_module(code=wgsl)
     texture = device.create_texture(
@@ -120,13 +120,16 @@ def draw(wgsl, uniforms, entry_point, width, height):
     target = {"view": texture.create_view(), "load_op": "clear", "store_op": "store"}
     rendering = encoder.begin_render_pass(color_attachments=[target])
     rendering.set_pipeline(pipeline)
-    for group, data in enumerate(uniforms):
-        # A module without live values has no group 0.
-        if data:
-            buffer = device.create_buffer_with_data(data=data, usage=wgpu.BufferUsage.UNIFORM)
-            entry = {"binding": 0, "resource": {"buffer": buffer}}
+    for group, buffers in enumerate(groups):
+        # A module without live values has no uniform block.
+        entries = [
+            {"binding": binding, "resource": {"buffer": device.create_buffer_with_data(data=data, usage=usage)}}
+            for binding, (usage, data) in enumerate(buffers)
+            if data
+        ]
+        if entries:
             layout = pipeline.get_bind_group_layout(group)
-            rendering.set_bind_group(group, device.create_bind_group(layout=layout, entries=[entry]))
+            rendering.set_bind_group(group, device.create_bind_group(layout=layout, entries=entries))
     rendering.draw(3)
     rendering.end()
     device.queue.submit([encoder.finish()])
@@ -162,8 +165,14 @@ def main():
     scene = options.module.read_text()
     changed = {name: [float(value) for value in values] for name, *values in options.set}
     wgsl = scene + (HERE.parent / "picture.wgsl").read_text()
-    uniforms = block(scene, changed), camera(options.eye, options.target, options.fov, *options.size)
-    pixels = bytes(draw(wgsl, uniforms, options.view, *options.size))
+    uniform, storage = wgpu.BufferUsage.UNIFORM, wgpu.BufferUsage.STORAGE
+    # What `--tables buffers` wrote beside the module.
+    tables = [options.module.with_suffix(end) for end in (".table.bin", ".lists.bin") if "var<storage, read>" in scene]
+    groups = (
+        [(uniform, block(scene, changed)), *((storage, table.read_bytes()) for table in tables)],
+        [(uniform, camera(options.eye, options.target, options.fov, *options.size))],
+    )
+    pixels = bytes(draw(wgsl, groups, options.view, *options.size))
     options.picture.write_bytes(png(pixels, *options.size))
 
 

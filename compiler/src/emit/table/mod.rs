@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 
 pub use form::{Action, Form};
 pub use grid::Grid;
-pub use text::{HEAD, declare_buffers, declare_text, write, write_region};
+pub use text::{HEAD, declare_buffers, declare_text, with_constants, write, write_region};
 
 /// An entry of a list is its class and, below that, its row; in a list that is read, [`BEGINS`] and [`ENDS`] stand above the class.
 pub const CLASS_SHIFT: u32 = 24;

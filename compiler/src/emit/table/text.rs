@@ -8,6 +8,12 @@ use crate::graph::FAR;
 use crate::graph::kernel::{Op, Terms};
 use std::fmt::Write;
 
+/// Bytes of private variables that every implementation of WGSL takes ("Limits" in its specification).
+const MOST_PRIVATE: usize = 8192;
+/// How a table is declared that a shader picks from: of a constant, naga's SPIR-V copies all of it at each pick.
+const PRIVATE: &str = "var<private>";
+const CONSTANT: &str = "const";
+
 /// Numbers in a union's head, which stands at the beginning of the lists.
 pub const HEAD: u32 = 16;
 
@@ -193,18 +199,20 @@ pub fn declare_buffers(prefix: &str, group: u32, binding: u32, wgsl: &mut String
 pub fn declare_text(context: &Context, wgsl: &mut String) {
     let p = context.prefix;
     let Tables { rows, tables, .. } = context.tables;
-    let _ = write!(wgsl, "\n// The numbers of what differs in numbers alone.\nconst {p}table = array<vec4f, {}>(\n", rows.len().max(1));
+    let mut all: Vec<&Table> = tables.values().collect();
+    all.sort_unstable_by_key(|t| t.index);
+    let lists: Vec<Vec<u32>> = all.iter().map(|t| t.fused(t.entries.iter().copied())).collect();
+    let entries: Vec<u32> = lists.concat();
+    let bytes = size_of::<[f32; 4]>() * rows.len().max(1) + size_of::<u32>() * entries.len();
+    let held = if bytes <= MOST_PRIVATE { PRIVATE } else { CONSTANT };
+    let _ = write!(wgsl, "\n// The numbers of what differs in numbers alone.\n{held} {p}table = array<vec4f, {}>(\n", rows.len().max(1));
     for [x, y, z, w] in rows {
         let _ = writeln!(wgsl, "  vec4f({x:?}, {y:?}, {z:?}, {w:?}),");
     }
     if rows.is_empty() {
         wgsl.push_str("  vec4f(0.0),\n");
     }
-    let mut all: Vec<&Table> = tables.values().collect();
-    all.sort_unstable_by_key(|t| t.index);
-    let lists: Vec<Vec<u32>> = all.iter().map(|t| t.fused(t.entries.iter().copied())).collect();
-    let entries: Vec<u32> = lists.concat();
-    let _ = write!(wgsl, ");\n\n// What is united, one after the other: what is done, and below that its row.\nconst {p}lists = array<u32, {}>(\n", entries.len());
+    let _ = write!(wgsl, ");\n\n// What is united, one after the other: what is done, and below that its row.\n{held} {p}lists = array<u32, {}>(\n", entries.len());
     for line in entries.chunks(12) {
         let words: Vec<String> = line.iter().map(|e| format!("{e}u")).collect();
         let _ = writeln!(wgsl, "  {},", words.join(", "));
@@ -217,4 +225,11 @@ pub fn declare_text(context: &Context, wgsl: &mut String) {
         first = end;
     }
     wgsl.push_str("    default: { return vec2u(0u, 0u); }\n  }\n}\n");
+}
+
+/// The text of a module with its tables as constants, for languages that read those in place; Metal has no private variables at all.
+pub fn with_constants(wgsl: &str, prefix: &str) -> String {
+    ["table", "lists"].iter().fold(wgsl.to_owned(), |text, name| {
+        text.replacen(&format!("\n{PRIVATE} {prefix}{name} = "), &format!("\n{CONSTANT} {prefix}{name} = "), 1)
+    })
 }

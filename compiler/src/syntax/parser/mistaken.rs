@@ -117,7 +117,7 @@ impl Parser<'_> {
                     doc: None,
                 }))
             }
-            TokenKind::ParenOpen | TokenKind::Dot => {
+            _ if matches!(next, TokenKind::ParenOpen | TokenKind::Dot) || matches!(word, "for" | "if") => {
                 let span = self.span(token);
                 let value = self.value();
                 let moves_next = matches!(self.peek().kind, TokenKind::Name | TokenKind::BraceOpen) && !self.is_on_new_line();
