@@ -157,6 +157,34 @@ scene = for i in 0..200 by smooth_union(0.02) {
     }
 }
 
+/// Loops to live ends, within each other and by blends: the copies that are there are those of a loop to a constant end.
+#[test]
+fn copies_that_come_and_go_are_rows_of_a_table() {
+    let gpu = gpu();
+    for body in [
+        "for i in 0..n { for j in 0..n { sphere(0.1).translate(i / 5 - 1, 0.1 * hash(j), j / 5 - 1) } }",
+        "for i in 0..n by smooth_union(0.1) { sphere(0.1 + 0.01 * i).translate(2 * hash3(i) - 1) }
+| for i in 0..40 { if i < 3 * n { box(0.1).translate(2 * hash3(i, 7) - 1) } else { nothing } }",
+        "for i in 0..n by smooth_union(0.05) { for j in 0..n { if j < n - 0.5 { for k in 0..2 { sphere(0.1).translate(i / 5 - 1, k - 0.5, j / 5 - 1) } } else { nothing } } }",
+        "for i in 0..n by smooth_intersection(0.05) { sphere(1).translate(0.1 * hash3(i)) }",
+    ] {
+        let compiled = scene(&format!("param n = 5 in 1..10\nscene = {body}\n"));
+        let unites = !body.contains("intersection");
+        assert_eq!(compiled.module.tables.is_some(), unites, "{body}");
+        for count in [1.0, 4.0, 5.0, 10.0] {
+            let live = Live { components: vec![count], ..compiled.live() };
+            agrees_at(&gpu, &compiled, &live, 1.5);
+            let alone = scene(&format!("let n = {count}\nscene = {body}\n"));
+            let points = points(1.5);
+            let found = values(&compiled, &live, Function::Field, &points);
+            let wanted = values(&alone, &alone.live(), Function::Field, &points);
+            for (point, (found, wanted)) in points.iter().zip(found.iter().zip(wanted)) {
+                assert!((found - wanted).abs() < 1e-9, "{count} of {body} at {point:?}: {found} and not {wanted}");
+            }
+        }
+    }
+}
+
 /// How many operands a list has, on average.
 fn mean_list(compiled: &Compiled) -> f64 {
     let tables = compiled.module.tables.as_ref().unwrap();

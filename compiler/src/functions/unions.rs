@@ -4,26 +4,22 @@
 
 use super::Functions;
 use crate::analysis::{Box3, Domain, Facts};
-use crate::graph::algebra::Algebra;
-use crate::graph::interval::Interval;
-use crate::graph::kernel::{self, Op};
-use crate::graph::{Claim, Function, Graph, Leaf, Node, NodeId, ShapeId};
+use crate::graph::{Function, Graph, Node, NodeId, ShapeId};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// A function of a shape.
-pub type Of = (ShapeId, Function);
+pub use crate::graph::joint::{Joint, Of};
 
 /// A union of fewer operands is written out.
 pub const MANY: usize = 24;
-
-/// Intervals are rounded outward.
-const WIDER: f64 = 1.0 + 1e-9;
 
 /// An operand of more steps is better alone: it has hardly its like.
 const LONGEST: usize = 500;
 
 /// So many calls within each other are followed.
 const DEEPEST: usize = 64;
+
+/// An operand stands under so many conditions; a union with more of them is written out.
+const MOST_CONDITIONS: usize = 4;
 
 /// No union has more operands.
 const MOST: usize = 1 << 20;
@@ -54,11 +50,16 @@ pub enum Step {
     Pop(Join),
 }
 
+/// Conditions that are the same at all points and have to hold all together, of those that `Some` holds.
+pub type When = [Option<NodeId>; MOST_CONDITIONS];
+
 /// What is united.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Operand {
     /// The function that it is.
     pub of: Of,
+    /// The conditions under which it is there.
+    pub when: When,
     /// Its Lipschitz constant over all space; infinite where none is known.
     pub steepness: f64,
     /// A box that holds its solid; not finite where none is known.
@@ -77,24 +78,6 @@ pub enum Join {
         /// The functions that it calls: of the older value and of the newer one.
         operands: [Of; 2],
     },
-}
-
-/// What one function is, as far as unions are concerned.
-#[derive(Clone, Debug)]
-enum Joint {
-    /// The least of these.
-    Least(Vec<Of>),
-    /// A blend of two, and its reach.
-    Blend([Of; 2], f64),
-}
-
-impl Joint {
-    fn operands(&self) -> &[Of] {
-        match self {
-            Joint::Least(all) => all,
-            Joint::Blend(two, _) => two,
-        }
-    }
 }
 
 /// Finds the unions among functions: the widest ones of which each operand is fit to be a row. `asked`: the functions that the surface asks by
@@ -195,7 +178,7 @@ impl Finder<'_> {
         // Shapes are made of older ones, but a function may call another of its own shape.
         for _ in 0..DEEPEST {
             let Some(Node::Call(shape, function, args)) = self.formula(of).map(|f| self.graph.node(f)) else { break };
-            if !self.is_here(args) {
+            if !self.graph.is_here(args) {
                 break;
             }
             of = (*shape, *function);
@@ -203,108 +186,21 @@ impl Finder<'_> {
         self.first(of)
     }
 
-    /// Whether a call's arguments are the point itself.
-    fn is_here(&self, args: &[NodeId]) -> bool {
-        let is = |i: usize, a: &NodeId| matches!(self.graph.node(*a), Node::Leaf(Leaf::P(c)) if usize::from(*c) == i);
-        args.len() == 3 && args.iter().enumerate().all(|(i, a)| is(i, a))
-    }
-
     fn joint(&mut self, of: Of) -> Option<Joint> {
         if let Some(known) = self.joints.get(&of) {
             return known.clone();
         }
-        let found = self.formula(of).and_then(|formula| self.least(formula).or_else(|| self.blend(formula)));
+        let found = self.formula(of).and_then(|formula| self.graph.joint(formula));
         self.joints.insert(of, found.clone());
         found
     }
 
-    /// The calls of which a formula is the least.
-    fn least(&self, formula: NodeId) -> Option<Joint> {
-        let mut all = Vec::new();
-        let mut stack = vec![formula];
-        while let Some(node) = stack.pop() {
-            match self.graph.node(node) {
-                Node::Op(Op::Min, args) => stack.extend(args.iter().rev()),
-                Node::Call(shape, function, args) if self.is_here(args) && !matches!(function, Function::Gradient(_)) => {
-                    all.push((*shape, *function));
-                }
-                _ => return None,
-            }
-            if all.len() > MOST {
-                return None;
-            }
-        }
-        (all.len() > 1).then_some(Joint::Least(all))
-    }
-
-    /// The two that a formula blends.
-    ///
-    /// Only a blend of the prelude, which makes a claim: how far the union stands out, and how little passes along a chain of blends, is
-    /// known of those. A user's own may dip as deep as it likes, and is written out.
-    fn blend(&self, formula: NodeId) -> Option<Joint> {
-        if !matches!(self.graph.node(formula), Node::Claim(_, Claim::Lipschitz(..))) {
-            return None;
-        }
-        let mut called: Vec<Of> = Vec::new();
-        let mut reaches = vec![0.0];
-        let nodes = self.graph.reachable(&[formula]);
-        // A blend is short.
-        if nodes.len() > 64 {
-            return None;
-        }
-        for id in nodes {
-            match self.graph.node(id) {
-                Node::Call(shape, function, args) => {
-                    if !self.is_here(args) || matches!(function, Function::Gradient(_)) {
-                        return None;
-                    }
-                    if !called.contains(&(*shape, *function)) {
-                        called.push((*shape, *function));
-                    }
-                }
-                Node::Constant(bits) => reaches.push(f64::from_bits(*bits)),
-                Node::Leaf(Leaf::Parameter(i)) => reaches.extend(self.graph.parameters.get(*i as usize).map(|p| p.max)),
-                Node::Leaf(Leaf::P(_)) | Node::Op(..) | Node::Claim(..) | Node::Factor(_) => {}
-                Node::Leaf(_) => return None,
-            }
-        }
-        let operands = <[Of; 2]>::try_from(called).ok()?;
-        reaches.retain(|r| *r >= 0.0);
-        reaches.sort_unstable_by(f64::total_cmp);
-        reaches.dedup();
-        let reach = reaches.into_iter().map(|r| r * WIDER).find(|&reach| {
-            let one = |smaller: usize| {
-                let value = self.beside(formula, operands, smaller, reach);
-                value.is_some_and(|v| v.is_operand(smaller))
-            };
-            one(0) && one(1)
-        })?;
-        Some(Joint::Blend(operands, reach))
-    }
-
-    /// What a formula is where one of its operands is smaller than the other by more than a reach.
-    fn beside(&self, formula: NodeId, operands: [Of; 2], smaller: usize, reach: f64) -> Option<Mix> {
-        // The first less the second.
-        let apart = match smaller {
-            0 => Interval::new(f64::NEG_INFINITY, -reach),
-            _ => Interval::new(reach, f64::INFINITY),
-        };
-        let leaf = |_: &mut Apart, leaf: Leaf| match leaf {
-            Leaf::Parameter(i) => {
-                let range = self.graph.parameters.get(i as usize).map(|p| Interval::new(p.min, p.max));
-                range.map(Mix::number)
-            }
-            _ => None,
-        };
-        let call = |_: &mut Apart, shape: ShapeId, function: Function, _: &[Option<Mix>]| {
-            operands.iter().position(|of| *of == (shape, function)).map(Mix::operand)
-        };
-        self.graph.evaluate(&mut Apart(apart), &[formula], leaf, call).first().copied().flatten()
-    }
-
     /// The unions that a tree of joints is cut into: all of it, or its parts of many operands where what is beside them is better alone, and
     /// few are lost by that.
-    fn roots(&mut self, root: Of, facts: &mut Facts) -> Vec<Of> {
+    fn roots(&mut self, mut root: Of, facts: &mut Facts) -> Vec<Of> {
+        while let Some(Joint::Where(_, inner)) = self.joint(root) {
+            root = self.passed_on(inner);
+        }
         let (mut found, mut open, mut kept) = (Vec::new(), vec![root], 0usize);
         while let Some(of) = open.pop() {
             let below = self.below(of, facts);
@@ -373,7 +269,7 @@ impl Finder<'_> {
             }
             let mut all = Below { parted: false, region: Box3::ALL };
             for operand in inner {
-                let asked = matches!(joint, Joint::Least(_)) && self.asked.contains(&operand) && self.count(operand) >= MANY;
+                let asked = !matches!(joint, Joint::Blend(..)) && self.asked.contains(&operand) && self.count(operand) >= MANY;
                 all.parted |= asked || self.below.get(&operand).is_some_and(|b| b.parted);
             }
             self.below.insert(of, all);
@@ -389,11 +285,11 @@ impl Finder<'_> {
         }
         enum Task {
             /// Opens what is joined with the value so far, or what begins a value and is joined with nothing.
-            Open(Of, Join, bool),
+            Open(Of, Join, bool, When),
             Do(Step),
         }
         let mut union = Union::default();
-        let mut tasks = vec![Task::Open(root, Join::Least, true)];
+        let mut tasks = vec![Task::Open(root, Join::Least, true, When::default())];
         let mut depth = 0;
         while let Some(task) = tasks.pop() {
             match task {
@@ -406,18 +302,23 @@ impl Finder<'_> {
                     union.depth = union.depth.max(depth);
                     union.steps.push(step);
                 }
-                Task::Open(of, join, begins) => match (self.joint(of), begins) {
+                Task::Open(of, join, begins, when) => match (self.joint(of), begins) {
                     (None, _) => {
                         let region = self.below(of, facts).region;
-                        let operand = Operand { of, steepness: self.steepness(of, facts), region };
+                        let operand = Operand { of, when, steepness: self.steepness(of, facts), region };
                         union.steps.push(Step::Operand(operand, join));
+                    }
+                    (Some(Joint::Where(condition, inner)), _) => {
+                        let mut when = when;
+                        *when.iter_mut().find(|c| c.is_none())? = Some(condition);
+                        tasks.push(Task::Open(self.passed_on(inner), join, begins, when));
                     }
                     // The least of a value and the least of others is the least of all.
                     (Some(Joint::Least(all)), false) if join == Join::Least => {
-                        tasks.extend(all.iter().rev().map(|o| Task::Open(self.passed_on(*o), join, false)));
+                        tasks.extend(all.iter().rev().map(|o| Task::Open(self.passed_on(*o), join, false, when)));
                     }
                     (Some(_), false) => {
-                        tasks.extend([Task::Do(Step::Pop(join)), Task::Open(of, join, true), Task::Do(Step::Push)]);
+                        tasks.extend([Task::Do(Step::Pop(join)), Task::Open(of, join, true, when), Task::Do(Step::Push)]);
                     }
                     (Some(joint), true) => {
                         // What is largest comes first, so that few values wait.
@@ -435,7 +336,7 @@ impl Finder<'_> {
                             _ => Join::Least,
                         };
                         for (i, operand) in operands.iter().enumerate().rev() {
-                            tasks.push(Task::Open(self.passed_on(*operand), join, i == 0));
+                            tasks.push(Task::Open(self.passed_on(*operand), join, i == 0, when));
                         }
                     }
                 },
@@ -452,131 +353,5 @@ impl Finder<'_> {
             return f64::INFINITY;
         }
         facts.constant(self.graph, formula, &Domain::of(Box3::ALL), 1).lipschitz
-    }
-}
-
-/// So much of the first operand and of the second, and the rest: what a blend's formula is, as far as that is known.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Mix {
-    share: [f64; 2],
-    rest: Interval,
-    /// Whether operands were added up on the way: where one is far larger, rounding may lose the other.
-    added: bool,
-}
-
-impl Mix {
-    fn operand(which: usize) -> Self {
-        let share = if which == 0 { [1.0, 0.0] } else { [0.0, 1.0] };
-        Self { share, rest: Interval::ZERO, added: false }
-    }
-
-    /// Whether it is one operand; intervals are rounded outward.
-    fn is_operand(&self, which: usize) -> bool {
-        self.share == Self::operand(which).share && self.rest.magnitude() < 1e-300 && !self.added
-    }
-
-    fn number(rest: Interval) -> Self {
-        Self { share: [0.0; 2], rest, added: false }
-    }
-
-    fn as_number(&self) -> Option<Interval> {
-        (self.share == [0.0; 2]).then_some(self.rest)
-    }
-
-    fn scaled(self, k: f64) -> Self {
-        Self { share: self.share.map(|s| s * k), rest: self.rest.mul(Interval::point(k)), added: self.added }
-    }
-
-    fn plus(self, b: Self) -> Self {
-        let [x, y] = self.share;
-        let both = self.as_number().is_none() && b.as_number().is_none();
-        Self { share: [x + b.share[0], y + b.share[1]], rest: self.rest.add(b.rest), added: self.added || b.added || both }
-    }
-}
-
-/// Computes with [`Mix`]es where the first operand less the second lies in an interval.
-struct Apart(Interval);
-
-impl Apart {
-    /// All values of a mix that depends on the difference of the operands alone.
-    fn range(&self, x: Mix) -> Option<Interval> {
-        let [a, b] = x.share;
-        match a == -b {
-            true if a == 0.0 => Some(x.rest),
-            true => Some(self.0.mul(Interval::point(a)).add(x.rest)),
-            false => None,
-        }
-    }
-
-    fn difference(&self, a: Mix, b: Mix) -> Option<Interval> {
-        self.range(a.plus(b.scaled(-1.0)))
-    }
-}
-
-impl Algebra for Apart {
-    type Value = Option<Mix>;
-
-    fn constant(&mut self, value: f64) -> Option<Mix> {
-        Some(Mix::number(Interval::point(value)))
-    }
-
-    fn op(&mut self, op: Op, args: &[Option<Mix>]) -> Option<Mix> {
-        let arg = |i: usize| args.get(i).copied().flatten();
-        let all: Option<Vec<Interval>> = args.iter().map(|a| a.and_then(|a| a.as_number())).collect();
-        if let Some(numbers) = all {
-            return Some(Mix::number(kernel::interval(op, &numbers)));
-        }
-        let a = arg(0)?;
-        match op {
-            Op::Add => Some(a.plus(arg(1)?)),
-            Op::Sub => Some(a.plus(arg(1)?.scaled(-1.0))),
-            Op::Neg => Some(a.scaled(-1.0)),
-            Op::Mul => {
-                let b = arg(1)?;
-                let point = |x: Mix| x.as_number().filter(|n| n.is_point()).map(|n| n.lo);
-                match (point(a), point(b)) {
-                    (Some(k), _) => Some(b.scaled(k)),
-                    (_, Some(k)) => Some(a.scaled(k)),
-                    _ => None,
-                }
-            }
-            Op::Abs => {
-                let range = self.range(a)?;
-                if range.lo >= 0.0 {
-                    Some(a)
-                } else if range.hi <= 0.0 {
-                    Some(a.scaled(-1.0))
-                } else {
-                    Some(Mix::number(range.abs()))
-                }
-            }
-            Op::Min | Op::Max => {
-                let b = arg(1)?;
-                if let Some(apart) = self.difference(a, b) {
-                    let (least, greatest) = if op == Op::Min { (a, b) } else { (b, a) };
-                    if apart.hi <= 0.0 {
-                        return Some(least);
-                    }
-                    if apart.lo >= 0.0 {
-                        return Some(greatest);
-                    }
-                }
-                Some(Mix::number(kernel::interval(op, &[self.range(a)?, self.range(b)?])))
-            }
-            Op::Lt | Op::Le => {
-                let zero = Interval::ZERO;
-                let apart = self.difference(a, arg(1)?)?;
-                Some(Mix::number(kernel::interval(op, &[apart, zero])))
-            }
-            Op::Select => match a.as_number()? {
-                c if c == Interval::ZERO => arg(2),
-                c if c.lo > 0.0 => arg(1),
-                _ => None,
-            },
-            _ => {
-                let ranges: Option<Vec<Interval>> = args.iter().map(|a| self.range((*a)?)).collect();
-                Some(Mix::number(kernel::interval(op, &ranges?)))
-            }
-        }
     }
 }

@@ -9,6 +9,7 @@ pub mod algebra;
 mod blend;
 pub(crate) mod index;
 pub mod interval;
+pub mod joint;
 pub mod kernel;
 mod labels;
 mod list;

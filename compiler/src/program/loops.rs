@@ -328,13 +328,21 @@ impl Elaborator<'_> {
             }
             Joined::By(fold) => {
                 let mut total: Option<Value> = None;
+                let mut unites = None;
                 for (body, present) in bodies {
                     let Some(before) = total else {
                         // The first stands even where a live count is zero: there is nothing to fold it with.
                         total = Some(body);
                         continue;
                     };
+                    if let (Some(present), Some(true)) = (present, unites) {
+                        // A union with nothing is what was there before.
+                        let body = self.select(present, &body, &Value::Nothing, span, env)?;
+                        total = Some(self.fold(&fold, &before, &body, env)?);
+                        continue;
+                    }
                     let after = self.fold(&fold, &before, &body, env)?;
+                    unites = unites.or_else(|| Some(matches!(after, Value::Shape(shape) if self.graph.is_union(shape))));
                     total = Some(match present {
                         Some(present) => self.select(present, &after, &before, span, env)?,
                         None => after,

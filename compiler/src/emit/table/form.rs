@@ -3,7 +3,7 @@
 use crate::functions::Functions;
 use crate::functions::unions::{Join, Of, Operand};
 use crate::graph::kernel::Op;
-use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId, multiple_of};
+use crate::graph::{FAR, Function, Graph, Leaf, Node, NodeId, ShapeId, multiple_of};
 use rustc_hash::FxHashMap;
 
 /// What a step of a form does. Its arguments are earlier steps.
@@ -97,6 +97,14 @@ impl<'a> Former<'a> {
                 for of in components(operand.of, gradient) {
                     newer.push(self.open(of, point, &FxHashMap::default(), 0)?);
                 }
+                for condition in operand.when.into_iter().flatten() {
+                    let holds = self.value((operand.of.0, condition), point, &FxHashMap::default(), 0)?;
+                    let value = newer.len() - 1;
+                    for (i, step) in newer.iter_mut().enumerate() {
+                        let nothing = self.number(if i == value { FAR } else { 0.0 }, None);
+                        *step = self.push(Action::Op(Op::Select), &[holds, *step, nothing], None);
+                    }
+                }
                 self.filled.form.operand = newer.last().copied();
             }
             None => {
@@ -151,7 +159,12 @@ impl<'a> Former<'a> {
         if depth > DEEPEST || shape.dimensions == 0 || !shape.variables.is_empty() {
             return None;
         }
-        let key = (of.0, point);
+        self.value((of.0, root), point, known, depth)
+    }
+
+    /// The value of a node in the space of a shape.
+    fn value(&mut self, (shape, root): (ShapeId, NodeId), point: [u32; 3], known: &FxHashMap<Of, u32>, depth: usize) -> Option<u32> {
+        let key = (shape, point);
         let mut frame = match self.frames.remove(&key) {
             Some(frame) => frame,
             None => {
