@@ -167,14 +167,18 @@ fn copies_that_come_and_go_are_rows_of_a_table() {
 | for i in 0..40 { if i < 3 * n { box(0.1).translate(2 * hash3(i, 7) - 1) } else { nothing } }",
         "for i in 0..n by smooth_union(0.05) { for j in 0..n { if j < n - 0.5 { for k in 0..2 { sphere(0.1).translate(i / 5 - 1, k - 0.5, j / 5 - 1) } } else { nothing } } }",
         "for i in 0..n by smooth_intersection(0.05) { sphere(1).translate(0.1 * hash3(i)) }",
+        "for i in 0..n by beside { sphere(0.2).translate(hash3(i)) }",
+        "for i in 0..n by sink { sphere(0.2).translate(hash3(i)) }",
     ] {
-        let compiled = scene(&format!("param n = 5 in 1..10\nscene = {body}\n"));
-        let unites = !body.contains("intersection");
+        // What does more than to unite does nothing for a copy that is not there.
+        let own = "shape beside(a: shape, b: shape) = a | b | box(0.1)\nshape sink(a: shape, b: shape) = smooth_union(a.translate(0, -0.1, 0), b, 0.05)\n";
+        let compiled = scene(&format!("{own}param n = 5 in 1..10\nscene = {body}\n"));
+        let unites = !["intersection", "beside", "sink"].iter().any(|other| body.contains(other));
         assert_eq!(compiled.module.tables.is_some(), unites, "{body}");
         for count in [1.0, 4.0, 5.0, 10.0] {
             let live = Live { components: vec![count], ..compiled.live() };
             agrees_at(&gpu, &compiled, &live, 1.5);
-            let alone = scene(&format!("let n = {count}\nscene = {body}\n"));
+            let alone = scene(&format!("{own}let n = {count}\nscene = {body}\n"));
             let points = points(1.5);
             let found = values(&compiled, &live, Function::Field, &points);
             let wanted = values(&alone, &alone.live(), Function::Field, &points);

@@ -5,9 +5,10 @@
 use super::Functions;
 use crate::analysis::{Box3, Domain, Facts};
 use crate::graph::{Function, Graph, Node, NodeId, ShapeId};
+use crate::graph::joint::{Joint, MOST};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-pub use crate::graph::joint::{Joint, Of};
+pub use crate::graph::joint::Of;
 
 /// A union of fewer operands is written out.
 pub const MANY: usize = 24;
@@ -20,9 +21,6 @@ const DEEPEST: usize = 64;
 
 /// An operand stands under so many conditions; a union with more of them is written out.
 const MOST_CONDITIONS: usize = 4;
-
-/// No union has more operands.
-const MOST: usize = 1 << 20;
 
 /// A union of many operands: a tree, as the steps that compute its value. The value begins as "no solid here".
 #[derive(Clone, Debug, Default)]
@@ -50,7 +48,7 @@ pub enum Step {
     Pop(Join),
 }
 
-/// Conditions that are the same at all points and have to hold all together, of those that `Some` holds.
+/// Conditions that are the same at all points; all of them have to hold.
 pub type When = [Option<NodeId>; MOST_CONDITIONS];
 
 /// What is united.

@@ -8,8 +8,8 @@ use super::{Claim, FAR, Function, Graph, Leaf, Node, NodeId, ShapeId};
 /// A function of a shape.
 pub type Of = (ShapeId, Function);
 
-/// No formula is the least of more.
-const MOST: usize = 1 << 20;
+/// No formula is the least of more, and no union has more operands.
+pub const MOST: usize = 1 << 20;
 
 /// Intervals are rounded outward.
 const WIDER: f64 = 1.0 + 1e-9;
@@ -42,10 +42,16 @@ impl Graph {
         self.least(formula).or_else(|| self.present(formula)).or_else(|| self.blend(formula))
     }
 
-    /// Whether a shape is a union of two: the least, or a blend of the prelude that is the lesser where the two are far from each other.
-    pub fn is_union(&self, shape: ShapeId) -> bool {
+    /// Whether a shape is the union of two others and nothing else: the lesser, or a blend of the prelude that is the lesser where they are far
+    /// from each other.
+    pub fn is_union_of(&self, shape: ShapeId, two: [ShapeId; 2]) -> bool {
         let joint = self.shape(shape).and_then(|shape| self.joint(shape.value));
-        matches!(joint, Some(Joint::Least(_) | Joint::Blend(..)))
+        let Some(joint @ (Joint::Least(_) | Joint::Blend(..))) = joint else { return false };
+        let mut joined: Vec<ShapeId> = joint.operands().iter().map(|of| of.0).collect();
+        let mut wanted = two;
+        joined.sort_unstable();
+        wanted.sort_unstable();
+        joined == wanted
     }
 
     /// What is there under a condition.

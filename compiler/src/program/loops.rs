@@ -328,6 +328,7 @@ impl Elaborator<'_> {
             }
             Joined::By(fold) => {
                 let mut total: Option<Value> = None;
+                // Whether the fold is a union of its two and nothing else, once that is seen.
                 let mut unites = None;
                 for (body, present) in bodies {
                     let Some(before) = total else {
@@ -342,7 +343,9 @@ impl Elaborator<'_> {
                         continue;
                     }
                     let after = self.fold(&fold, &before, &body, env)?;
-                    unites = unites.or_else(|| Some(matches!(after, Value::Shape(shape) if self.graph.is_union(shape))));
+                    if let (None, Value::Shape(after), Value::Shape(a), Value::Shape(b)) = (unites, &after, &before, &body) {
+                        unites = Some(self.graph.is_union_of(*after, [*a, *b]));
+                    }
                     total = Some(match present {
                         Some(present) => self.select(present, &after, &before, span, env)?,
                         None => after,
