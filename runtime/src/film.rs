@@ -12,8 +12,11 @@ use surefoot_compiler::reference::sample_offset;
 /// What a picture is drawn on that falls on film: linear, ended by the tone curve. [`Picture::prepare`] is given it.
 pub const LINEAR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-/// What means are kept in.
-const MEAN: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+/// What means are kept in: floats of 32 bits, or of 16 where the device can't draw on those, as through OpenGL.
+fn mean_format(gpu: &Gpu) -> wgpu::TextureFormat {
+    let exact = wgpu::TextureFormat::Rgba32Float;
+    gpu.catch(|| sheet(gpu, [1, 1], exact)).map_or(LINEAR, |_| exact)
+}
 
 /// Where in its pixels the picture of a number looks: [`sample_offset`].
 pub fn offset(index: u32) -> [f32; 2] {
@@ -53,7 +56,8 @@ impl Film {
         };
         gpu.catch(|| {
             let layouts = [layout(gpu, true), layout(gpu, false)];
-            let mean = key(include_str!("passes/film/mean.wgsl"), MEAN);
+            let kept_in = mean_format(gpu);
+            let mean = key(include_str!("passes/film/mean.wgsl"), kept_in);
             let show = key(include_str!("passes/film/show.wgsl"), target);
             let stage = wgpu::ShaderStages::FRAGMENT;
             Ok(Self {
@@ -61,7 +65,7 @@ impl Film {
                 show: gpu.screen_pipeline("surefoot film, show", show, &[Some(&layouts[1])])?,
                 share: UniformBlock::new(gpu, "surefoot film", &uniform_layout(gpu, "surefoot film", 16, stage), 16),
                 layouts,
-                sheets: Sheets::new(gpu, size),
+                sheets: Sheets::new(gpu, size, kept_in),
                 gpu: gpu.clone(),
                 count: 0,
             })
@@ -76,7 +80,8 @@ impl Film {
     /// Takes film of another size, where the size is another.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<(), String> {
         if self.size() != size {
-            self.sheets = self.gpu.catch(|| Sheets::new(&self.gpu, size))?;
+            let kept_in = self.sheets.means[0].format();
+            self.sheets = self.gpu.catch(|| Sheets::new(&self.gpu, size, kept_in))?;
             self.count = 0;
         }
         Ok(())
@@ -155,21 +160,23 @@ impl Film {
 }
 
 impl Sheets {
-    fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Self {
-        let sheet = |format| {
-            gpu.device().create_texture(&wgpu::TextureDescriptor {
-                label: Some("surefoot film"),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            })
-        };
-        Self { picture: sheet(LINEAR), means: [sheet(MEAN), sheet(MEAN)] }
+    fn new(gpu: &Gpu, size: [u32; 2], kept_in: wgpu::TextureFormat) -> Self {
+        Self { picture: sheet(gpu, size, LINEAR), means: [sheet(gpu, size, kept_in), sheet(gpu, size, kept_in)] }
     }
+}
+
+/// What is drawn on and read.
+fn sheet(gpu: &Gpu, [width, height]: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+    gpu.device().create_texture(&wgpu::TextureDescriptor {
+        label: Some("surefoot film"),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    })
 }
 
 /// A target of which what is not drawn stays.

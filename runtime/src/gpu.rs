@@ -68,6 +68,9 @@ pub(crate) struct PipelineKey {
 /// Format of the depth that passes share: 1 at the near plane, 0 at infinity.
 pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
+/// How a shader reads such a depth: as numbers, one texel at a time. OpenGL has no such reading of what is bound as a depth.
+pub(crate) const DEPTH_AS_READ: wgpu::TextureSampleType = wgpu::TextureSampleType::Float { filterable: false };
+
 /// How many pipelines are kept: enough to switch a choice back and forth, few enough to forget what was typed a minute ago.
 const KEPT: usize = 32;
 
@@ -153,6 +156,21 @@ impl Gpu {
     pub(crate) fn driver(&self) -> (wgpu::Backend, String, String) {
         let info = self.device.adapter_info();
         (info.backend, info.name, info.driver_info)
+    }
+
+    /// Whether it is OpenGL, where wgpu fixes what a texture can be read as by the number of its layers, and can't read a cube as its faces.
+    pub(crate) fn is_gl(&self) -> bool {
+        self.driver().0 == wgpu::Backend::Gl
+    }
+
+    /// How many layers a square texture needs that is read as an array of so many.
+    pub(crate) fn array_layers(&self, wanted: u32) -> u32 {
+        match (self.is_gl(), wanted) {
+            (true, 0 | 1) => 2,
+            // Six are taken for a cube.
+            (true, cubes) if cubes.is_multiple_of(6) => cubes + 1,
+            _ => wanted,
+        }
     }
 
     /// Whether it is a program and no hardware: its times say nothing about graphics cards.

@@ -81,6 +81,9 @@ impl Capture {
         meshes: Option<&MeshesPipeline>,
         shadows: Option<&wgpu::BindGroupLayout>,
     ) -> Result<Self, String> {
+        if gpu.is_gl() {
+            return Err("the environment's `capture` needs Vulkan, Metal or DirectX, not OpenGL".to_owned());
+        }
         let module = module::layout(gpu, &compiled.module, wgpu::ShaderStages::VERTEX_FRAGMENT);
         let scene = surroundings::layout(gpu, features);
         let layouts = [Some(&module), Some(&scene), None, shadows];

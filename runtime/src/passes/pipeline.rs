@@ -7,7 +7,7 @@ use super::scene::{Features, SceneUniforms};
 use super::shadows::{Moment, Shadows};
 use super::surroundings::{self, SceneGroup, SceneImages};
 use crate::film::LINEAR;
-use crate::gpu::{DEPTH, Gpu, PipelineKey};
+use crate::gpu::{DEPTH, DEPTH_AS_READ, Gpu, PipelineKey};
 use crate::module::{self, ModuleGroup};
 use crate::view::View;
 use surefoot_compiler::compiled::{Compiled, Live, UniformSource};
@@ -275,7 +275,7 @@ fn before_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
             binding: 0,
             visibility: wgpu::ShaderStages::FRAGMENT,
             ty: wgpu::BindingType::Texture {
-                sample_type: wgpu::TextureSampleType::Depth,
+                sample_type: DEPTH_AS_READ,
                 view_dimension: wgpu::TextureViewDimension::D2,
                 multisampled: false,
             },

@@ -3,7 +3,7 @@
 
 use super::meshes::Triangles;
 use super::scene::Features;
-use crate::gpu::{DEPTH, Gpu, PipelineKey, UniformBlock, storage_layout, uniform_layout};
+use crate::gpu::{DEPTH, DEPTH_AS_READ, Gpu, PipelineKey, UniformBlock, storage_layout, uniform_layout};
 use bytemuck::{Pod, Zeroable};
 use surefoot_compiler::compiled::{Compiled, Frame, Shadow};
 use surefoot_compiler::mesh::Placed;
@@ -160,7 +160,7 @@ impl Shadows {
         let device = gpu.device();
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some(LABEL),
-            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: maps },
+            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: gpu.array_layers(maps) },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -179,7 +179,7 @@ impl Shadows {
         let layers = (0..maps).map(|layer| view(layer, 1, wgpu::TextureViewDimension::D2)).collect();
         let all = view(0, maps, wgpu::TextureViewDimension::D2Array);
         let depths = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Depth,
+            sample_type: DEPTH_AS_READ,
             view_dimension: wgpu::TextureViewDimension::D2Array,
             multisampled: false,
         };

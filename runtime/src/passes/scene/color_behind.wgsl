@@ -4,13 +4,13 @@ struct SceneFragment {
     @builtin(frag_depth) depth: f32,
 }
 
-@group(2) @binding(0) var scene_before: texture_depth_2d;
+@group(2) @binding(0) var scene_before: texture_2d<f32>;
 
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> SceneFragment {
     let direction = scene_direction(position.xy);
     let ahead = dot(direction, scene.forward);
-    let before = textureLoad(scene_before, vec2i(position.xy), 0);
+    let before = textureLoad(scene_before, vec2i(position.xy), 0).x;
     var reach = scene.max_distance;
     if before > 0.0 {
         reach = min(reach, scene.near / (before * ahead));

@@ -1,6 +1,6 @@
 // How much of a light arrives past the field and past what is in the light's maps: 1 all, 0 nothing. Stands after base.wgsl and box.wgsl.
 
-@group(3) @binding(2) var shadow_maps: texture_depth_2d_array;
+@group(3) @binding(2) var shadow_maps: texture_2d_array<f32>;
 
 // How many pixels of a map a shadow may begin too late: what the edges of flat sides and the steps of rays need.
 const SHADOW_SLACK: f32 = 0.75;
@@ -23,7 +23,7 @@ fn shadow_share(layer: i32, place: vec2f, depth: f32, slope: vec2f, slack: f32) 
     for (var y = -1; y <= 2; y++) {
         for (var x = -1; x <= 2; x++) {
             let cell = vec2i(first) + vec2i(x, y);
-            let found = textureLoad(shadow_maps, clamp(cell, vec2i(0), pixels - 1), layer, 0);
+            let found = textureLoad(shadow_maps, clamp(cell, vec2i(0), pixels - 1), layer, 0).x;
             let here = depth + dot(slope, vec2f(cell) + 0.5 - place);
             // Where nothing is the map has its far end, beyond which the field may go on.
             let free = select(0.0, 1.0, here - slack <= found || found >= 1.0);
