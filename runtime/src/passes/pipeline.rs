@@ -284,10 +284,10 @@ fn before_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     })
 }
 
-/// The whole picture, of which the target may be a tile.
+/// The whole picture, of which the target may be a tile; parts of pixels are for `scene_project` in base.wgsl.
 fn set_viewport(pass: &mut wgpu::RenderPass<'_>, view: &View) {
     let View { size: [width, height], corner: [left, top], .. } = *view;
-    pass.set_viewport(left, top, width.max(1.0), height.max(1.0), 0.0, 1.0);
+    pass.set_viewport(left.floor(), top.floor(), width.max(1.0), height.max(1.0), 0.0, 1.0);
 }
 
 /// The scene's point at which the module's `p` is zero: the eye as 32 bits hold it, where the module can be moved at all.

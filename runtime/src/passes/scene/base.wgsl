@@ -78,10 +78,13 @@ fn scene_direction(position: vec2f) -> vec3f {
     return normalize(scene.forward + across * scene.right - down * scene.up);
 }
 
-// A place seen from the eye, as the rasteriser wants it: divided, its depth is 1 at the near plane and 0 at infinity.
+// A place seen from the eye, as the rasteriser wants it: divided, its depth is 1 at the near plane and 0 at infinity. A viewport stands at whole
+// pixels, since OpenGL knows no others; what the picture's corner has beyond them is added here.
 fn scene_project(way: vec3f) -> vec4f {
+    let ahead = dot(way, scene.forward);
+    let aside = 2.0 * fract(scene.corner) / scene.size * ahead;
     let across = dot(way, scene.right) / (scene.aspect * scene.tan_half_fov);
-    return vec4f(across, dot(way, scene.up) / scene.tan_half_fov, scene.near, dot(way, scene.forward));
+    return vec4f(across + aside.x, dot(way, scene.up) / scene.tan_half_fov - aside.y, scene.near, ahead);
 }
 
 // The surface's normal; a gradient that vanishes answers with the direction to the eye.
