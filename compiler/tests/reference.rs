@@ -220,6 +220,27 @@ fn shadows_and_occlusion_are_those_of_simple_bodies() {
 }
 
 #[test]
+fn what_a_lamp_hangs_from_does_not_dim_it() {
+    let lamp = [0.0, 0.8, 0.0];
+    let toward = |floor: f64, x: f64| {
+        let way = [lamp[0] - x, lamp[1] - floor, lamp[2]];
+        let far = (way[0] * way[0] + way[1] * way[1]).sqrt();
+        Ray { origin: [x, floor, 0.0], direction: way.map(|c| c / far), t_min: 1e-3, t_max: far }
+    };
+    for floor in ["plane(y, -1)", "box(20, 1, 20).translate(0, -1.5, 0)"] {
+        let compiled = scene(&format!("scene = {floor} | box(2, 0.1, 2).translate(0, 1, 0)"));
+        let rays: Vec<Ray> = (0..60).map(|i| toward(-1.0 + 1e-3, 0.05 * f64::from(i))).collect();
+        let lit = reference(&compiled).shadow(&rays, 8.0, 100.0);
+        // At a softness of 8 light is whole where it comes from higher than an eighth.
+        assert!(lit.iter().all(|lit| *lit > 0.99), "{lit:?}");
+        // A ball in the midst of the way still has a penumbra.
+        let compiled = scene(&format!("scene = {floor} | sphere(0.2).translate(0, -0.1, 0)"));
+        let lit = reference(&compiled).shadow(&rays, 8.0, 100.0);
+        assert!(lit[0] == 0.0 && lit.iter().any(|lit| (0.2..0.8).contains(lit)) && lit[59] > 0.99, "{lit:?}");
+    }
+}
+
+#[test]
 fn the_edge_of_a_wedge_gets_its_share_of_the_sky() {
     // How far the wall leans away from upright.
     for lean in [-60, -30, 0, 30, 60] {

@@ -290,7 +290,8 @@ pub fn function(export: Export, ways: Ways, reads_scene: [bool; 3]) -> Option<Co
     }
 }
 
-// The penumbra of a ray is its closest passage, as an angle (Quilez, \"Soft shadows in raymarched SDFs\"). The bound is the distance.
+// The penumbra of a ray is its closest passage, as an angle (Quilez, \"Soft shadows in raymarched SDFs\"): seen from the surface up to half of the way,
+// from the light beyond, so that what a lamp hangs from or stands in does not dim it. The bound is the distance.
 //
 // As the bound grows along the ray by s, the next look is free / (1 - s) away, where it is as much again: whatever stands beside the ray, outside of
 // both spheres, is then no nearer to it between the looks than 0.86 of the smaller one's radius, as between two looks at the same distance without a
@@ -309,7 +310,8 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
   for (var step = 0u; step < 256u && t <= span.y && lit >= 0.002; step++) {
     let tolerance = 2e-6 * (size + t);
     let free = sf_bound(origin + direction * t);
-    lit = select(min(lit, sharpness * free / max(t, tolerance)), 0.0, free <= tolerance);
+    let apart = max(min(t, t_max - t), tolerance);
+    lit = select(min(lit, sharpness * free / apart), 0.0, free <= tolerance);
     // On by the slope over the last step, but not beyond the end without a look at it; or back.
     let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
     let next = max(t + free, min(t + on, span.y));
@@ -338,6 +340,7 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
   var seen = t;
   var free = 0.0;
   var tolerance = 0.0;
+  var apart = 0.0;
   // The last sphere known to be empty, and the step from its centre.
   var radius = 1e18;
   var stride = 1.0;
@@ -347,7 +350,8 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
       step += 1u;
       tolerance = 2e-6 * (size + t);
       free = sf_bound(origin + direction * t);
-      near = free <= tolerance || sharpness * free < lit * max(t, tolerance);
+      apart = max(min(t, t_max - t), tolerance);
+      near = free <= tolerance || sharpness * free < lit * apart;
       // On by the slope over the last step, but not beyond the end without a look at it; or back.
       let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
       let next = max(t + free, min(t + on, span.y));
@@ -358,7 +362,7 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
       radius = select(free, radius, back);
     }
     if near {
-      let share = sharpness * sf_distance(origin + direction * seen) / max(seen, tolerance);
+      let share = sharpness * sf_distance(origin + direction * seen) / apart;
       lit = select(min(lit, share), 0.0, free <= tolerance);
     }
   }
@@ -367,13 +371,13 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
 }
 ";
 
-/// A shadow's text where planes are met apart: a ray that meets one is dark, and their share of a penumbra is least at the ray's end, as their height
-/// over the way falls all along it.
+/// A shadow's text where planes are met apart: a ray that meets one is dark, and their share of a penumbra is least where half of the way to the light
+/// is left, or at the ray's end before that: their height over the way from the surface falls all along it, that over the way from the light grows.
 fn shadow_past_planes(shadow: &str) -> String {
     let span = "  let span = sf_clip(origin, direction, t_min, t_max);\n";
     let start = "  if span.x > span.y {\n    return 1.0;\n  }\n  if sf_ahead(origin + direction * span.x, direction) <= span.y - span.x {\n    return 0.0;\n  }\n";
     let end = "  lit = select(lit, 0.0, lit < 0.002);\n";
-    let share = "  lit = min(lit, sharpness * sf_planes(origin + direction * span.y) / max(span.y, 1e-6));\n";
+    let share = "  let middle = min(span.y, 0.5 * t_max);\n  lit = min(lit, sharpness * sf_planes(origin + direction * middle) / max(middle, 1e-6));\n";
     let of_rest = shadow.replace("sf_bound(", "sf_rest_bound(").replace("sf_distance(", "sf_rest_distance(");
     of_rest.replace(span, &format!("{span}{start}")).replace(end, &format!("{share}{end}"))
 }

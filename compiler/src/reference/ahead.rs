@@ -27,19 +27,20 @@ impl PlanesApart {
         ways
     }
 
-    /// How much light the planes leave of each ray at most, before its edge is smoothed: a ray that meets one is dark, and their height over the way
-    /// falls all along a ray, so it is least at its end.
-    pub fn shares(&self, rays: &[Option<Ray>], softness: f64) -> Vec<f64> {
+    /// How much light the planes leave of each ray at most, before its edge is smoothed: as `shadow_past_planes` in `emit/library.rs` says. `lights`: how
+    /// far the light is along each ray.
+    pub fn shares(&self, rays: &[Option<Ray>], lights: &[f64], softness: f64) -> Vec<f64> {
         let mut shares = vec![f64::INFINITY; rays.len()];
         let ahead = self.ahead(rays);
-        let ends: Vec<Vec3> = rays.iter().map(|ray| ray.map_or([0.0; 3], |ray| ray.at(ray.t_max))).collect();
-        at_points(&self.distance, &ends, &[], |i, values| {
+        let halves: Vec<f64> = rays.iter().zip(lights).map(|(ray, light)| ray.map_or(0.0, |ray| ray.t_max.min(0.5 * light))).collect();
+        let points: Vec<Vec3> = rays.iter().zip(&halves).map(|(ray, &half)| ray.map_or([0.0; 3], |ray| ray.at(half))).collect();
+        at_points(&self.distance, &points, &[], |i, values| {
             let ray = rays.get(i).copied().flatten();
             if let (Some(share), Some(ray), Some(height)) = (shares.get_mut(i), ray, values.first()) {
                 if ahead.get(i).is_some_and(|t| *t <= ray.t_max) {
                     *share = 0.0;
                 } else if softness > 0.0 {
-                    *share = softness * height / ray.t_max.max(1e-6);
+                    *share = softness * height / halves.get(i).map_or(1e-6, |half| half.max(1e-6));
                 }
             }
         });

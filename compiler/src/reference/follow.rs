@@ -125,13 +125,13 @@ impl Shadow {
     /// At the ray's beginning, before the first look.
     pub const START: Self = Self { lit: 1.0, radius: 1e18, stride: 1.0, steps: 0 };
 
-    /// One look. `share`: the softness times the distance, where that can matter. `end`: of the ray. The answer: where to look next.
+    /// One look. `share`: the softness times the distance as an angle, where that can matter. `end`: of the ray. The answer: where to look next.
     pub fn turn(&mut self, look: &Look, share: Option<f64>, tolerance: f64, end: f64) -> Option<f64> {
         let Self { radius, stride, .. } = *self;
         let (t, free) = (look.t, look.free);
         self.steps += 1;
         if let Some(share) = share {
-            self.lit = self.lit.min(share / t.max(tolerance));
+            self.lit = self.lit.min(share);
         }
         if free <= tolerance || self.lit < DARK {
             self.lit = 0.0;

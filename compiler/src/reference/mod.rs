@@ -290,19 +290,21 @@ impl Reference {
             true => Scene::Both(both),
             false => Scene::Apart(bound, distance),
         };
-        let shares = self.planes.as_ref().map_or_else(|| vec![f64::INFINITY; rays.len()], |planes| planes.shares(&clipped, softness));
+        let lights: Vec<f64> = rays.iter().map(|ray| ray.t_max).collect();
+        let shares = self.planes.as_ref().map_or_else(|| vec![f64::INFINITY; rays.len()], |planes| planes.shares(&clipped, &lights, softness));
+        // How far a look is from the surface or from the light, whichever is nearer.
+        let apart = |look: &Look| look.t.min(lights.get(look.ray).map_or(f64::INFINITY, |light| light - look.t)).max(tolerance(look));
         march(
             scene,
             &clipped,
             |look| {
-                let tolerance = tolerance(look);
                 // The distance is looked at where the bound says that it can matter.
-                softness > 0.0 && look.free > tolerance && softness * look.free < state(look).lit * look.t.max(tolerance)
+                softness > 0.0 && look.free > tolerance(look) && softness * look.free < state(look).lit * apart(look)
             },
             |look, distance| {
                 let end = clipped.get(look.ray).copied().flatten()?.t_max;
                 let mut shadow = state(look);
-                let t = shadow.turn(look, distance.map(|d| softness * d), tolerance(look), end);
+                let t = shadow.turn(look, distance.map(|d| softness * d / apart(look)), tolerance(look), end);
                 states.get(look.ray)?.set(shadow);
                 t
             },
