@@ -108,6 +108,10 @@ fn the_estimate_is_hardly_over_the_distance() {
         "tangle.within(box(6))",
         "sextic.within(sphere(1.7))",
         "pebble.within(box(3.2))",
+        "sphere(1).stretch(3, 1, 1)",
+        "box(1).stretch(2, 1, 2) - cylinder(0.2, 2)",
+        "torus(0.8, 0.2).matrix(mat3((2, 0, 0), (0, 1, 0), (0, 0, 1)))",
+        "box((0.6, 0.4, 0.5)).matrix(mat3((1.5, 0, 0), (0.5, 1, 0), (0, 0, 1.2)))",
     ] {
         let loader = MemoryLoader::new().with("main.sdf", format!("{STEEP}scene = {text}\n"));
         match compile(&loader, "main.sdf", &Options::default()) {
@@ -205,6 +209,24 @@ fn the_estimate_is_no_less_than_the_bound() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// What touches it must not hover over what is stretched along one direction alone.
+#[test]
+fn what_is_stretched_is_as_far_as_it_is() {
+    for (text, at, expected) in [
+        ("sphere(30).stretch(3, 1, 1)", [99.0, 0.0, 0.0], 9.0),
+        ("sphere(30).stretch(3, 1, 1)", [0.0, 34.0, 0.0], 4.0),
+        ("sphere(30).translate(5, 0, 0).stretch(3, 1, 1).rotate(z, 90deg)", [0.0, 114.0, 0.0], 9.0),
+        ("box(1).stretch(20, 10, 20)", [11.0, 0.0, 0.0], 1.0),
+        ("sphere(10).matrix(mat3((3, 0, 0), (0, 1, 0), (0, 0, 1)))", [31.0, 0.0, 0.0], 1.0),
+    ] {
+        let loader = MemoryLoader::new().with("main.sdf", format!("scene = {text}\n"));
+        let scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
+        let root = scene.functions.formulas[&(scene.root, Function::Distance)];
+        let tape = Tape::new(&scene.graph, &scene.functions, &[root], &scene.live(), 4_000_000).unwrap();
+        tape.evaluator().at(&[at], &[], |_, values| assert!((values[0] - expected).abs() < 0.05 * expected, "{text}: {} and not {expected}", values[0]));
+    }
 }
 
 /// How far a slider may be moved, and what a factor is for all of that, says nothing of where it stands.

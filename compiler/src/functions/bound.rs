@@ -136,6 +136,10 @@ impl Builder<'_> {
         }
         if !self.facts.is_rigid(self.graph, &scaled) {
             self.kind = self.kind.max(Kind::Lipschitz);
+            let whole = self.graph.op(Op::Mul, &[factor, call]);
+            if function == Function::Distance && let Some(stretched) = self.stretched_distance(whole, &scaled) {
+                return Some(stretched);
+            }
         }
         let inner = self.graph.call(shape, function, &args);
         Some(self.graph.op(Op::Mul, &[factor, inner]))

@@ -51,7 +51,7 @@ impl Builder<'_> {
 
     /// Whether the scene has so many parts that they may be a union of many: its cells are found by intervals, and a quotient by a gradient says
     /// little over one.
-    fn is_crowded(&mut self) -> bool {
+    pub(super) fn is_crowded(&mut self) -> bool {
         if let Some(known) = self.crowded {
             return known;
         }

@@ -44,13 +44,15 @@ const GENTLE_BOXES: usize = 32;
 pub(super) struct Steepness {
     constant: f64,
     gentlest: f64,
+    /// Whether it is much flatter than a distance at places, and nowhere steeper.
+    flat: bool,
     /// What more is known of what is gentle at its surface and many times as steep elsewhere.
     uneven: Option<Rc<Uneven>>,
 }
 
 impl Steepness {
     fn same(constant: f64) -> Self {
-        Steepness { constant, gentlest: constant, uneven: None }
+        Steepness { constant, gentlest: constant, flat: false, uneven: None }
     }
 }
 
@@ -86,6 +88,7 @@ impl Builder<'_> {
             Node::Claim(args, Claim::Continuous) => {
                 args.first().map_or(node, |a| self.distance(shape, *a, domain))
             }
+            Node::Claim(args, Claim::Lipschitz(..)) if let Some(stretched) = args.first().and_then(|&a| self.stretched(a)) => stretched,
             Node::Op(Op::Mul, args)
                 if args.len() == 2
                     && let Some(scaled) = self.scaled_distance(&args, domain) =>
@@ -97,7 +100,9 @@ impl Builder<'_> {
                 let point = args.get(..3).unwrap_or(&args);
                 let all = self.facts.map_constant(self.graph, point, &everywhere, 1);
                 if all.lipschitz <= UNIT {
-                    return self.graph.call(inner, Function::Distance, &args);
+                    let point = point.to_vec();
+                    let stretched = self.stretched_distance(node, &point);
+                    return stretched.unwrap_or_else(|| self.graph.call(inner, Function::Distance, &args));
                 }
                 let whole = self.facts.constant(self.graph, node, &everywhere, 1);
                 if whole.lipschitz <= UNIT {
@@ -176,6 +181,34 @@ impl Builder<'_> {
         let outside = self.graph.op(Op::Lt, &[zero, away]);
         let more = self.graph.op(Op::Max, &[estimate, away]);
         self.graph.op(Op::Select, &[outside, more, estimate])
+    }
+
+    /// Of what is carried by a map that stretches space along some directions and not along others: the distance of the shape itself is as much too
+    /// little as that stretches. None for any other map.
+    pub(super) fn stretched_distance(&mut self, node: NodeId, point: &[NodeId]) -> Option<NodeId> {
+        let rigid = self.facts.is_rigid(self.graph, point);
+        if rigid || self.is_crowded() || !point.iter().all(|&q| self.is_straight(q)) {
+            return None;
+        }
+        Some(self.over_gradient(node, &Steepness { flat: true, ..Steepness::same(1.0) }))
+    }
+
+    /// The same of a multiple of a shape at a point.
+    fn stretched(&mut self, node: NodeId) -> Option<NodeId> {
+        let (factor, call) = match self.graph.node(node) {
+            Node::Op(Op::Mul, args) => match (*args.first()?, *args.get(1)?) {
+                (a, b) if self.is_uniform(a) => (Some(a), b),
+                (a, b) if self.is_uniform(b) => (Some(b), a),
+                _ => return None,
+            },
+            _ => (None, node),
+        };
+        let Node::Call(_, Function::Field, args) = self.graph.node(call) else { return None };
+        let mut point = args.get(..3)?.to_vec();
+        for q in &mut point {
+            *q = factor.map_or(*q, |factor| self.graph.op(Op::Mul, &[factor, *q]));
+        }
+        self.stretched_distance(node, &point)
     }
 
     pub(super) fn scaled_distance(&mut self, args: &[NodeId], domain: &Domain) -> Option<NodeId> {
@@ -276,13 +309,13 @@ impl Builder<'_> {
 
     /// The field over its gradient: right to first order. Close to the surface a second look further on tells how the field goes on.
     pub(super) fn over_gradient(&mut self, node: NodeId, steepness: &Steepness) -> NodeId {
-        let &Steepness { constant, gentlest, ref uneven } = steepness;
+        let &Steepness { constant, gentlest, flat, ref uneven } = steepness;
         // What is flatter than a distance everywhere is as much less than one.
         if constant < FLAT && constant > 1e-6 {
             let steepness = self.graph.constant(constant);
             return self.graph.op(Op::Div, &[node, steepness]);
         }
-        if constant <= UNIT || !constant.is_finite() {
+        if constant <= UNIT && !flat || !constant.is_finite() {
             return node;
         }
         let least = self.graph.constant((constant / TIMES).min(gentlest / TIMES_GENTLEST));
