@@ -38,7 +38,7 @@ pub fn lists(tables: &Tables, cells: bool) -> Vec<u32> {
         let mut head = [0u32; HEAD as usize];
         head[0] = first;
         head[1] = lists.len() as u32;
-        if let Some(grid) = Grid::around(&table.operands, table.reach).filter(|_| cells) {
+        if let Some(grid) = Grid::around(&table.operands).filter(|_| cells) {
             let spans = spans(&grid, table, tables, &mut lists);
             head[2] = LEVELS as u32;
             let [x, y, z] = grid.center.map(|c| (c as f32).to_bits());

@@ -120,11 +120,16 @@ impl Facts {
         }
     }
 
-    /// The same, found at once and not as tight.
+    /// The same of the solid, found at once and not as tight.
     pub fn rough_region(&mut self, graph: &Graph, node: NodeId, domain: &Domain) -> Box3 {
+        self.rough_region_at(graph, node, domain, 0.0)
+    }
+
+    /// The same of all that is at most a level.
+    pub fn rough_region_at(&mut self, graph: &Graph, node: NodeId, domain: &Domain, level: f64) -> Box3 {
         let tape = self.tape(graph, node);
         (self.entries, self.sifts, self.unions) = (ENTRIES, 0, 0);
-        self.contract(graph, &tape, domain, Interval::new(f64::NEG_INFINITY, 0.0))
+        self.contract(graph, &tape, domain, Interval::new(f64::NEG_INFINITY, level))
     }
 
     /// A box that holds every point within [`WORLD_SIDE`] of the origin at which a node is at most zero, found at once: what is put together of shapes is

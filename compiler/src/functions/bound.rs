@@ -55,6 +55,9 @@ impl Builder<'_> {
                 let (Some(&c), Some(&a), Some(&b)) = (args.first(), args.get(1), args.get(2)) else {
                     return node;
                 };
+                if self.blends_more(a, b) {
+                    return self.normalised(shape, node, domain, continuous);
+                }
                 let a = self.bound(shape, a, domain, continuous);
                 let b = self.bound(shape, b, domain, continuous);
                 self.graph.op(Op::Select, &[c, a, b])
@@ -99,6 +102,17 @@ impl Builder<'_> {
             }
             _ => self.normalised(shape, node, domain, continuous),
         }
+    }
+
+    /// Whether one side of a choice is the other one blended with more. By themselves the two would ask for the same shape by two functions, and
+    /// a chain of such choices would ask for what is at its beginning as often as it is long.
+    pub(super) fn blends_more(&mut self, a: NodeId, b: NodeId) -> bool {
+        if matches!(self.graph.node(a), Node::Op(Op::Min | Op::Max | Op::Neg, _)) || !matches!(self.graph.node(b), Node::Call(..)) {
+            return false;
+        }
+        let mut calls = Vec::new();
+        self.graph.calling(&[a], &mut calls);
+        a != b && calls.contains(&b)
     }
 
     /// A function of a shape that is scaled as a whole, `k s(p / k)`: it is scaled in the same way. None where the map does more than that.

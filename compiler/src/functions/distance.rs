@@ -77,7 +77,7 @@ impl Builder<'_> {
                 let inner = args.first().map_or(node, |a| self.distance(shape, *a, domain));
                 self.graph.op(Op::Neg, &[inner])
             }
-            Node::Op(Op::Select, args) if args.first().is_some_and(|c| self.is_uniform(*c)) => {
+            Node::Op(Op::Select, args) if args.first().is_some_and(|c| self.is_uniform(*c)) && !self.choice_blends_more(&args) => {
                 let (Some(&c), Some(&a), Some(&b)) = (args.first(), args.get(1), args.get(2)) else {
                     return node;
                 };
@@ -181,6 +181,10 @@ impl Builder<'_> {
         let outside = self.graph.op(Op::Lt, &[zero, away]);
         let more = self.graph.op(Op::Max, &[estimate, away]);
         self.graph.op(Op::Select, &[outside, more, estimate])
+    }
+
+    fn choice_blends_more(&mut self, args: &[NodeId]) -> bool {
+        args.get(1).zip(args.get(2)).is_some_and(|(&a, &b)| self.blends_more(a, b))
     }
 
     /// Of what is carried by a map that stretches space along some directions and not along others: the distance of the shape itself is as much too

@@ -340,7 +340,24 @@ impl Finder<'_> {
                 },
             }
         }
+        self.let_blends_stand_out(&mut union, facts);
         Some(union)
+    }
+
+    /// The solid of a chain of blends lies where one of its operands is at most the reach of the widest of them, a quarter of [`Union::reach`]. That is
+    /// a level and no length: what is flatter than a distance gets there farther out.
+    fn let_blends_stand_out(&self, union: &mut Union, facts: &mut Facts) {
+        let level = 0.25 * union.reach;
+        if level <= 0.0 {
+            return;
+        }
+        for step in &mut union.steps {
+            if let Step::Operand(operand, _) = step
+                && let Some(shape) = self.graph.shape(operand.of.0)
+            {
+                operand.region = facts.rough_region_at(self.graph, shape.value, &Domain::of(Box3::ALL), level);
+            }
+        }
     }
 
     fn steepness(&self, of: Of, facts: &mut Facts) -> f64 {

@@ -347,7 +347,7 @@ impl Elaborator<'_> {
                         unites = Some(self.graph.is_union_of(*after, [*a, *b]));
                     }
                     total = Some(match present {
-                        Some(present) => self.select(present, &after, &before, span, env)?,
+                        Some(present) => self.select_folded(present, &after, &before, span, env)?,
                         None => after,
                     });
                 }
@@ -359,6 +359,24 @@ impl Elaborator<'_> {
                 }
             }
         }
+    }
+
+    /// What is folded where a condition holds, else what was before. The fold's formula stands under the choice itself, so that both sides ask for what
+    /// was before by one call: as a shape of its own the fold would ask for it anew, and each turn would double all that is before it.
+    fn select_folded(&mut self, present: NodeId, after: &Value, before: &Value, span: Span, env: &Env) -> Elaborated<Value> {
+        if let (Value::Shape(after), Value::Shape(before)) = (after, before)
+            && let Some(folded) = self.graph.shape(*after)
+            && folded.material.is_none()
+            && folded.paints.is_empty()
+            && folded.variables.is_empty()
+        {
+            let (dimensions, value) = (folded.dimensions, folded.value);
+            let point = self.graph.point();
+            let before = self.graph.field(*before, point);
+            let value = self.graph.op(Op::Select, &[present, value, before]);
+            return Ok(Value::Shape(self.make_shape(dimensions, value, span)));
+        }
+        self.select(present, after, before, span, env)
     }
 
     fn fold(&mut self, fold: &Fold, before: &Value, body: &Value, env: &Env) -> Elaborated<Value> {

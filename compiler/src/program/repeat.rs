@@ -335,14 +335,20 @@ impl Elaborator<'_> {
         let dimensions: u8 = if axis.is_some() { 3 } else { 2 };
         let count_node = self.to_number(&count.0, count.1, env)?;
         let range = self.facts.live_range(&self.graph, count_node);
-        if range.lo < 1.0 {
+        let constant = self.graph.as_constant(count_node);
+        if range.lo < 1.0 || constant.is_some_and(|c| c.fract() != 0.0) {
             return Err(self.error(
                 Code::BadValue,
                 count.1,
-                format!("there can't be {} copies", range.lo),
-                "write a number of at least one",
+                format!("there can't be {} copies", constant.unwrap_or(range.lo)),
+                "write a whole number of at least one",
             ));
         }
+        // A live count is a whole number.
+        let count_node = match count.0 {
+            Value::Number(_, true) => count_node,
+            _ => self.graph.op(Op::Round, &[count_node]),
+        };
         if !range.hi.is_finite() || range.hi > 10_000.0 {
             return Err(self.error(
                 Code::NotConstant,
@@ -359,7 +365,6 @@ impl Elaborator<'_> {
             }
             None => None,
         };
-        let constant = self.graph.as_constant(count_node);
         let variable = self.graph.fresh_variable();
         let index = self.graph.leaf(Leaf::Variable(variable));
         let inner = env.with(&each.index.text, Value::Number(index, true)).at(None);

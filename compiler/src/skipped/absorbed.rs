@@ -9,6 +9,7 @@ use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId};
 use crate::source::{Sources, Span};
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeMap;
 
 /// Boxes times operations that one operand may cost, and all of them.
@@ -95,13 +96,16 @@ struct Search<'s> {
     /// The scene's, with what is asked of it.
     graph: Graph,
     left: usize,
+    /// The nodes that were looked at.
+    walked: FxHashSet<NodeId>,
+    places: FxHashMap<ShapeId, Option<Span>>,
     /// By their places. None where a copy is seen.
     found: BTreeMap<(u32, u32, u32), Option<Absorbed>>,
 }
 
 impl<'s> Search<'s> {
     fn new(scene: &'s Compiled, sources: &'s Sources) -> Self {
-        Search { scene, sources, graph: scene.graph.clone(), left: WORK.1, found: BTreeMap::new() }
+        Search { scene, sources, graph: scene.graph.clone(), left: WORK.1, walked: FxHashSet::default(), places: FxHashMap::default(), found: BTreeMap::new() }
     }
 
     /// Notes what was found of an operand, or that it is seen. What is seen in one copy is seen.
@@ -112,8 +116,11 @@ impl<'s> Search<'s> {
         self.found.insert(key, all);
     }
 
-    /// Looks at the operands of a node, and at theirs.
+    /// Looks at the operands of a node, and at theirs; where many lead to one node, once.
     fn walk(&mut self, node: NodeId) {
+        if !self.walked.insert(node) {
+            return;
+        }
         let Some(op) = self.extremum(node) else { return };
         let mut operands = Vec::new();
         self.operands(op, node, &mut operands);
@@ -171,7 +178,16 @@ impl<'s> Search<'s> {
     }
 
     /// The text that makes a shape: `box(1).translate(2, 0, 0)`, where the shape's own place is only what stands after the point.
-    fn place(&self, id: ShapeId) -> Option<Span> {
+    fn place(&mut self, id: ShapeId) -> Option<Span> {
+        if let Some(known) = self.places.get(&id) {
+            return *known;
+        }
+        let place = self.find_place(id);
+        self.places.insert(id, place);
+        place
+    }
+
+    fn find_place(&mut self, id: ShapeId) -> Option<Span> {
         let shape = self.graph.shape(id)?;
         let own = shape.span;
         let mut open = vec![shape.value];
@@ -191,7 +207,7 @@ impl<'s> Search<'s> {
     }
 
     /// The text that makes the shape which a node calls.
-    fn place_of(&self, node: NodeId) -> Option<Span> {
+    fn place_of(&mut self, node: NodeId) -> Option<Span> {
         let &Node::Call(id, Function::Field, _) = self.graph.node(node) else { return None };
         // What makes a solid of drawings puts them together in its own way.
         self.graph.shape(id).filter(|shape| shape.dimensions == 3)?;

@@ -31,8 +31,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// About the operands whose regions are known; none where there is none. `reach`: see [`super::Table::reach`].
-    pub fn around(operands: &[Option<Operand>], reach: f64) -> Option<Self> {
+    /// About the operands whose regions are known; none where there is none.
+    pub fn around(operands: &[Option<Operand>]) -> Option<Self> {
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
         let (mut count, mut bounded) = (0.0, true);
@@ -53,8 +53,8 @@ impl Grid {
         let sides = [(low[0], high[0]), (low[1], high[1]), (low[2], high[2])];
         let center = sides.map(|(low, high)| f64::from((0.5 * (low + high)) as f32));
         let far = sides.iter().fold(0.0, |far: f64, (low, high)| far.max(low.abs()).max(high.abs()));
-        // Blends stand out by a quarter of the reach at most, and a hair is lost in 32 bits.
-        let grown = 0.25 * reach + 4e-6 * far;
+        // A hair is lost in 32 bits.
+        let grown = 4e-6 * far;
         let mut solid = [0.0; 3];
         for ((solid, (low, high)), center) in solid.iter_mut().zip(sides).zip(center) {
             *solid = (high - center).max(center - low) + grown;

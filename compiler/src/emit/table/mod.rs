@@ -203,7 +203,7 @@ impl Tables {
         };
         let entries = places.iter().map(entry).collect::<Option<Vec<u32>>>()?;
         let classes = classes.into_iter().map(|(class, _)| class).collect();
-        let region = Grid::around(&operands, union.reach).filter(Grid::is_region).map(|grid| {
+        let region = Grid::around(&operands).filter(Grid::is_region).map(|grid| {
             let row = self.rows.len() as u32;
             self.rows.extend(grid.rows());
             (grid, row)
