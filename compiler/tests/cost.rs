@@ -54,3 +54,22 @@ fn many_copies_are_looked_at_as_one() {
     println!("20 copies: {few}, 200 copies: {many}");
     assert!(many < 2 * few, "{few}, {many}");
 }
+
+/// What a fold that is no union joins to a live end asks once for what was before, on either side of each choice, and so does `check`.
+#[test]
+fn a_chain_costs_no_more_than_it_is_long() {
+    let module = |most: u32, by: &str| {
+        let text = format!("param n: int = 5 in 1..{most}\nscene = for i in 0..n by {by} {{ sphere(0.5).translate(i, 0, 0) }}\n");
+        let outcome = compile_remembering(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default(), &mut Memory::default(), &mut |_| {});
+        let compiled = outcome.compiled.unwrap_or_else(|| panic!("{by}: {:?}", outcome.diagnostics));
+        compiled.module.operations.1
+    };
+    for by in ["round_union(0.2)", "chamfer_union(0.2)", "smooth_difference(0.2)"] {
+        let (few, many) = (module(10, by), module(40, by));
+        println!("{by}: {few}, {many}");
+        assert!(many < 6 * few, "{by}: {few}, {many}");
+    }
+    let text = "scene = for i in 0..40 by xor { sphere(0.7).translate(i, 0, 0) }";
+    let outcome = compile_remembering(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default(), &mut Memory::default(), &mut |_| {});
+    assert!(surefoot_compiler::skipped::unseen(&outcome.compiled.unwrap(), &outcome.sources).is_empty());
+}

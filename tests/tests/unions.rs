@@ -81,7 +81,7 @@ fn bounds(gpu: &Gpu, compiled: &Compiled, live: &Live, points: &[[f32; 3]]) {
 #[test]
 fn the_device_agrees_with_the_formulas() {
     let gpu = gpu();
-    for (name, half) in [("spheres", 1.2), ("boxes", 1.4), ("city", 18.0), ("urchin", 1.6)] {
+    for (name, half) in [("spheres", 1.2), ("boxes", 1.4), ("city", 18.0), ("urchin", 1.6), ("disks", 2.0)] {
         let compiled = corpus(name);
         assert!(compiled.module.tables.is_some(), "{name} has no table");
         agrees(&gpu, &compiled, half);

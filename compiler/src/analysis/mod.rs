@@ -335,16 +335,16 @@ impl Facts {
         cells: &dyn Fn(u32) -> Option<(f64, f64)>,
         within: Box3,
     ) -> Box3 {
-        let Some(s) = graph.shape(shape) else { return Box3::ALL };
-        let value = s.value;
-        let variables: Vec<(u32, Interval)> = s
-            .variables
-            .iter()
-            .map(|&v| (v, cells(v).map_or(Interval::ALL, |(lo, hi)| Interval::new(lo, hi))))
-            .collect();
-        let domain = Domain { variables, ..Domain::of(within) };
+        let Some(value) = graph.shape(shape).map(|s| s.value) else { return Box3::ALL };
+        let domain = Domain { variables: cell_ranges(graph, shape, cells), ..Domain::of(within) };
         self.solid_region(graph, value, &domain)
     }
+}
+
+/// All that the variables of a repetition's body can be.
+pub fn cell_ranges(graph: &Graph, shape: ShapeId, cells: &dyn Fn(u32) -> Option<(f64, f64)>) -> Vec<(u32, Interval)> {
+    let variables = graph.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
+    variables.iter().map(|&v| (v, cells(v).map_or(Interval::ALL, |(lo, hi)| Interval::new(lo, hi)))).collect()
 }
 
 /// A leaf as a function of the point of its space.

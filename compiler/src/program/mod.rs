@@ -11,6 +11,7 @@ pub mod call;
 mod choice;
 mod elsewhere;
 pub mod expression;
+mod growth;
 pub mod load;
 mod loops;
 mod material;

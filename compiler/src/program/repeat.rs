@@ -3,6 +3,7 @@
 //! The value is the smallest over the copies that are looked at, and over the least distance at which a copy that is not looked
 //! at may begin. So it is continuous, keeps the Lipschitz constant of the body, and its zero set is that of all copies.
 
+use super::growth::angle_about_zero;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::analysis::region::WORLD_SIDE;
@@ -106,16 +107,14 @@ impl Elaborator<'_> {
                 }
                 None => None,
             };
-            axes.push(Axis { index: i, size: size_node, least: range.lo, count, reach: 0.0, rings: 0 });
+            axes.push(Axis { index: i, size: size_node, range, count, reach: 0.0, rings: 0, share: 1.0 });
         }
-        let cells = |variable: u32| -> Option<(f64, f64)> {
-            let i = variables.iter().position(|&v| v == variable)?;
-            match axes.iter().find(|a| a.index == i) {
-                None => Some((0.0, 0.0)),
-                Some(Axis { count: Some((_, most)), .. }) => Some((0.0, most - 1.0)),
-                Some(_) => Some((-1e6, 1e6)),
-            }
-        };
+        let numbers = [0, 1, 2].map(|i| match axes.iter().find(|a| a.index == i) {
+            None => (0.0, 0.0),
+            Some(Axis { count: Some((_, most)), .. }) => (0.0, most - 1.0),
+            Some(_) => (-1e6, 1e6),
+        });
+        let cells = |variable: u32| numbers.get(variables.iter().position(|&v| v == variable)?).copied();
         let region = self.body_box(body, &cells);
         let mut copies = 1;
         for axis in &mut axes {
@@ -129,7 +128,7 @@ impl Elaborator<'_> {
                 let why = if unbounded {
                     format!("the body reaches without end along {name}")
                 } else {
-                    format!("the body reaches {:.3} from its cell's middle along {name}, and a cell is {} wide", axis.reach, axis.least)
+                    format!("the body reaches {:.3} from its cell's middle along {name}, and a cell is {} wide", axis.reach, axis.range.lo)
                 };
                 return Err(self.error(
                     Code::NoReach,
@@ -139,6 +138,11 @@ impl Elaborator<'_> {
                 ));
             }
             copies *= 2 * axis.rings + 2;
+            if axis.reach > 0.0 {
+                let next = axis.rings as f64 + 1.0;
+                let distances = next * axis.range.lo - axis.reach..(next + 0.5) * axis.range.hi - axis.reach;
+                axis.share = self.share_of_distance(body, &cells, &region, distances, &[axis.index]);
+            }
         }
         if copies > MOST_COPIES {
             return Err(self.error(
@@ -266,6 +270,7 @@ impl Elaborator<'_> {
         let value = match cap {
             Some(cap) => {
                 let cap = self.at_least_outside(cap, around, dimensions);
+                let cap = self.part_of(cap, axes.iter().fold(1.0, |share, axis| share.min(axis.share)));
                 self.graph.op(Op::Min, &[nearest, cap])
             }
             None => nearest,
@@ -276,19 +281,6 @@ impl Elaborator<'_> {
         self.make_shape(dimensions as u8, value, span)
     }
 
-    /// A box that holds a body over all of its cells. What is not seen to end within the extent, or does not begin there, is looked for far beyond
-    /// it: the scene may be given a larger one.
-    fn body_box(&mut self, body: ShapeId, cells: &dyn Fn(u32) -> Option<(f64, f64)>) -> Box3 {
-        let graph = &mut self.graph;
-        let extent = self.extent;
-        let near = self.facts.body_region(graph, body, cells, Box3::cube(extent));
-        if !near.is_empty() && near.0.iter().all(|side| side.magnitude() < extent) {
-            return near;
-        }
-        let far = Box3::cube(extent.max(WORLD_SIDE));
-        self.facts.closer_and_closer(|facts, within| facts.body_region(graph, body, cells, within), far)
-    }
-
     /// A cap, or the distance to a box that holds all copies, if that is more: none is nearer than that either.
     fn at_least_outside(&mut self, cap: NodeId, around: &Box3, dimensions: usize) -> NodeId {
         // What reaches to the extent goes on there.
@@ -297,6 +289,15 @@ impl Elaborator<'_> {
         let ways = self.graph.beyond(slabs);
         let Some(outside) = self.graph.together(&ways) else { return cap };
         self.graph.op(Op::Max, &[cap, outside])
+    }
+
+    /// As much of a cap as the field of a body is at that distance.
+    fn part_of(&mut self, cap: NodeId, share: f64) -> NodeId {
+        if share >= 1.0 {
+            return cap;
+        }
+        let share = self.graph.constant(share);
+        self.graph.op(Op::Mul, &[share, cap])
     }
 
     fn clamp_cell(&mut self, cell: NodeId, count: Option<(NodeId, f64)>) -> NodeId {
@@ -399,7 +400,8 @@ impl Elaborator<'_> {
                 let outer = region.axis(u).magnitude().hypot(region.axis(v).magnitude()).next_up();
                 let disc = Interval::new(-outer, outer);
                 let around = region.with_axis(u, disc).with_axis(v, disc);
-                let sectors = Sectors { n, rings, half, inner, around };
+                let share = self.share_of_distance(body, &cells, &region, 0.0..outer, &[u, v]);
+                let sectors = Sectors { n, rings, half, inner, around, share };
                 self.place_sectors(body, variable, (u, v, sign), sectors, dimensions, span)
             }
             _ => {
@@ -431,7 +433,7 @@ impl Elaborator<'_> {
         body: ShapeId,
         variable: u32,
         (u, v, sign): (usize, usize, f64),
-        Sectors { n, rings, half, inner, around }: Sectors,
+        Sectors { n, rings, half, inner, around, share }: Sectors,
         dimensions: u8,
         span: Span,
     ) -> ShapeId {
@@ -490,6 +492,7 @@ impl Elaborator<'_> {
         let inner = self.graph.op(Op::Sub, &[inner, radius]);
         let cap = self.graph.op(Op::Max, &[cap, inner]);
         let cap = self.at_least_outside(cap, &around, usize::from(dimensions));
+        let cap = self.part_of(cap, share);
         let value = self.graph.op(Op::Min, &[nearest, cap]);
         let value = self.graph.intern(Node::Claim([value].into(), Claim::Continuous));
         self.facts.know_solid(value, around);
@@ -561,44 +564,32 @@ struct Sectors {
     inner: f64,
     /// A box that holds all copies.
     around: Box3,
+    /// How much of the distance from it the body's field is at least.
+    share: f64,
 }
 
 /// One axis of a grid.
 struct Axis {
     index: usize,
     size: NodeId,
-    /// The least size over the range of parameters.
-    least: f64,
+    /// All that the size can be.
+    range: Interval,
     /// The number of cells where it ends, and the most that it can be.
     count: Option<(NodeId, f64)>,
     /// How far the body reaches from its cell's middle.
     reach: f64,
     /// Cells looked at on either side, besides the nearest and one more.
     rings: usize,
+    /// How much of the distance from it the body's field is at least.
+    share: f64,
 }
 
 impl Axis {
     /// Looks for the number of neighbours: what is not looked at shall begin a quarter of a cell away at least.
     fn fit(&mut self) -> bool {
-        let needed = self.reach / self.least + 0.25 - 1.0;
+        let needed = self.reach / self.range.lo + 0.25 - 1.0;
         let rings = needed.max(0.0).ceil();
         self.rings = rings as usize;
         2.0 * rings + 2.0 <= MOST_CELLS as f64
     }
-}
-
-/// The largest angle between the positive `u` axis and a point of the box, in the plane of `u` and `v`; none where it reaches the axis.
-fn angle_about_zero(region: &Box3, u: usize, v: usize) -> Option<f64> {
-    let (a, b) = (region.axis(u), region.axis(v));
-    if a.is_empty() || b.is_empty() {
-        return Some(0.0);
-    }
-    if a.lo <= 0.0 && a.hi >= 0.0 && b.lo <= 0.0 && b.hi >= 0.0 {
-        return None;
-    }
-    let corners = [(a.lo, b.lo), (a.lo, b.hi), (a.hi, b.lo), (a.hi, b.hi)];
-    if a.lo <= 0.0 && b.contains(0.0) {
-        return Some(std::f64::consts::PI);
-    }
-    Some(corners.iter().map(|&(x, y)| y.atan2(x).abs()).fold(0.0, f64::max))
 }
