@@ -388,6 +388,9 @@ impl Facts {
     ) -> Box3 {
         let Some(s) = graph.shape(shape) else { return Box3::ALL };
         let domain = call_domain(&s.variables, args);
+        if let (Some(solid), true) = (self.known_solid(s.value), target.hi <= 0.0) {
+            return solid.intersect(&domain.point);
+        }
         if self.entries == 0 {
             return domain.point;
         }
