@@ -4,7 +4,7 @@ pub use crate::emit::Formulas;
 pub use crate::emit::table::{ModuleTables, Tables};
 pub use crate::frame::{CAPTURE_SIZES, Camera, CameraNodes, CaptureNodes, EYE, Frame, Light, LightKind, LightNodes, MAX_BOUNCES, SceneBlocks, Shadow, Sky};
 
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::emit::tracer::Ways;
 use crate::functions::{self, Functions, Summary};
 use crate::graph::algebra::Reals;
@@ -351,9 +351,17 @@ impl Outcome {
         self.diagnostics.iter().any(|d| d.severity == Severity::Error)
     }
 
+    /// What is wrong with what a camera sees at one moment: that of this name, or the first. That nothing is solid says why nothing is seen.
+    pub fn outlook(&self, live: &Live, name: Option<&str>) -> Option<Diagnostic> {
+        let is_said = self.diagnostics.iter().any(|d| d.code == Code::NothingSolid);
+        outlook(self.compiled.as_ref()?, live, name).filter(|d| !is_said || d.code != Code::NothingSeen)
+    }
+
     /// Adds what is wrong with what the camera sees: that takes a look at the scene, and some milliseconds.
     pub fn look(&mut self) {
-        self.diagnostics.extend(self.compiled.as_ref().and_then(|scene| outlook(scene, &scene.live(), None)));
+        let live = self.compiled.as_ref().map(Compiled::live);
+        let found = live.and_then(|live| self.outlook(&live, None));
+        self.diagnostics.extend(found);
         tidy(&mut self.diagnostics);
     }
 }

@@ -205,7 +205,7 @@ codes! {
         "A formula without a bound over all space: it is proven and drawn within the scene's extent, which `render { extent: … }` sets.",
         "";
     NothingSolid, "nothing-solid", Warning,
-        "Nothing solid lies within the scene's extent, so the picture shows the sky alone. Move the scene toward the origin, or set `render { extent: … }` to more. Shapes that do not meet have no intersection.",
+        "Nothing solid lies within the scene's extent, so the picture shows the sky alone. Move the scene toward the origin, or set `render { extent: … }` to more. Shapes that do not meet have no intersection, and a drawing without an inside, such as a `segment`, needs a width: `.round(0.05)`.",
         "scene = sphere(1).translate(150, 0, 0)\nrender { extent: 100 }";
     InsideSolid, "inside-solid", Warning,
         "The camera stands inside what is solid, so that nothing can be seen rightly: mostly the picture is black. Move its `eye` out; where a shape is meant as a room, take its inside away: `box(9) - box(8)`. Or a light stands there, as a lamp in its bulb, and all lies in the bulb's shadow: `shadow: none` lets it shine through.",
@@ -222,6 +222,9 @@ codes! {
     BareAngle, "bare-angle", Warning,
         "An angle of more than a whole turn, written as a bare number: that is in radians. Write `45deg`, or `45rad` where radians are meant.",
         "scene = box(1).rotate(y, 45)";
+    NotWhole, "not-whole", Warning,
+        "A number that `hash` rounds: it is of whole numbers, so that `hash(1.2)` is `hash(1.4)`. Number what gets a hash, as with the index of a `for` or `floor(p)`; for what changes smoothly write `value_noise(p)`.",
+        "scene = sphere(hash(1.2))";
     ColorBytes, "color-bytes", Warning,
         "A colour whose components go beyond 1, as bytes do. Components of a colour go from 0 to 1, and `#c87828` is read as others write it.",
         "material m { color: (200, 120, 40) }\nscene = sphere(1).material(m)";

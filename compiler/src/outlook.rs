@@ -20,6 +20,8 @@ const PIXELS: u32 = 720;
 const MOST: usize = 3_000_000;
 /// So many times farther away than it is wide one sees something well.
 const AWAY: f64 = 2.5;
+/// So much of the extent one sees; the rest fades into the sky.
+const FADED: f64 = 0.99;
 /// So many other cameras are looked through.
 const MOST_TRIED: usize = 6;
 
@@ -69,6 +71,11 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
             let help = "say where the shape lies with `.within(box(…))`, or write its formula so that it grows more evenly";
             return Some(Diagnostic::new(Code::NothingSeen, place(compiled, nodes), message, help));
         }
+        Sight::Cut => {
+            let message = format!("what is solid reaches beyond the scene's extent of {}, and nothing of it is seen", short(frame.extent));
+            let help = "set `render { extent: … }` to more, or leave it out".to_owned();
+            return Some(Diagnostic::new(Code::NothingSeen, place(compiled, nodes), message, help));
+        }
         Sight::Empty => {}
     }
     let out = length(camera.eye).min(length(camera.target)) > frame.extent;
@@ -89,6 +96,8 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
 enum Sight {
     /// Something solid.
     Solid,
+    /// What is solid is cut off by the extent, and fades there before it is seen.
+    Cut,
     /// Nothing, and most rays spent all of their steps on the way.
     Lost,
     /// Nothing.
@@ -107,11 +116,17 @@ fn sees(compiled: &Compiled, reference: &Reference, camera: &Camera, frame: &Fra
         let ray = |at| Ray { origin: camera.eye, direction: basis.direction(at, (width, height)), t_min: 0.0, t_max: far };
         let rays: Vec<Ray> = pixels.map(ray).collect();
         let hits = reference.trace(&rays, basis.footprint(PIXELS), frame.extent);
-        if hits.iter().any(|hit| hit.hit) {
+        let mut met = hits.iter().zip(&rays).filter(|(hit, _)| hit.hit).map(|(hit, ray)| length(ray.at(hit.t))).peekable();
+        let is_cut = met.peek().is_some();
+        if met.any(|out| out < FADED * frame.extent) {
             return Some(Sight::Solid);
         }
         let lost = hits.iter().filter(|hit| hit.steps >= TRACER.budget).count();
-        sight = if 2 * lost > hits.len() { Sight::Lost } else { Sight::Empty };
+        sight = match 2 * lost > hits.len() {
+            _ if is_cut => Sight::Cut,
+            true => Sight::Lost,
+            false => Sight::Empty,
+        };
     }
     Some(sight)
 }
@@ -183,6 +198,36 @@ mod tests {
         super::outlook(&scene, &scene.live(), None)
     }
 
+    /// What is said of a scene in which nothing is solid.
+    fn of_nothing(text: &str) -> String {
+        let mut outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
+        outcome.look();
+        let words: Vec<String> = outcome.diagnostics.into_iter().map(|d| d.message).collect();
+        words.join("\n")
+    }
+
+    #[test]
+    fn of_what_is_not_solid_it_is_said_once_why() {
+        let said = |text: &str, why: &str| {
+            let words = of_nothing(text);
+            assert!(words.lines().count() == 1 && words.contains(why), "{text}: {words}");
+        };
+        said("scene = sphere(1).translate(1e6, 0, 0)", "too coarse");
+        said("scene = sphere(1).translate(5e4, 0, 0)", "extent of 100, which grows by itself only for what lies within 20000");
+        said("scene = sphere(1).translate(500, 0, 0)\nrender { extent: 100 }", "extent of 100");
+        said("scene = sphere(1) & sphere(1).translate(5, 0, 0)", "nothing of this scene is solid");
+        said("scene = segment((-1, 0), (1, 0)).extrude(0.1)", "without an inside");
+        said("scene = box(1) | (sphere(0.2) | segment((1, 0), (2, 0)).revolve()).translate(3, 0, 0)", "without an inside");
+        for text in [
+            "scene = segment((-1, 0), (1, 0)).round(0.05).extrude(0.1)",
+            "scene = segment((-1, 0), (1, 0)).extrude(0.1).round(0.05)",
+            "param w = 0.1 in 0..1\nscene = segment((-1, 0), (1, 0)).round(w).extrude(0.1)",
+            "scene = rectangle(2, 1).extrude(0.1) | sphere(1)",
+        ] {
+            assert_eq!(of_nothing(text), "", "{text}");
+        }
+    }
+
     #[test]
     fn who_writes_what_is_said_sees_something() {
         for (scene, camera, code) in [
@@ -199,6 +244,10 @@ mod tests {
             assert_eq!(found(&format!("{scene}\n{mended}\n")), None, "{scene}\n{mended}");
         }
         assert_eq!(found("scene = sphere(1)"), None);
+        // What the extent cuts off fades there.
+        let within = |extent: &str| look(&format!("scene = sphere(1)\nrender {{ extent: {extent} }}")).map(|d| d.message);
+        assert!(within("0.5").is_some_and(|words| words.contains("extent of 0.5")));
+        assert_eq!(within("1.2"), None);
         // A lamp in its bulb.
         let lit = |shadow: &str| found(&format!("scene = plane(y) | sphere(0.2).translate(0, 1, 0)\nlight l {{ position: (0, 1, 0){shadow} }}"));
         assert_eq!(lit(""), Some((Code::InsideSolid, "shadow: none".to_owned())));

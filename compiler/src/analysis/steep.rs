@@ -18,6 +18,8 @@ pub struct Steep {
     pub grows: bool,
     /// Whether it grows by what time alone makes.
     pub by_time: bool,
+    /// Whether what it is so steep at is kept away, though not far enough.
+    pub kept_away: bool,
 }
 
 /// What time alone makes is without an end where it is larger than this.
@@ -27,11 +29,18 @@ const LONG: f64 = 1e5;
 const GROWS: &str = "keep the shape within a region with `.within(box(…))`, or clamp what grows";
 
 impl Steep {
+    /// A term that is read from outside.
+    fn outside(node: NodeId) -> Self {
+        Self { node, op: None, grows: false, by_time: false, kept_away: false }
+    }
+
     /// Why it has no limit.
     pub fn why(&self) -> &'static str {
         match self.op {
             _ if self.by_time => "it grows without end as time goes on",
             _ if self.grows => "it grows without end",
+            Some(Op::Div) if self.kept_away => "it is very steep where the divisor is least",
+            Some(Op::Pow | Op::Sqrt | Op::Log) if self.kept_away => "it is very steep where its argument is least",
             Some(Op::Div) => "the divisor can reach zero",
             Some(Op::Pow) => "the power is infinitely steep where its base reaches zero, or grows without end",
             Some(Op::Sqrt) => "the root is infinitely steep where its argument reaches zero",
@@ -51,6 +60,8 @@ impl Steep {
             Some(Op::Exp) if within => "keep what it is the power of small, for example `exp(min(a, 4))`",
             _ if self.grows && within => "keep its value small, for example `clamp(f, -1, 1)`: the surface stays where it is",
             _ if self.grows => GROWS,
+            Some(Op::Div) if self.kept_away => "keep the divisor farther from zero, or cut off where it is small with `.within(region)`",
+            Some(Op::Pow | Op::Sqrt | Op::Log) if self.kept_away => "keep the argument farther from zero, or cut off where it is small with `.within(region)`",
             Some(Op::Div) => "keep the divisor away from zero, for example `max(d, 0.01)`, or cut its zero off with `.within(region)`",
             Some(Op::Pow | Op::Sqrt | Op::Log) => {
                 "keep the argument away from zero, for example `max(a, 0.01)`, or cut its zero off with `.within(region)`"
@@ -82,7 +93,9 @@ impl Facts {
                         let moment = |&node: &NodeId| !graph.reads_point(node) && graph.leaves_under(&[node]).contains(&Leaf::Time);
                         endless && tape.nodes.get(a).is_some_and(moment)
                     };
-                    Some(Steep { node: at, op: Some(*op), grows, by_time: grows && args.iter().any(is_time) })
+                    let pole = if *op == Op::Div { args.get(1) } else { args.first() };
+                    let kept_away = pole.and_then(|&a| duals.get(a)).is_some_and(|d| !d.value.contains(0.0));
+                    Some(Steep { node: at, op: Some(*op), grows, by_time: grows && args.iter().any(is_time), kept_away })
                 }
                 Step::Call(shape, args) => {
                     let args: Vec<Interval> =
@@ -90,9 +103,9 @@ impl Facts {
                     let s = graph.shape(*shape)?;
                     let own = super::call_domain(&s.variables, &args);
                     let value = s.value;
-                    self.steep_term(graph, value, &own, limit).or(Some(Steep { node: at, op: None, grows: false, by_time: false }))
+                    self.steep_term(graph, value, &own, limit).or(Some(Steep::outside(at)))
                 }
-                _ => Some(Steep { node: at, op: None, grows: false, by_time: false }),
+                _ => Some(Steep::outside(at)),
             };
         }
         None
@@ -160,6 +173,9 @@ mod tests {
         assert_eq!(advice("exp(min(20 * (length(p) - 1), 4)) - 1"), "");
         assert!(advice("pow(abs(p.x), 40) + pow(abs(p.y), 40) - 1").contains("clamp(f, -1, 1)"));
         assert_eq!(advice("clamp(pow(abs(p.x), 40) + pow(abs(p.y), 40) - 1, -1, 1)"), "");
+        // What is said to be done is not done yet.
+        let folded = "{ let q = p, s = 1 for i in 0..2 { let k = 1.2 / max(dot(q, q), 0.01); q = q * k, s = s * k }; (length(q) - 0.5) / s }";
+        assert!(advice(folded).contains("farther from zero"));
         assert!(advice("sqrt(abs(p.x)) + p.y").contains("max(a, 0.01)"));
         assert_eq!(advice("sqrt(max(abs(p.x), 0.01)) + p.y"), "");
     }

@@ -45,7 +45,7 @@ const MOST_PARTS: usize = 512;
 /// Near the ends of the scene everything goes over into the sky: so many times as far as what is solid the extent has to reach…
 const LEAST: f64 = 1.5;
 /// …and so many times does one that is made for it, as there may be a floor.
-const AMPLE: f64 = 5.0;
+pub(super) const AMPLE: f64 = 5.0;
 /// A box is wider than what is solid by so much of its widest side, so that a ray has looked twice before it is there.
 const ROOM: f64 = 0.01;
 

@@ -23,12 +23,14 @@ pub mod unions;
 pub use ahead::{Ahead, Planes};
 pub use ground::{Carry, carry, firm};
 
+use ahead::AMPLE;
 use crate::analysis::region::WORLD_SIDE;
 use crate::analysis::search::{Search, Target};
-use crate::analysis::{Box3, Domain, Facts, Key};
+use crate::analysis::{Box3, Domain, Facts, Key, call_domain};
 use crate::compiled::SceneBlocks;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::interval::Interval;
+use crate::graph::kernel::Op;
 use crate::images::TextureKind;
 use crate::graph::{Function, Graph, Leaf, Node, NodeId, Proof, ShapeId, Slot, WORLD};
 use crate::source::Span;
@@ -199,6 +201,10 @@ const STEEPEST: f64 = 1e4;
 const GENTLE: f64 = 1.2;
 /// A formula of more steps than this is given a region only where much is gained.
 const LONG: usize = 150;
+/// So far out lies whatever is solid anywhere.
+const ANYWHERE: f64 = 1e30;
+/// So many parts of a union are asked whether they have a width.
+const MOST_PARTS: usize = 256;
 /// Points at which a formula is looked at where nothing is proven.
 const SAMPLES: usize = 4096;
 /// A constant up to here counts as one.
@@ -448,9 +454,18 @@ impl Builder<'_> {
             && self.facts.is_nowhere(self.graph, value, &whole_scene(self.extent))
         {
             let span = self.place(self.root, value);
-            let (message, instead) = match self.facts.is_nowhere(self.graph, value, &whole_scene(WORLD_SIDE)) {
-                true => ("nothing of this scene is solid".to_owned(), "look for an `&` of shapes that do not meet, or a `-` that takes all away"),
-                false => (
+            let nothing_within = [WORLD_SIDE, ANYWHERE].map(|side| self.facts.is_nowhere(self.graph, value, &whole_scene(side)));
+            let (message, instead) = match nothing_within {
+                [true, true] => ("nothing of this scene is solid".to_owned(), "look for an `&` of shapes that do not meet, or a `-` that takes all away"),
+                [true, false] => (
+                    format!("nothing solid lies within {WORLD_SIDE} of the origin, and farther out the GPU's numbers are too coarse"),
+                    "move the scene toward the origin",
+                ),
+                [false, _] if !self.says_extent => (
+                    format!("nothing solid lies within the scene's extent of {}, which grows by itself only for what lies within {}", self.extent, WORLD_SIDE / AMPLE),
+                    "move the scene toward the origin, or set `render { extent: … }` to what it needs",
+                ),
+                [false, _] => (
                     format!("nothing solid lies within the scene's extent of {}", self.extent),
                     "move the scene toward the origin, or set `render { extent: … }` to what it needs",
                 ),
@@ -461,8 +476,37 @@ impl Builder<'_> {
         {
             let (message, instead) = ("what is solid of this scene is a single point, which nobody sees", "give it a size: a radius or an edge is 0 here");
             self.diagnostics.push(Diagnostic::new(Code::NothingSolid, self.place(self.root, value), message, instead));
+        } else if let Some(value) = value
+            && let Some((shape, node)) = self.without_width(self.root, value, &whole_scene(self.extent), &mut FxHashSet::default())
+        {
+            let (message, instead) = ("this is made of a drawing without an inside, so that it is as thin as a hair", "give the drawing a width, for example `segment(a, b).round(0.05)`");
+            self.diagnostics.push(Diagnostic::new(Code::NothingSolid, self.place(shape, node), message, instead));
         }
         Summary { nodes: self.graph.reachable(&values).len(), primitives, factor, kind: self.kind }
+    }
+
+    /// A part of a union that is made of drawings and is zero at the least, so that it has a surface and no inside.
+    fn without_width(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, seen: &mut FxHashSet<NodeId>) -> Option<(ShapeId, NodeId)> {
+        if !seen.insert(node) || seen.len() > MOST_PARTS {
+            return None;
+        }
+        match self.graph.node(node).clone() {
+            Node::Op(Op::Min, args) => args.iter().find_map(|&a| self.without_width(shape, a, domain, seen)),
+            Node::Call(inner, Function::Field, args) => {
+                let s = self.graph.shape(inner)?.clone();
+                if s.dimensions == 2 {
+                    return None;
+                }
+                let args: Vec<Interval> = args.iter().map(|&a| self.facts.range(self.graph, a, domain)).collect();
+                self.without_width(inner, s.value, &call_domain(&s.variables, &args), seen)
+            }
+            _ => {
+                let mut nodes = Vec::new();
+                let is_flat = |s: &ShapeId| self.graph.shape(*s).is_some_and(|s| s.dimensions == 2);
+                let is_drawn = self.calls(&[node], &mut nodes).any(|(s, _)| is_flat(&s));
+                (is_drawn && self.facts.range(self.graph, node, domain).lo == 0.0).then_some((shape, node))
+            }
+        }
     }
 
     /// The formula of a function of a shape; of a gradient, all three.

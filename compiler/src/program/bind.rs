@@ -1,7 +1,7 @@
 //! How arguments meet parameters: by place or name, one by one or a vector at once, and within what the documentation requires.
 
 use super::load::{ItemRef, prelude_items};
-use super::value::{type_words, Value};
+use super::value::{points, type_words, Value};
 use super::blocks::short;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
@@ -91,6 +91,19 @@ impl Elaborator<'_> {
                 Given::KnownGroup(values, span)
             };
             positional.insert(at, joined);
+        }
+        // Points that stand one by one, where a list of them is needed.
+        if let (Some(Parameter { ty: Some((Type::List(inner), _)), .. }), [Given::Written(first @ Expr { kind: ExprKind::Vector(_), .. }), rest @ ..]) =
+            (parameters.first(), positional.as_slice())
+        {
+            let last = rest.iter().rev().find_map(|g| if let Given::Written(e) = g { Some(e.span) } else { None });
+            let list = if let Type::Vec(n) = **inner { points(n) } else { "[a, b, c]".to_owned() };
+            return Err(self.error(
+                Code::TypeMismatch,
+                first.span.to(last.unwrap_or(first.span)),
+                "a list is needed here, and its items stand without brackets",
+                format!("write `{name}({list})`"),
+            ));
         }
         let mut slots: SmallVec<[Option<Given>; 4]> = parameters.iter().map(|_| None).collect();
         let mut failed = false;

@@ -6,7 +6,7 @@ use super::{Elaborated, Elaborator, Env};
 use crate::analysis::Box3;
 use crate::diagnostic::Code;
 use crate::graph::kernel::{Op, KERNEL};
-use crate::graph::{NodeId, NodeList, ShapeId};
+use crate::graph::{Leaf, Node, NodeId, NodeList, ShapeId};
 use crate::source::Span;
 use rustc_hash::FxHashSet;
 use std::sync::LazyLock;
@@ -39,6 +39,14 @@ impl Elaborator<'_> {
         span: Span,
         env: &Env,
     ) -> Elaborated<Value> {
+        let joins = match name {
+            "min" => Some("shapes are joined by `a | b`"),
+            "max" => Some("what shapes share is `a & b`, and what is left of `b` without `a` is `b - a`"),
+            _ => None,
+        };
+        if let (Some(joins), None, Some((_, at))) = (joins, &env.point, args.iter().find(|(value, _)| matches!(value, Value::Shape(_)))) {
+            return Err(self.error(Code::TypeMismatch, *at, format!("`{name}` is of numbers, and a shape is a number only inside a formula"), joins));
+        }
         // In a formula, a shape among numbers is its field.
         let takes_shape =
             matches!(name, "at" | "material" | "paint" | "value" | "low_corner" | "high_corner");
@@ -429,6 +437,19 @@ impl Elaborator<'_> {
         Ok(Value::Matrix(n, cells.into()))
     }
 
+    /// Whether a number is not whole, or changes smoothly from place to place, so that it hardly ever is.
+    fn is_hardly_whole(&self, node: NodeId, depth: usize) -> bool {
+        match self.graph.node(node) {
+            Node::Constant(bits) => f64::from_bits(*bits).fract() != 0.0,
+            Node::Leaf(Leaf::P(_) | Leaf::Time) => true,
+            Node::Op(Op::Add | Op::Sub | Op::Mul | Op::Div | Op::Neg, args) if depth > 0 => {
+                let mut varying = args.iter().filter(|&&a| self.graph.as_constant(a).is_none()).peekable();
+                varying.peek().is_some() && varying.all(|&a| self.is_hardly_whole(a, depth - 1))
+            }
+            _ => false,
+        }
+    }
+
     fn hashes(
         &mut self,
         name: &str,
@@ -437,6 +458,10 @@ impl Elaborator<'_> {
         span: Span,
     ) -> Elaborated<Value> {
         let cells = self.cells(v, span)?;
+        if cells.iter().any(|&cell| self.is_hardly_whole(cell, 4)) {
+            let help = format!("write `{name}(floor(a))`, or `value_noise(a)` for what changes smoothly");
+            self.warn(Code::NotWhole, span, format!("`{name}` is of whole numbers, and this is rounded to one"), help);
+        }
         let zero = self.graph.constant(0.0);
         let four = self.graph.constant(4.0);
         let seed = match seed {

@@ -1,7 +1,7 @@
 //! Calls: what is called, by a name, through an import or after a dot.
 
 use super::bind::written_out;
-use super::elsewhere::{instead, ours};
+use super::elsewhere::{color, instead, ours};
 use super::load::{ItemRef, Resolution};
 use super::overload::at_a_point;
 use super::value::Value;
@@ -64,7 +64,7 @@ impl Elaborator<'_> {
             ExprKind::Dot(alias, name, None) => match &alias.kind {
                 ExprKind::Name(alias_name) => match self.modules.alias(env.module, alias_name) {
                     Some(module) => self.call_in(module, alias_name, name, known, args, span, env),
-                    None => Err(self.unknown_name(alias_name, alias.span, env)),
+                    None => Err(self.unknown_name(alias_name, false, alias.span, env)),
                 },
                 _ => Err(self.not_callable(callee.span)),
             },
@@ -186,7 +186,7 @@ impl Elaborator<'_> {
                         format!("`{name}` is no function, so it can't be called"),
                         format!("write `{name}` alone"),
                     )),
-                    None => Err(self.unknown_name(name, at, env)),
+                    None => Err(self.unknown_name(name, true, at, env)),
                 }
             }
         }
@@ -202,6 +202,9 @@ impl Elaborator<'_> {
     }
 
     fn unknown_method(&mut self, receiver: &Value, name: &str, at: Span, env: &Env) -> Stop {
+        if self.modules.lacks(env.module, name) {
+            return Stop;
+        }
         let found = receiver.describe(self);
         let candidates: Vec<&str> = self
             .modules
@@ -211,6 +214,7 @@ impl Elaborator<'_> {
             .collect();
         let help = match ours(name, &candidates).or_else(|| nearest(name, candidates)) {
             _ if let Some(instead) = instead(name) => instead.to_owned(),
+            _ if let (Value::Shape(_), Some(color)) = (receiver, color(name)) => format!("write `.material(swatch({color}))`"),
             Some(near) => format!("did you mean `.{near}(…)`?"),
             None => "any `shape`, `warp` or `blend` that takes this first can stand after the dot".into(),
         };

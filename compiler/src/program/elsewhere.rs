@@ -84,7 +84,9 @@ pub fn ours<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
 }
 
 /// A key of a block as others call it, and ours.
-const KEYS: [(&str, &str); 19] = [
+const KEYS: [(&str, &str); 21] = [
+    ("ao", "ambient_occlusion"),
+    ("occlusion", "ambient_occlusion"),
     ("dir", "direction"),
     ("pos", "position"),
     ("strength", "intensity"),
@@ -112,6 +114,30 @@ pub fn key<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     known.iter().copied().find(|k| ours == Some(*k)).or_else(|| nearest(name, known.iter().copied()))
 }
 
+/// Names of colours.
+const COLORS: [(&str, &str); 14] = [
+    ("red", "#ff0000"),
+    ("green", "#00ff00"),
+    ("blue", "#0000ff"),
+    ("yellow", "#ffff00"),
+    ("orange", "#ff8000"),
+    ("white", "#ffffff"),
+    ("black", "#000000"),
+    ("purple", "#8000ff"),
+    ("pink", "#ff80c0"),
+    ("brown", "#804000"),
+    ("cyan", "#00ffff"),
+    ("magenta", "#ff00ff"),
+    ("grey", "#808080"),
+    ("gray", "#808080"),
+];
+
+/// How a colour is written that has a name elsewhere.
+pub fn color(name: &str) -> Option<&'static str> {
+    let small = name.to_ascii_lowercase();
+    COLORS.iter().find(|(known, _)| *known == small).map(|(_, written)| *written)
+}
+
 /// What to write instead of a type before a name.
 const LET: &str = "write `let name = value`: a type need not be said, and a name keeps its value";
 
@@ -126,17 +152,12 @@ pub fn instead(word: &str) -> Option<&'static str> {
         "rotatey" => "write `.rotate(y, 45deg)`",
         "rotatez" => "write `.rotate(z, 45deg)`",
         "scalex" | "scaley" | "scalez" | "resize" => "write `.stretch(2, 1, 1)`; the same along all axes is `.scale(2)`",
-        "red" => "write a colour as `#ff0000`",
-        "green" => "write a colour as `#00ff00`",
-        "blue" => "write a colour as `#0000ff`",
-        "yellow" => "write a colour as `#ffff00`",
-        "orange" => "write a colour as `#ff8000`",
-        "white" => "write a colour as `#ffffff`",
-        "black" => "write a colour as `#000000`",
-        "grey" | "gray" => "write a colour as `#808080`",
         "gold" => "declare it: `material gold { color: #d4af37, metallic: 1, roughness: 0.3 }`",
         "silver" | "steel" | "chrome" => "declare it: `material steel { color: #c0c4c8, metallic: 1, roughness: 0.2 }`, and write `steel`",
+        "metal" => "declare it: `material metal(c: color) { color: c, metallic: 1, roughness: 0.3 }`, and write `metal(#cccccc)`",
+        "plastic" => "declare it: `material plastic(c: color) { color: c, roughness: 0.4 }`, and write `plastic(#cc0000)`",
         "wood" | "stone" | "clay" => "declare it: `material clay { color: #b0785a, roughness: 0.8 }`, and write `clay`",
+        "rot" | "rot2" | "rot2d" | "rotate2d" | "rotate2" | "r2" => "a turn is not of a matrix: write `rotate(p, y, 0.5)` for a point, `.rotate(y, 0.5)` for a shape",
         "and" => "write `a && b`",
         "or" => "write `a || b`",
         "not" => "write `!a`",
@@ -153,11 +174,6 @@ pub fn instead(word: &str) -> Option<&'static str> {
         "rounded_cylinder" | "roundedcylinder" | "round_cylinder" => "write `cylinder(1, 2).round(0.1)`",
         "text" | "letter" | "font" => "there are no letters: draw them with `segment`, `arc` and `polygon`",
         "t" => "write `time`, in seconds, or declare it: `let t = …`",
-        "purple" => "write a colour as `#8000ff`",
-        "pink" => "write a colour as `#ff80c0`",
-        "brown" => "write a colour as `#804000`",
-        "cyan" => "write a colour as `#00ffff`",
-        "magenta" => "write a colour as `#ff00ff`",
         "return" => words::NO_RETURN,
         "uniform" => "write `param name = 1 in 0..2`, which makes a slider",
         "rgb" | "rgba" => "write `(r, g, b)` with each of them from 0 to 1, or a colour like `#ff8000`",
@@ -209,6 +225,7 @@ mod tests {
         assert!(errors("scene = sphere(1).translate(0, 1)\n")[0].contains("`translate(x, y, z)`"));
         assert!(errors("scene = sphere(1).material(#f00)\n")[0].contains("`swatch(#f00)`"));
         assert!(errors("scene = sphere(1).material(swatch(#f00))\n").is_empty());
+        assert!(errors("scene = for c in grid((2, 0, 2)) { sphere(0.2 + 0.5 * hash(c + 1)) }\n").is_empty());
         // Each is told what works when it is followed.
         for (wrong, told, right) in [
             ("scene = cube(1)\n", "`box(1)`", "scene = box(1)\n"),
@@ -230,6 +247,30 @@ mod tests {
             ("light { dir: (0, -1, 0) }\nscene = sphere(1)\n", "`direction`", "light { direction: (0, -1, 0) }\nscene = sphere(1)\n"),
             ("let sphere = 2\nscene = sphere(1)\n", "another name", "let size = 2\nscene = sphere(1)\n"),
             ("field f = p.x ** 2 + length(p) - 1\nscene = sphere(1)\n", "`pow(a, b)`", "field f = pow(p.x, 2) + length(p) - 1\nscene = sphere(1)\n"),
+            ("field f = p.x ** 2 + length(p) - 1\nscene = sphere(1)\n", "`sq(a)`", "field f = sq(p.x) + length(p) - 1\nscene = sphere(1)\n"),
+            ("scene = for c in grid((2, 2)) { sphere(0.5) }\n", "`grid((2, 0, 2))`", "scene = for c in grid((2, 0, 2)) { sphere(0.5) }\n"),
+            ("scene = for k in polar(6) { sphere(0.3).translate(1, 0, 0) }\n", "`polar(y, 6)`", "scene = for k in polar(y, 6) { sphere(0.3).translate(1, 0, 0) }\n"),
+            ("scene = max(sphere(1), box(1))\n", "`a & b`", "scene = sphere(1) & box(1)\n"),
+            ("scene = min(sphere(1), box(1))\n", "`a | b`", "scene = sphere(1) | box(1)\n"),
+            ("scene = max(-sphere(1), box(1.7))\n", "`b - a`", "scene = box(1.7) - sphere(1)\n"),
+            ("scene = heightfield(sin(x) * cos(z))\n", "`p.x`", "scene = heightfield(sin(p.x) * cos(p.z))\n"),
+            ("field f = x * x + y * y - 1\nscene = f\n", "`p.x`", "field f = p.x * p.x + p.y * p.y - 1\nscene = f.within(box(2))\n"),
+            ("scene = polygon((0, 1), (1, 2), (0, 2)).extrude(1)\n", "`polygon([(0, 1), (1, 2)])`", "scene = polygon([(0, 1), (1, 2), (0, 2)]).extrude(1)\n"),
+            ("scene = sphere(1).material({ color: #f00 })\n", "`swatch(#ff0000)`", "scene = sphere(1).material(swatch(#ff0000))\n"),
+            ("scene = sphere(1).red\n", "`.material(swatch(#ff0000))`", "scene = sphere(1).material(swatch(#ff0000))\n"),
+            ("scene = sphere(1).material(metal(#ccc))\n", "`material metal(c: color) {", "material metal(c: color) { color: c, metallic: 1, roughness: 0.3 }\nscene = sphere(1).material(metal(#ccc))\n"),
+            ("param a = 1, 0..2\nscene = sphere(a)\n", "`param height = 2 in 1..5`", "param a = 1 in 0..2\nscene = sphere(a)\n"),
+            ("param a: 0..2 = 1\nscene = sphere(a)\n", "`param height = 2 in 1..5`", "param a = 1 in 0..2\nscene = sphere(a)\n"),
+            ("scene = for (i in 0..3) { sphere(1).translate(i, 0, 0) }\n", "`for i in 0..n { … }`", "scene = for i in 0..3 { sphere(1).translate(i, 0, 0) }\n"),
+            ("sun { direction: (0, -1, 0) }\nscene = sphere(1)\n", "`light sun { … }`", "light sun { direction: (0, -1, 0) }\nscene = sphere(1)\n"),
+            ("sky { color: #f00 }\nscene = sphere(1)\n", "`environment { sky:", "environment { sky: #f00 }\nscene = sphere(1)\n"),
+            ("scene = sphere(1) | ground\n", "declare it", "shape ground = plane(y, -1)\nscene = sphere(1) | ground\n"),
+            ("scene = sphere(i)\n", "declare it", "let i = 1\nscene = sphere(i)\n"),
+            ("field f = lenght(p) - 1\nscene = f\n", "`length`", "field f = length(p) - 1\nscene = f\n"),
+            ("render { ao: off }\nscene = sphere(1)\n", "`ambient_occlusion`", "render { ambient_occlusion: off }\nscene = sphere(1)\n"),
+            ("field f = { p.xz *= rot(0.5); length(p) - 1 }\nscene = f\n", "`let p2 = rotate(p, y, 0.5);`", "field f = { let p2 = rotate(p, y, 0.5); length(p2) - 1 }\nscene = f\n"),
+            ("field f = { let q = rot(0.5) * p; length(q) - 1 }\nscene = f\n", "`rotate(p, y, 0.5)`", "field f = { let q = rotate(p, y, 0.5); length(q) - 1 }\nscene = f\n"),
+            ("scene = sphere(hash(1.5))\n", "`hash(floor(a))`", "scene = sphere(hash(floor(1.5)))\n"),
         ] {
             let found = errors(wrong);
             assert!(found.len() == 1 && found[0].contains(told), "{wrong}{found:?}");

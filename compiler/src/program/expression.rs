@@ -1,7 +1,7 @@
 //! The value of an expression.
 
 use super::loops::{Joined, LIST_LIMIT};
-use super::elsewhere::{instead, is_of_point, ours};
+use super::elsewhere::{color, instead, is_of_point, ours};
 use super::load::{ItemRef, Resolution};
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
@@ -108,7 +108,7 @@ impl Elaborator<'_> {
         }
         match meaning {
             Resolution::Items(items) => self.item_value(items, span, env),
-            _ => Err(self.unknown_name(name, span, env)),
+            _ => Err(self.unknown_name(name, false, span, env)),
         }
     }
 
@@ -157,9 +157,10 @@ impl Elaborator<'_> {
             "time" => Value::number(self.graph.leaf(Leaf::Time)),
             "pi" => self.constant(std::f64::consts::PI),
             "tau" => self.constant(std::f64::consts::TAU),
-            "x" => axis(self, 0),
-            "y" => axis(self, 1),
-            "z" => axis(self, 2),
+            "x" | "y" | "z" => {
+                self.axes.insert(span);
+                axis(self, ["x", "y", "z"].iter().position(|axis| *axis == name).unwrap_or(0))
+            }
             "nothing" => Value::Nothing,
             "on" => Value::Bool(self.graph.constant(1.0)),
             "off" => Value::Bool(self.graph.constant(0.0)),
@@ -224,9 +225,21 @@ impl Elaborator<'_> {
         self.error(Code::Ambiguous, span, format!("`{name}` comes from `{from}`"), help)
     }
 
-    /// Says that a name is not known, and which one may have been meant.
-    pub fn unknown_name(&mut self, name: &str, span: Span, env: &Env) -> Stop {
-        if self.is_known(Code::UnknownName, span) {
+    /// Whether what a name stands for is called, or else is not, as far as the language says.
+    fn fits_here(&self, name: &str, is_called: bool, env: &Env) -> bool {
+        let modules = self.modules;
+        let Resolution::Items(items) = modules.resolve(env.module, name) else { return is_called == super::builtin::is_function(name) };
+        let mut declared = items.iter().map(|item| (item, modules.item(*item).map(|i| &i.kind)));
+        declared.any(|(item, kind)| match kind {
+            _ if !modules.is_prelude(item.module) => true,
+            Some(ItemKind::Function(f)) => is_called || f.parameters.iter().all(|p| p.default.is_some()),
+            _ => true,
+        })
+    }
+
+    /// Says that a name is not known, and which one may have been meant where it is called or is not.
+    pub fn unknown_name(&mut self, name: &str, is_called: bool, span: Span, env: &Env) -> Stop {
+        if self.is_known(Code::UnknownName, span) || self.modules.lacks(env.module, name) {
             return Stop;
         }
         let mut candidates: Vec<&str> = self.modules.visible(env.module);
@@ -237,11 +250,18 @@ impl Elaborator<'_> {
             locals.push(s.name.clone());
             scope = s.outer.as_ref();
         }
+        // A single letter is near to whatever has two.
+        let is_word = name.chars().nth(1).is_some();
         let near = ours(name, &candidates)
-            .or_else(|| nearest(name, candidates.into_iter().chain(locals.iter().map(|n| &**n))))
+            .or_else(|| {
+                let built_in = super::builtin::FUNCTIONS.iter().copied();
+                let fitting = candidates.into_iter().chain(built_in).filter(|known| self.fits_here(known, is_called, env));
+                nearest(name, fitting.chain(locals.iter().map(|n| &**n))).filter(|_| is_word)
+            })
             .map(str::to_owned);
         let help = match (instead(name), near) {
             (Some(instead), _) => instead.to_owned(),
+            _ if let Some(color) = color(name) => format!("write a colour as `{color}`"),
             (None, Some(near)) if is_of_point(name) => {
                 format!("did you mean `{near}`? Of a point `q` it is `{near}(…).at(q)`, and sizes are whole ones, not half")
             }

@@ -74,12 +74,14 @@ pub struct Module {
     pub ast: ast::File,
     /// Its imports.
     pub imports: Vec<Import>,
+    /// The names of imports that could not be read; none where one has no name.
+    lacking: Vec<Option<String>>,
     names: FxHashMap<Arc<str>, Vec<ItemRef>>,
 }
 
 impl Module {
     fn new(file: FileId, path: String, ast: ast::File) -> Self {
-        Self { file, path, ast, imports: Vec::new(), names: FxHashMap::default() }
+        Self { file, path, ast, imports: Vec::new(), lacking: Vec::new(), names: FxHashMap::default() }
     }
 
     /// Finds its names. `module` is its own index.
@@ -221,16 +223,17 @@ impl Reader<'_> {
         // Its place is kept for it: what it imports comes after it.
         self.list.push(Arc::new(Module::new(file, path.to_owned(), ast::File::default())));
         self.stack.push(path.to_owned());
-        let mut imports = Vec::new();
+        let (mut imports, mut lacking) = (Vec::new(), Vec::new());
         for item in &module.ast.items {
             let ItemKind::Import { path: target, path_span, alias } = &item.kind else { continue };
-            if let Some(target) = self.import(path, target, *path_span) {
-                let alias = alias.as_ref().map(|a| a.text.to_string());
-                imports.push(Import { alias, module: target });
+            let alias = alias.as_ref().map(|a| a.text.to_string());
+            match self.import(path, target, *path_span) {
+                Some(target) => imports.push(Import { alias, module: target }),
+                None => lacking.push(alias),
             }
         }
         self.stack.pop();
-        module.imports = imports;
+        (module.imports, module.lacking) = (imports, lacking);
         if let Some(slot) = self.list.get_mut(index) {
             *slot = Arc::new(module);
         }
@@ -421,6 +424,12 @@ impl Modules {
             .iter()
             .find(|i| i.alias.as_deref() == Some(name))
             .map(|i| i.module)
+    }
+
+    /// Whether a name may come from an import that could not be read, which has been said.
+    pub fn lacks(&self, module: usize, name: &str) -> bool {
+        let mut lacking = self.list.get(module).into_iter().flat_map(|m| &m.lacking);
+        lacking.any(|alias| alias.as_ref().is_none_or(|alias| alias == name))
     }
 
     /// What a text itself declares by a name.

@@ -2,9 +2,9 @@
 
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
-use crate::diagnostic::Code;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
-use crate::graph::{NodeId, FAR};
+use crate::graph::{NodeId, ShapeId, FAR};
 use crate::source::Span;
 use crate::syntax::ast::{BinaryOp, Expr, ExprKind, Fold, FoldKind, For, Iterate, Let};
 
@@ -198,6 +198,18 @@ impl Elaborator<'_> {
         let count = (last - from).ceil().max(0.0) as usize;
         let indices = (0..count).map(|i| self.constant(from + i as f64)).collect();
         Ok((indices, live))
+    }
+
+    /// What a repetition repeats, as a shape. Where it is a solid, and the head repeats drawings, the head is wrong.
+    pub(super) fn repeated(&mut self, body: &Value, dimensions: u8, each: &For, head: &str) -> Elaborated<ShapeId> {
+        if let (Value::Shape(id), 2) = (body, dimensions)
+            && self.dimensions(*id) == 3
+        {
+            let help = format!("write `{head}` for solids");
+            let error = Diagnostic::new(Code::TypeMismatch, each.source.span, "this repeats drawings, and the body is a solid", help);
+            return Err(self.report(error.label(each.body.span, "a solid")));
+        }
+        self.to_shape(body, dimensions, each.body.span)
     }
 
     /// `for … { … }`.

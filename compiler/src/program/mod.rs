@@ -154,6 +154,8 @@ pub struct Elaborator<'a> {
     outside: Option<Span>,
     /// While a declaration that nothing calls is tried with stand-in arguments: only errors that hold for all arguments are kept.
     trial: bool,
+    /// Where `x`, `y` and `z` stand for unit vectors.
+    axes: FxHashSet<Span>,
     /// The scene's extent, needed while repetitions are made.
     pub extent: f64,
 }
@@ -199,6 +201,7 @@ pub fn elaborate(modules: &Modules, options: &Options, facts: Facts) -> Elaborat
         unfolding: None,
         outside: None,
         trial: false,
+        axes: FxHashSet::default(),
         extent: 100.0,
     };
     let main = modules.main;
@@ -261,6 +264,7 @@ impl Elaborator<'_> {
                 | Code::TooLarge
                 | Code::NoReach
                 | Code::NoBound
+                | Code::NotWhole
         );
         let known = self.is_known(diagnostic.code, diagnostic.span);
         let stands = !self.trial || !caused_by_values;

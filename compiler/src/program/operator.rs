@@ -33,13 +33,19 @@ impl Elaborator<'_> {
                 let value = self.graph.constant(-FAR);
                 Ok(Value::Shape(self.make_shape(3, value, span)))
             }
+            (UnaryOp::Neg, Value::Shape(_)) => Err(self.error(
+                Code::TypeMismatch,
+                span,
+                "`-` needs a number or a vector, and this is a shape",
+                "what is left of `b` without `a` is `b - a`; the complement of a shape is written `!s`",
+            )),
             (UnaryOp::Neg, other) => {
                 let found = other.describe(self);
                 Err(self.error(
                     Code::TypeMismatch,
                     span,
                     format!("`-` needs a number or a vector, and this is {found}"),
-                    "the complement of a shape is written `!s`",
+                    "write a number",
                 ))
             }
             (UnaryOp::Not, other) => {

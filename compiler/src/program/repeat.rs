@@ -64,7 +64,7 @@ impl Elaborator<'_> {
         if matches!(body, Value::Nothing) {
             return Ok(Value::Nothing);
         }
-        let body = self.to_shape(&body, dimensions as u8, each.body.span)?;
+        let body = self.repeated(&body, dimensions as u8, each, "grid((2, 0, 2))")?;
         // What the cells can be, and how far the body reaches over all of them.
         let mut axes = Vec::new();
         for (i, &size_node) in sizes.iter().enumerate() {
@@ -373,7 +373,7 @@ impl Elaborator<'_> {
         if matches!(body, Value::Nothing) {
             return Ok(Value::Nothing);
         }
-        let body = self.to_shape(&body, dimensions, each.body.span)?;
+        let body = self.repeated(&body, dimensions, each, "polar(y, 6)")?;
         let last = range.hi - 1.0;
         let cells = |v: u32| (v == variable).then_some((0.0, last));
         let region = self.body_box(body, &cells);

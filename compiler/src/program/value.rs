@@ -108,6 +108,12 @@ fn vector_words(n: usize) -> &'static str {
     ["", "", "(x, y)", "(x, y, z)", "(x, y, z, w)"].get(n).unwrap_or(&"")
 }
 
+/// How a list of points of `n` numbers is written.
+pub(super) fn points(n: u8) -> String {
+    let point = |from: u8| format!("({})", (from..from + n).map(|i| i.to_string()).collect::<Vec<_>>().join(", "));
+    format!("[{}, {}]", point(0), point(1))
+}
+
 /// A type in words.
 pub fn type_words(ty: &Type) -> String {
     match ty {
@@ -194,12 +200,11 @@ impl Elaborator<'_> {
             (Value::Nothing, Type::Shape2) => self.to_shape(&value, 2, span).map(Value::Shape),
             // One number would be a point on the diagonal, which nobody means who writes a list of coordinates.
             (Value::List(items), Type::List(inner)) if let (Type::Vec(n), true) = (&**inner, items.iter().any(|v| matches!(v, Value::Number(..)))) => {
-                let point = |from: u8| format!("({})", (from..from + n).map(|i| i.to_string()).collect::<Vec<_>>().join(", "));
                 Err(self.error(
                     Code::TypeMismatch,
                     span,
                     "a list of points is needed here, and there is a single number in this one",
-                    format!("put each point's {n} numbers in parentheses: `[{}, {}]`", point(0), point(1)),
+                    format!("put each point's {n} numbers in parentheses: `{}`", points(*n)),
                 ))
             }
             (Value::List(items), Type::List(inner)) => {
@@ -213,9 +218,7 @@ impl Elaborator<'_> {
             _ => {
                 let found = value.describe(self);
                 let help = match (&value, ty) {
-                    (Value::Vector(v), Type::Float | Type::Int) if v.len() <= 4 => {
-                        "take one component with `.x`, or its `length(…)`".to_owned()
-                    }
+                    (Value::Vector(_), Type::Float | Type::Int | Type::Field) => self.instead_of_vector(span).to_owned(),
                     (Value::List(_) | Value::Vector(_), Type::Vec(n)) => format!("write `{}`", vector_words(usize::from(*n))),
                     (Value::List(_), Type::Color) => "write `(red, green, blue)`, or `#d4af37`".to_owned(),
                     (Value::Number(node, _), Type::Shape) => {
@@ -259,7 +262,7 @@ impl Elaborator<'_> {
             other => {
                 let found = other.describe(self);
                 let help = match other {
-                    Value::Vector(_) => "take one component with `.x`, or its `length(…)`",
+                    Value::Vector(_) => self.instead_of_vector(span),
                     Value::Bool(_) => "write `if condition { 1 } else { 0 }`",
                     _ => "write a number",
                 };
@@ -294,6 +297,14 @@ impl Elaborator<'_> {
                     "ask for it at a point of space, for example `s.at((q.x, 0, q.y))`"
                 },
             )),
+        }
+    }
+
+    /// What to write where a number is needed and a vector stands.
+    fn instead_of_vector(&self, span: Span) -> &'static str {
+        match self.axes.iter().any(|axis| axis.file == span.file && span.start <= axis.start && axis.end <= span.end) {
+            true => "`x`, `y` and `z` are unit vectors: the coordinates of a point are `p.x`, `p.y` and `p.z`",
+            false => "take one component with `.x`, or its `length(…)`",
         }
     }
 

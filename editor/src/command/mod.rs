@@ -18,10 +18,11 @@ mod verify;
 mod view;
 
 use crate::files::FileLoader;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 use surefoot_compiler::diagnostic::{self, Diagnostic, Severity};
+use surefoot_compiler::syntax::words;
 use surefoot_compiler::{Options, Outcome};
 
 /// A language for signed distance fields: its compiler and live editor.
@@ -97,7 +98,16 @@ impl Failure {
 
 /// Reads the command line and does what it asks.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => match std::env::args().nth(1).as_deref().and_then(misspelled) {
+            Some(words) => {
+                eprintln!("surefoot: {words}");
+                return ExitCode::from(Exit::Usage as u8);
+            }
+            None => error.exit(),
+        },
+    };
     let command = cli.command.or_else(|| cli.view.map(Command::View));
     let done = match command {
         // Kept from here by `arg_required_else_help`.
@@ -120,6 +130,13 @@ pub fn run() -> ExitCode {
         failure.exit
     });
     ExitCode::from(exit as u8)
+}
+
+/// What is said of a first word that is no scene and nearly a command: it reads as a scene, and then what follows it is not understood.
+fn misspelled(word: &str) -> Option<String> {
+    let cli = Cli::command();
+    let near = words::nearest(word, cli.get_subcommands().map(clap::Command::get_name))?;
+    (!std::path::Path::new(word).exists()).then(|| format!("there is no command `{word}`: did you mean `{near}`?"))
 }
 
 /// Compiles a scene on disk; fails only where the scene's own file can't be read.
@@ -203,11 +220,18 @@ fn print(bytes: &[u8]) -> Result<(), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_hangs_together() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_misspelled_command_is_no_scene() {
+        assert!(misspelled("rendr").unwrap().contains("`render`"));
+        assert_eq!(misspelled("render"), None);
+        assert_eq!(misspelled("castle.sdf"), None);
+        assert!(Cli::try_parse_from(["surefoot", "rendr", "castle.sdf"]).is_err());
     }
 
     #[test]

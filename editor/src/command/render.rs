@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use surefoot_compiler::Options;
 use surefoot_compiler::compiled::{Camera, Frame};
 use surefoot_compiler::diagnostic::Diagnostic;
-use surefoot_compiler::outlook::outlook;
 
 /// What to draw, and how.
 #[derive(Debug, clap::Args)]
@@ -110,7 +109,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     // A wrong name is said before anything slow is done.
     camera(&compiled.frame(&live), args.camera.as_deref())?;
     live.time = args.time;
-    let unseen: Vec<Diagnostic> = outlook(compiled, &live, args.camera.as_deref()).into_iter().collect();
+    let unseen: Vec<Diagnostic> = outcome.outlook(&live, args.camera.as_deref()).into_iter().collect();
     show_found(&outcome, &unseen);
 
     let (mut painter, note) =

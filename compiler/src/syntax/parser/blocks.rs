@@ -28,6 +28,14 @@ impl Parser<'_> {
     fn block_inside(&mut self) -> Expr {
         let open = self.bump();
         self.opens.push(TokenKind::BraceOpen);
+        if self.is(TokenKind::Name) && self.next_is(TokenKind::Colon) && !self.is_word("let") {
+            self.unexpected(
+                "entries stand in a declaration, and a value is needed here",
+                "write `material name { color: … }` outside, and `name` here; for a colour alone `swatch(#ff0000)`",
+            );
+            self.skip_to_brace();
+            self.last_report = Some(self.at);
+        }
         let mut lets = Vec::new();
         while self.at_let()
             || self.at_typed()
@@ -224,6 +232,10 @@ impl Parser<'_> {
 
     pub(super) fn iterate(&mut self) -> Iterate {
         self.bump();
+        if self.foreign_loop() {
+            let index = Name { text: "".into(), span: self.span_from(self.end()) };
+            return Iterate { index, source: self.hole(), condition: None, lets: Vec::new(), updates: Vec::new() };
+        }
         let index = self.loop_index();
         let source = self.value_or_range();
         let condition = self.eat_word("while").map(|_| self.value());

@@ -174,15 +174,24 @@ impl Parser<'_> {
     pub(super) fn param(&mut self) -> Option<ItemKind> {
         self.bump();
         let name = self.declared_name("a parameter");
-        let ty = self.type_after_colon();
-        let value = self.after_equals("`param height = 2 in 1..5`");
         let mut domain = None;
+        let is_number = matches!(self.peek_next().kind, TokenKind::Int | TokenKind::Float | TokenKind::Angle | TokenKind::Minus);
+        let ty = if self.is(TokenKind::Colon) && is_number {
+            self.unexpected("the range of a parameter stands after its value", "write `in` before it: `param height = 2 in 1..5`");
+            self.bump();
+            domain = Some(self.value_or_range());
+            None
+        } else {
+            self.type_after_colon()
+        };
+        let value = self.after_equals("`param height = 2 in 1..5`");
         if self.eat_word("in").is_some() {
             domain = Some(self.value_or_range());
-        } else if matches!(self.peek().kind, TokenKind::BracketOpen | TokenKind::ParenOpen)
+        } else if matches!(self.peek().kind, TokenKind::BracketOpen | TokenKind::ParenOpen | TokenKind::Comma)
             && !self.is_on_new_line()
         {
             self.missing("`in`", "write `in` before the range: `param height = 2 in 1..5`");
+            self.eat(TokenKind::Comma);
             self.value_or_range();
         }
         let mut description = None;

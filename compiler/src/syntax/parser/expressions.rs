@@ -304,15 +304,9 @@ impl Parser<'_> {
             _ => {
                 let operator = self.previous().filter(|last| last.end == token.start && binary(last.kind).is_some());
                 match (operator, token.kind) {
-                    (Some(operator), TokenKind::Equals) => {
-                        let operator = operator.text(self.text).to_owned();
-                        let help = format!("a name is given its value once: write `let d2 = d {operator} …;`, and `d2` from there on");
-                        self.unexpected(format!("`{operator}=` changes a value, and none can be changed"), help);
-                        self.bump();
-                        self.value();
-                    }
+                    (Some(operator), TokenKind::Equals) => self.changed_value(operator),
                     (Some(operator), TokenKind::Star) if operator.kind == TokenKind::Star => {
-                        self.unexpected("a power is a function", "write `pow(a, b)`; `square(a)` and `cube(a)` are the second and third");
+                        self.unexpected("a power is a function", "write `pow(a, b)`; `sq(a)` and `cube(a)` are the second and third");
                         self.bump();
                         self.value();
                     }
@@ -427,6 +421,9 @@ impl Parser<'_> {
     /// `for index in source by fold { body }`.
     fn repetition(&mut self) -> Expr {
         let start = self.bump().start;
+        if self.foreign_loop() {
+            return Expr { kind: ExprKind::Hole, span: self.span_from(start) };
+        }
         let index = self.loop_index();
         let source = self.value_or_range();
         let by = self.is_word("by").then(|| self.fold());

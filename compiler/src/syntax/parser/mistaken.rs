@@ -1,10 +1,13 @@
-//! What stands at the top of a file and is no declaration.
+//! What is written as in other languages: at the top of a file what is no declaration, within values what changes them and how one loops.
 
 use super::super::ast::*;
-use super::super::lexer::TokenKind;
+use super::super::lexer::{Token, TokenKind};
 use super::super::words;
 use crate::diagnostic::Code;
 use super::Parser;
+
+/// What a light is called that is declared without its word.
+const LIGHTS: [&str; 8] = ["sun", "moon", "lamp", "bulb", "spot", "spotlight", "point_light", "directional_light"];
 
 impl Parser<'_> {
     /// What stands at the top of the file and is no declaration: says what was probably meant, and reads it as that.
@@ -71,6 +74,10 @@ impl Parser<'_> {
             "uniform" | "parameter" | "slider" if next == TokenKind::Name => Some("param"),
             "func" | "function" | "fun" if next == TokenKind::Name => Some("fn"),
             "include" | "use" if next == TokenKind::Str => Some("import"),
+            _ if LIGHTS.contains(&word) && next == TokenKind::BraceOpen => {
+                self.unexpected(format!("no declaration starts with `{word}`"), format!("write `light {word} {{ … }}`"));
+                return self.declaration("light");
+            }
             _ => words::nearest(word, words::DECLARATIONS.iter().copied()).filter(|near| {
                 matches!(next, TokenKind::Name | TokenKind::Str | TokenKind::BraceOpen)
                     || next == TokenKind::Equals && *near == "scene"
@@ -138,12 +145,58 @@ impl Parser<'_> {
                 None
             }
             _ => {
-                self.unexpected(format!("no declaration starts with `{word}`"), declaration_help());
+                let help = match word {
+                    "sky" | "background" => "write `environment { sky: #87a7d0 }`".to_owned(),
+                    _ => declaration_help(),
+                };
+                self.unexpected(format!("no declaration starts with `{word}`"), help);
                 self.bump();
-                self.skip_to_declaration();
+                // After its block another may stand that is none either.
+                if self.is(TokenKind::BraceOpen) {
+                    self.skip_balanced();
+                }
+                if !self.is_on_new_line() {
+                    self.skip_to_declaration();
+                }
                 None
             }
         }
+    }
+
+    /// `d += 1`, with the `=` at hand: says what to write, and skips it.
+    pub(super) fn changed_value(&mut self, operator: Token) {
+        let operator = operator.text(self.text);
+        let turned = self.at.checked_sub(3).map(|i| (self.token_at(i), self.token_at(i + 1)));
+        let axis = turned.filter(|(dot, _)| dot.kind == TokenKind::Dot && operator == "*").and_then(|(_, part)| match self.word_of(part) {
+            "yz" | "zy" => Some('x'),
+            "xz" | "zx" => Some('y'),
+            "xy" | "yx" => Some('z'),
+            _ => None,
+        });
+        let point = self.at.checked_sub(4).map_or("", |i| self.word_of(self.token_at(i)));
+        let help = match axis {
+            Some(axis) => format!("a turn makes a new point: write `let {point}2 = rotate({point}, {axis}, 0.5);`, and `{point}2` from there on"),
+            None => format!("a name is given its value once: write `let d2 = d {operator} …;`, and `d2` from there on"),
+        };
+        self.unexpected(format!("`{operator}=` changes a value, and none can be changed"), help);
+        self.bump();
+        self.value();
+        self.eat(TokenKind::Semicolon);
+        self.last_report = Some(self.at);
+    }
+
+    /// What stands in parentheses after `for`, as in other languages: says how it is written, and skips it with its body.
+    pub(super) fn foreign_loop(&mut self) -> bool {
+        if !self.is(TokenKind::ParenOpen) {
+            return false;
+        }
+        self.unexpected("a `for` goes over a range, without parentheses", "write `for i in 0..n { … }`");
+        self.skip_balanced();
+        if self.is(TokenKind::BraceOpen) {
+            self.skip_balanced();
+        }
+        self.last_report = Some(self.at);
+        true
     }
 }
 
