@@ -1,10 +1,10 @@
 //! What a scene's camera sees before anything is drawn: of a picture that would be black or empty a person is told why.
 
 use crate::analysis::Box3;
-use crate::compiled::{Camera, CameraNodes, Compiled, EYE, Frame, LightKind, Live, Shadow};
+use crate::compiled::{Camera, CameraNodes, Compiled, Frame, LightKind, Live, Shadow};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::frame::SMALLEST;
 use crate::graph::FAR;
+use crate::home::{EYE, SMALLEST};
 use crate::reference::camera::Basis;
 use crate::reference::follow::TRACER;
 use crate::reference::march::{Ray, at_points};
@@ -186,7 +186,7 @@ mod tests {
     #[test]
     fn who_writes_what_is_said_sees_something() {
         for (scene, camera, code) in [
-            ("scene = plane(y, 5)", "", Code::InsideSolid),
+            ("scene = plane(y, 5)", "eye: (4, 3, 6)", Code::InsideSolid),
             ("scene = box(4)", "eye: (0, 0, 1)", Code::InsideSolid),
             ("scene = box(30) - box(29)", "eye: (14.8, 0, 0)", Code::InsideSolid),
             ("scene = sphere(1)", "eye: (0, 0, 5), target: (0, 0, 9)", Code::NothingSeen),

@@ -18,7 +18,6 @@ use surefoot_compiler::reference::vector::{add, dot, length, scale, sub};
 use surefoot_compiler::syntax;
 use surefoot_runtime::{Physics, ViewMode};
 use surefoot_runtime::live::Update;
-use surefoot_runtime::stage::reads_time;
 
 /// One thing to do.
 #[derive(Debug)]
@@ -444,7 +443,7 @@ fn answer(session: &mut Session, world: &mut World, answer: Answer) {
 fn arrived(session: &mut Session, world: &mut World, update: Update) {
     let swapped = update.ready.is_some();
     if let Some(ready) = update.ready {
-        session.said.reads_time = reads_time(&ready.compiled);
+        session.said.reads_time = ready.compiled.reads_time();
         session.said.factors = factors(&ready.compiled, &update.words);
         session.stage.put(ready);
         session.said.swaps += 1;
