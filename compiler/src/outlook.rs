@@ -29,11 +29,7 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
     let which = frame.cameras.iter().position(|(known, _)| name.is_none_or(|name| name == known))?;
     let (camera, nodes) = (frame.cameras.get(which)?.1, compiled.blocks.cameras.get(which));
     let reference = Reference::new(compiled, live).ok()?;
-    let field = |place: Vec3| {
-        let mut found = f64::NAN;
-        at_points(reference.field(), &[place], &[], |_, values| found = values.first().copied().unwrap_or(f64::NAN));
-        found
-    };
+    let field = |place: Vec3| field_at(&reference, place);
     let known = compiled.functions.ahead;
     let region = known.home.or(known.region).filter(|region| region.size() > SMALLEST);
     let empty = compiled.graph.shape(compiled.root).is_some_and(|s| compiled.graph.as_constant(s.value).is_some());
@@ -82,6 +78,21 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
         better().unwrap_or_else(|| "look for an `&` of shapes that do not meet, a `-` that takes all away, or a formula that is nowhere below zero".to_owned())
     };
     Some(Diagnostic::new(Code::NothingSeen, place(compiled, nodes), "nothing solid is in sight of the camera", help))
+}
+
+/// Whether a camera stands inside the solid, or sees nothing of it as far as is soon told.
+pub fn is_blind(compiled: &Compiled, live: &Live, camera: &Camera) -> bool {
+    let Ok(reference) = Reference::new(compiled, live) else { return false };
+    let frame = compiled.frame(live);
+    let has_others = !compiled.blocks.meshes.is_empty() || compiled.has_balls();
+    field_at(&reference, camera.eye) < 0.0
+        || !has_others && sees(compiled, &reference, camera, &frame, frame.max_distance).is_some_and(|sight| sight != Sight::Solid)
+}
+
+fn field_at(reference: &Reference, place: Vec3) -> f64 {
+    let mut found = f64::NAN;
+    at_points(reference.field(), &[place], &[], |_, values| found = values.first().copied().unwrap_or(f64::NAN));
+    found
 }
 
 /// What a camera sees.
