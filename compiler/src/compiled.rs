@@ -2,7 +2,7 @@
 
 pub use crate::emit::Formulas;
 pub use crate::emit::table::{ModuleTables, Tables};
-pub use crate::frame::{CAPTURE_SIZES, Camera, CameraNodes, CaptureNodes, EYE, Frame, Light, LightKind, LightNodes, MAX_BOUNCES, SceneBlocks, Shadow, Sky};
+pub use crate::frame::{CAPTURE_SIZES, Camera, CameraNodes, CaptureNodes, Frame, Light, LightKind, LightNodes, MAX_BOUNCES, SceneBlocks, Shadow, Sky};
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::emit::tracer::Ways;
@@ -10,7 +10,8 @@ use crate::functions::{self, Functions, Summary};
 use crate::graph::algebra::Reals;
 use crate::outlook::outlook;
 use crate::pipeline::tidy;
-use crate::graph::{multiple_of, Graph, Leaf, NodeId, Proof, ShapeId};
+pub use crate::home::Home;
+use crate::graph::{multiple_of, Graph, Leaf, Node, NodeId, Proof, ShapeId};
 pub use crate::loader::{Loader, MemoryLoader};
 use crate::source::{Sources, Span};
 use crate::syntax::ast::Type;
@@ -328,6 +329,8 @@ pub struct Compiled {
     pub module: Module,
     /// Names of declarations of the scene's own file that nothing uses, and where they stand.
     pub unused: Vec<(String, Span)>,
+    /// Where a camera stands of which the text says nothing, where there is one.
+    pub home: Option<Box<Home>>,
     /// The scene as balls meet it, where that is another; see [`Compiled::ground`].
     pub apart: Option<Box<Compiled>>,
 }
@@ -376,6 +379,11 @@ impl Compiled {
     /// Least and greatest corner of a box that holds the solid, where there is one within the extent; looked for when it is asked for.
     pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
         functions::bounds(&self.graph, self.root, &self.functions, self.blocks.extent)
+    }
+
+    /// Whether anything in the scene changes with time.
+    pub fn reads_time(&self) -> bool {
+        (0..self.graph.len()).any(|i| matches!(self.graph.node(NodeId(i as u32)), Node::Leaf(Leaf::Time)))
     }
 
     /// Time zero and every parameter at its default.

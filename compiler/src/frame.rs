@@ -6,9 +6,8 @@ use crate::images::EnvironmentFile;
 use crate::mesh::MeshNodes;
 use crate::physics::{BallsNodes, PhysicsNodes};
 use crate::reference::shade;
-use crate::graph::interval::Interval;
-use crate::reference::camera::Basis;
-use crate::reference::vector::{Vec3, add, dot, length, scale, sub};
+use crate::home::{EYE, FOV};
+use crate::reference::vector::{Vec3, length, sub};
 use crate::source::Span;
 
 /// A point and direction of view.
@@ -97,17 +96,6 @@ pub struct Frame {
 const FAR_ENOUGH: f64 = 100.0;
 const SIGHT: f64 = 2.5;
 
-/// Where a camera stands of which nothing is said.
-pub const EYE: Vec3 = [4.0, 3.0, 6.0];
-/// What is smaller than this is not gone nearer to.
-pub const SMALLEST: f64 = 1e-3;
-/// What fills less of the picture's height than this is gone nearer to.
-const LEAST_SHARE: f64 = 0.1;
-/// So much farther away than it would fill the picture from, all that is solid is looked at.
-const MARGIN: f64 = 1.1;
-/// So wide a picture is taken to be, for its height.
-const WIDE: f64 = 1.3;
-
 /// A ray is mirrored at most so often.
 pub const MAX_BOUNCES: u32 = 8;
 
@@ -159,6 +147,11 @@ pub struct SceneBlocks {
 }
 
 impl SceneBlocks {
+    /// Whether a camera stands where what is solid is well seen: one of which the text says neither eye nor target.
+    pub fn is_framed(&self) -> bool {
+        self.cameras.is_empty() || self.cameras.iter().any(|camera| camera.eye.or(camera.target).is_none())
+    }
+
     /// How far occlusion reaches and how strong it is.
     pub fn occlusion(&self, graph: &Graph, live: &Live) -> (f64, f64) {
         let Some((reach, strength)) = self.ambient_occlusion else { return (0.5, 1.0) };
@@ -219,7 +212,7 @@ impl Compiled {
             })
             .collect();
         if cameras.is_empty() {
-            cameras.push((String::new(), self.camera([None; 2], 0.7)));
+            cameras.push((String::new(), self.camera([None; 2], FOV)));
         }
         let lights = blocks
             .lights
@@ -264,36 +257,18 @@ impl Compiled {
         }
     }
 
-    /// A camera of which eye and target are given or not. Where neither is it stands as usual if all that is solid is well seen from there, else so
-    /// far away from that, in the same direction, that it is.
+    /// A camera of which eye and target are given or not.
     fn camera(&self, [eye, target]: [Option<Vec3>; 2], fov: f64) -> Camera {
-        let usual = Camera { eye: eye.unwrap_or(EYE), target: target.unwrap_or([0.0; 3]), fov };
-        let Some(region) = self.functions.ahead.home.filter(|r| eye.or(target).is_none() && r.size() > SMALLEST) else {
-            return usual;
-        };
-        let (middle, sides) = (region.0.map(Interval::middle), region.0.map(|side| side.width()));
-        let radius = 0.5 * length(sides);
-        let basis = Basis::of(&usual);
-        let is_seen = |corner: u32| {
-            let of = |i: u32, side: Interval| if corner >> i & 1 == 0 { side.lo } else { side.hi };
-            let [x, y, z] = region.0;
-            let way = sub([of(0, x), of(1, y), of(2, z)], EYE);
-            let reach = basis.tan_half_fov * dot(way, basis.forward);
-            dot(way, basis.up).abs() < reach && dot(way, basis.right).abs() < WIDE * reach
-        };
-        let is_large = radius > LEAST_SHARE * length(EYE) * basis.tan_half_fov;
-        if is_large && (0..8).all(is_seen) {
-            return usual;
+        match &self.home {
+            Some(home) if eye.or(target).is_none() => home.camera(fov),
+            _ => Camera { eye: eye.unwrap_or(EYE), target: target.unwrap_or([0.0; 3]), fov },
         }
-        let away = scale(EYE, MARGIN * radius / basis.tan_half_fov / length(EYE));
-        Camera { eye: add(middle, away), target: middle, fov }
     }
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 mod tests {
-    use crate::reference::vector::{length, sub};
     use crate::{MemoryLoader, Options, compile};
 
     #[test]
@@ -309,73 +284,5 @@ mod tests {
         assert_eq!(far("camera { eye: (0, 0, 1e30), target: (0, 0, 0) }"), 1e9);
         assert_eq!(far("param a = 0 in 0..1\ncamera { eye: (0, 0, 1 / a), target: (0, 0, 0) }"), 100.0);
         assert_eq!(far("camera { eye: (0, 0, 200), target: (0, 0, 0) }\nrender { max_distance: 50 }"), 50.0);
-    }
-
-    #[test]
-    fn a_scene_without_a_camera_is_seen_whole() {
-        let seen = |text: &str| {
-            let scene = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default()).compiled.unwrap();
-            let frame = scene.frame(&scene.live());
-            (frame.cameras[0].1, frame.extent)
-        };
-        // What is well seen from the usual place is seen from there.
-        for usual in ["scene = sphere(1)", "scene = torus(1.5, 0.5) | plane(y, -1)", "scene = box(2)\ncamera { fov: 40deg }"] {
-            let (camera, extent) = seen(usual);
-            assert_eq!((camera.eye, camera.target, extent), ([4.0, 3.0, 6.0], [0.0; 3], 100.0), "{usual}");
-        }
-        for other in ["scene = box(20)", "scene = sphere(0.01)", "scene = sphere(1).translate(0, 0, 30)", "scene = sphere(400) | plane(y, -400)", "param r = 10 in 1..1000\nscene = box(2 * r)"] {
-            let (camera, extent) = seen(other);
-            let away = length(sub(camera.eye, camera.target));
-            let (middle, radius) = match other {
-                o if o.contains("0.01") => ([0.0; 3], 0.01),
-                o if o.contains("30)") => ([0.0, 0.0, 30.0], 1.0),
-                o if o.contains("400") => ([0.0; 3], 400.0),
-                _ => ([0.0; 3], 10.0),
-            };
-            assert!(length(sub(camera.target, middle)) < 0.1 * radius, "{other}: {camera:?}");
-            assert!(away > 2.5 * radius && away < 8.0 * radius, "{other}: {camera:?}");
-            assert!(extent > 1.4 * radius, "{other}: {extent}");
-        }
-        // Of these shapes a first look says next to nothing of where they end.
-        for (other, radius) in [
-            ("scene = prism(6, 30, 30)", 42.0),
-            ("scene = pyramid(300, 300)", 260.0),
-            ("scene = superquadric((10, 10, 10), 4)", 12.0),
-            ("scene = star(5, 400, 200).extrude(50)", 530.0),
-            ("scene = box(30).shear(y, x, 0.3)", 29.0),
-            ("scene = cylinder((-60, -60, 0), (60, 60, 5), 4)", 89.0),
-            ("scene = (rectangle((300, 200)) - for i in 0..11 { circle(4).translate(80, 0).rotate(i / 11 * 1turn) }).extrude(10)", 180.0),
-            ("scene = for i in 0..200 by smooth_union(2) { sphere(3).translate(10 * (i - 100), 0, 0) }", 1000.0),
-            ("param n: int = 6 in 3..12\nscene = prism(n, 300, 50)", 400.0),
-            ("scene = sphere(3).translate(300, 0, 0).repeat_polar(y, 40)", 430.0),
-            ("scene = box(10).translate(150, 0, 0).repeat_polar(y, 12) | sphere(20)", 220.0),
-            ("scene = (for c in polar(30) { circle(3).translate(400, 0) }).extrude(4)", 570.0),
-            ("scene = sphere(101).repeat(250, (2, 1, 2))", 330.0),
-        ] {
-            let (camera, extent) = seen(other);
-            let away = length(sub(camera.eye, camera.target));
-            assert!(length(camera.target) < 0.1 * radius, "{other}: {camera:?}");
-            assert!(away > 1.5 * radius && away < 8.0 * radius, "{other}: {camera:?}");
-            assert!(extent > 1.4 * radius, "{other}: {extent}");
-        }
-        // A tree whose branches are turned, again and again: its middle is in the picture.
-        let tree = "shape tree(n: int, len: float) = {
-  let trunk = capsule((0, 0, 0), (0, len, 0), 0.08 * len);
-  if n == 0 { trunk } else {
-    trunk
-    | tree(n - 1, 0.7 * len).rotate(z, 30deg).translate(0, len, 0)
-    | tree(n - 1, 0.7 * len).rotate(z, -25deg).rotate(y, 70deg).translate(0, len, 0)
-    | tree(n - 1, 0.6 * len).rotate(x, 35deg).translate(0, len, 0)
-  }
-}";
-        for (branches, height) in [(4, 2.7), (5, 3.0), (7, 3.2)] {
-            let (camera, _) = seen(&format!("{tree}\nscene = tree({branches}, 1)"));
-            let away = length(sub(camera.eye, camera.target));
-            assert!((camera.target[1] - 0.5 * height).abs() < 0.5, "{branches}: {camera:?}");
-            assert!(away > 1.2 * height && away < 4.0 * height, "{branches}: {camera:?}");
-        }
-        // Who says where the camera stands has it there.
-        let (camera, extent) = seen("scene = box(20)\ncamera { eye: (0, 0, 50) }\nrender { extent: 30 }");
-        assert_eq!((camera.eye, extent), ([0.0, 0.0, 50.0], 30.0));
     }
 }

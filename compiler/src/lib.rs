@@ -11,6 +11,7 @@ pub mod factors;
 mod frame;
 pub mod functions;
 pub mod graph;
+mod home;
 pub mod images;
 pub mod loader;
 pub mod mesh;

@@ -1,10 +1,10 @@
 //! What a scene's camera sees before anything is drawn: of a picture that would be black or empty a person is told why.
 
 use crate::analysis::Box3;
-use crate::compiled::{Camera, CameraNodes, Compiled, EYE, Frame, LightKind, Live, Shadow};
+use crate::compiled::{Camera, CameraNodes, Compiled, Frame, LightKind, Live, Shadow};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::frame::SMALLEST;
 use crate::graph::FAR;
+use crate::home::{EYE, SMALLEST};
 use crate::reference::camera::Basis;
 use crate::reference::follow::TRACER;
 use crate::reference::march::{Ray, at_points};
@@ -31,11 +31,7 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
     let which = frame.cameras.iter().position(|(known, _)| name.is_none_or(|name| name == known))?;
     let (camera, nodes) = (frame.cameras.get(which)?.1, compiled.blocks.cameras.get(which));
     let reference = Reference::new(compiled, live).ok()?;
-    let field = |place: Vec3| {
-        let mut found = f64::NAN;
-        at_points(reference.field(), &[place], &[], |_, values| found = values.first().copied().unwrap_or(f64::NAN));
-        found
-    };
+    let field = |place: Vec3| field_at(&reference, place);
     let known = compiled.functions.ahead;
     let region = known.home.or(known.region).filter(|region| region.size() > SMALLEST);
     let empty = compiled.graph.shape(compiled.root).is_some_and(|s| compiled.graph.as_constant(s.value).is_some());
@@ -89,6 +85,21 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
         better().unwrap_or_else(|| "look for an `&` of shapes that do not meet, a `-` that takes all away, or a formula that is nowhere below zero".to_owned())
     };
     Some(Diagnostic::new(Code::NothingSeen, place(compiled, nodes), "nothing solid is in sight of the camera", help))
+}
+
+/// Whether a camera stands inside the solid, or sees nothing of it as far as is soon told.
+pub fn is_blind(compiled: &Compiled, live: &Live, camera: &Camera) -> bool {
+    let Ok(reference) = Reference::new(compiled, live) else { return false };
+    let frame = compiled.frame(live);
+    let has_others = !compiled.blocks.meshes.is_empty() || compiled.has_balls();
+    field_at(&reference, camera.eye) < 0.0
+        || !has_others && sees(compiled, &reference, camera, &frame, frame.max_distance).is_some_and(|sight| sight != Sight::Solid)
+}
+
+fn field_at(reference: &Reference, place: Vec3) -> f64 {
+    let mut found = f64::NAN;
+    at_points(reference.field(), &[place], &[], |_, values| found = values.first().copied().unwrap_or(f64::NAN));
+    found
 }
 
 /// What a camera sees.
@@ -231,7 +242,7 @@ mod tests {
     #[test]
     fn who_writes_what_is_said_sees_something() {
         for (scene, camera, code) in [
-            ("scene = plane(y, 5)", "", Code::InsideSolid),
+            ("scene = plane(y, 5)", "eye: (4, 3, 6)", Code::InsideSolid),
             ("scene = box(4)", "eye: (0, 0, 1)", Code::InsideSolid),
             ("scene = box(30) - box(29)", "eye: (14.8, 0, 0)", Code::InsideSolid),
             ("scene = sphere(1)", "eye: (0, 0, 5), target: (0, 0, 9)", Code::NothingSeen),

@@ -4,6 +4,7 @@ use crate::analysis::Facts;
 use crate::analysis::memory::Memory;
 use crate::compiled::{Compiled, Export, Loader, Options, Outcome};
 use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::home::Home;
 use crate::source::Sources;
 use crate::{emit, functions, program};
 
@@ -132,8 +133,10 @@ fn run(
                         blocks: elaboration.blocks,
                         module,
                         unused: elaboration.unused,
+                        home: None,
                         apart: None,
                     };
+                    compiled.home = compiled.blocks.is_framed().then(|| Home::of(&compiled).into());
                     compiled.apart = ground(&compiled, facts, options, &outcome.sources).map(Box::new);
                     outcome.compiled = Some(compiled);
                 }
@@ -179,7 +182,7 @@ fn ground(seen: &Compiled, facts: &mut Facts, options: &Options, sources: &Sourc
     let (blocks, parameters) = (seen.blocks.clone(), seen.parameters.clone());
     // What can't be written is met as it is seen.
     let module = emit::emit(&graph, root, &functions, &blocks, &parameters, &options, sources).ok()?;
-    Some(Compiled { graph, root, functions, summary, parameters, blocks, module, unused: Vec::new(), apart: None })
+    Some(Compiled { graph, root, functions, summary, parameters, blocks, module, unused: Vec::new(), home: None, apart: None })
 }
 
 /// In the order of their places, each once, errors before warnings of one place.

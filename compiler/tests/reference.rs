@@ -324,3 +324,14 @@ fn what_has_no_material_looks_as_it_would_alone() {
         }
     }
 }
+
+#[test]
+fn what_nobody_has_coloured_stands_out_from_the_sky_that_nobody_has_painted() {
+    let compiled = scene("scene = sphere(1)");
+    let frame = compiled.frame(&compiled.live());
+    let size = (90, 60);
+    let picture = reference(&compiled).tile(&frame, &frame.cameras[0].1, size, View::Shaded, whole(size));
+    let grey = |x: usize, y: usize| picture[y * 90 + x][..3].iter().sum::<f32>() / 3.0;
+    let (sky, lit, shaded) = (grey(5, 5), grey(39, 24), grey(50, 43));
+    assert!(lit > sky + 0.12 && shaded < sky - 0.12, "{lit} in the light, {shaded} in the shade, {sky} behind");
+}

@@ -347,6 +347,12 @@ fn without_a_display_a_view_becomes_a_picture() {
     assert_eq!(code, 0, "{err}");
     assert!(err.contains("no window") && err.contains("good.png"), "{err}");
     assert_eq!(size(&folder.join("good.png")), (1280, 720));
+    // What is there already stays.
+    std::fs::write(folder.join("good.png"), "mine").unwrap();
+    let (code, _, err) = texts(command.output().unwrap());
+    assert!(code == 0 && err.contains("good.2.png"), "{err}");
+    assert_eq!(std::fs::read(folder.join("good.png")).unwrap(), b"mine");
+    assert_eq!(size(&folder.join("good.2.png")), (1280, 720));
 }
 
 #[test]

@@ -8,7 +8,6 @@ use crate::tighten::Tightening;
 use crate::view::View;
 use std::sync::Arc;
 use surefoot_compiler::compiled::{Compiled, Live, Parameter};
-use surefoot_compiler::graph::{Leaf, Node, NodeId};
 use surefoot_compiler::physics::{Group, spawn};
 
 /// The scene that is on, with its live values.
@@ -46,7 +45,7 @@ impl Stage {
             _ => ready.compiled.live(),
         };
         live.time = self.time;
-        self.animated = reads_time(&ready.compiled);
+        self.animated = ready.compiled.reads_time();
         let parts = (ready.balls, ready.picture.as_ref().map(|p| p.gpu().clone()));
         self.trouble = match parts {
             (Some((passes, contact)), Some(gpu)) => self.put_balls(&gpu, &ready.compiled, &live, passes, contact).err(),
@@ -239,10 +238,4 @@ fn write(parameter: &Parameter, value: &[f64], live: &mut Live) -> bool {
         }
     }
     true
-}
-
-/// Whether anything in a scene changes with time.
-pub fn reads_time(compiled: &Compiled) -> bool {
-    let graph = &compiled.graph;
-    (0..graph.len()).any(|i| matches!(graph.node(NodeId(i as u32)), Node::Leaf(Leaf::Time)))
 }

@@ -6,13 +6,13 @@ mod common;
 use common::{gpu, sphere, sphere_in};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::*;
 use surefoot_compiler::diagnostic::{Code, Diagnostic};
 use surefoot_compiler::source::{FileId, Sources, Span};
-use surefoot_runtime::live::{LiveScene, Report, Setup, Update};
+use surefoot_runtime::live::{LiveScene, Report, Setup, Update, Work};
 use surefoot_runtime::{Stage, View, ViewMode};
 
 struct Disk;
@@ -468,4 +468,26 @@ fn values_stay_by_name_and_within_the_new_range() {
     renamed.parameters[0].name = "size".to_owned();
     stage.put(ready(renamed));
     assert_eq!(value(&stage), [1.25], "another name is another parameter");
+}
+
+#[test]
+fn it_is_known_what_is_being_done_and_for_how_long() {
+    let path = folder("work").join("a.sdf");
+    fs::write(&path, "radius 1").unwrap();
+    let gate = Arc::new(Mutex::new(()));
+    let (held, other) = (gate.lock().unwrap(), gate.clone());
+    let compile = move |loader: &dyn Loader, path: &str, options: &Options| {
+        drop(other.lock());
+        toy(loader, path, options)
+    };
+    let live = LiveScene::start(Setup { compile: Arc::new(compile), ..setup(&path) }).unwrap();
+    let start = Instant::now();
+    while live.work().is_none_or(|(_, time)| time < Duration::from_millis(20)) {
+        assert!(start.elapsed() < Duration::from_secs(10), "nothing is done");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert_eq!(live.work().map(|(work, _)| work), Some(Work::Compiling));
+    drop(held);
+    next(&live);
+    assert_eq!(live.work(), None);
 }

@@ -321,7 +321,7 @@ pub fn build(
         root,
         extent: blocks.extent,
         says_extent: blocks.says_extent,
-        framed: blocks.cameras.is_empty() || blocks.cameras.iter().any(|c| c.eye.or(c.target).is_none()),
+        framed: blocks.is_framed(),
         domains: with_room(shapes),
         treatments: FxHashMap::default(),
         regions: FxHashMap::default(),

@@ -4,10 +4,11 @@ use super::elsewhere;
 use super::load::ItemRef;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
-use crate::compiled::{CameraNodes, EYE, LightNodes, Parameter, SceneBlocks, Shadow};
+use crate::compiled::{CameraNodes, LightNodes, Parameter, SceneBlocks, Shadow};
 use crate::diagnostic::Code;
 use crate::graph::kernel::Op;
 use crate::graph::{Leaf, NodeId, ParameterComponent};
+use crate::home::{EYE, FOV};
 use crate::mesh::MeshNodes;
 use crate::physics::{BallsNodes, PhysicsNodes};
 use crate::source::Span;
@@ -409,7 +410,7 @@ impl Elaborator<'_> {
             BlockKind::Camera => {
                 let mut place = |key| entry(key).map(|given| self.vec3_entry(Some(given), &env, [0.0; 3])).transpose();
                 let (eye, target) = (place("eye"), place("target"));
-                let fov = self.number_entry(entry("fov"), &env, 40f64.to_radians(), Some((0.01, 3.0)), "an angle between 1deg and 170deg");
+                let fov = self.number_entry(entry("fov"), &env, FOV, Some((0.01, 3.0)), "an angle between 1deg and 170deg");
                 let (eye, target) = (eye?, target?);
                 let constants = |given: Option<[NodeId; 3]>, usual: [f64; 3]| match given {
                     Some(nodes) => nodes.map(|node| self.graph.as_constant(node).unwrap_or(f64::NAN)),

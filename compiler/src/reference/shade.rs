@@ -114,8 +114,8 @@ pub fn ground(frame: &Frame, lamps: &[Lamp]) -> Vec3 {
     })
 }
 
-/// The sky of a scene that says nothing of it.
-pub const PLAIN_SKY: Sky = Sky { zenith: [0.24, 0.39, 0.63], horizon: [0.8, 0.86, 0.91] };
+/// The sky of a scene that says nothing of it: dark enough for what is grey and lit to stand out from it.
+pub const PLAIN_SKY: Sky = Sky { zenith: [0.24, 0.39, 0.63], horizon: [0.2, 0.23, 0.26] };
 
 /// The same as an image, for a scene whose own can't be had.
 pub fn plain_sky() -> Cube {

@@ -8,7 +8,7 @@ pub mod literals;
 pub mod parser;
 pub mod words;
 
-pub use format::format;
+pub use format::{format, has_carriage_returns};
 pub use highlight::{TokenClass, tokens};
 pub use parser::parse;
 

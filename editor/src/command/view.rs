@@ -1,6 +1,6 @@
 //! `surefoot view`: a scene in a live window.
 
-use super::{Exit, Failure, compile_file, show_broken, show_diagnostics, spare};
+use super::{Exit, Failure, compile_file, show_broken, show_diagnostics};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::path::{Path, PathBuf};
 use surefoot_compiler::Options;
@@ -59,7 +59,7 @@ fn window(args: &Args) -> Result<Option<String>, Failure> {
     Ok(Some("this program was built without a window".to_owned()))
 }
 
-/// Where there is no window: `SCENE.png` in the working directory.
+/// Where there is no window: `SCENE.png` in the working directory, or where that is there already `SCENE.2.png` and so on.
 fn picture(args: &Args, why: &str) -> Result<Exit, Failure> {
     let scene = &args.scene;
     let outcome = compile_file(scene, &args.options())?;
@@ -83,15 +83,16 @@ fn picture(args: &Args, why: &str) -> Result<Exit, Failure> {
     let rgba = painter
         .paint(compiled, &live, &shot, &|_| {})
         .map_err(|why| Failure::usage(format!("can't draw {scene}: {why}")))?;
-    let mut path =
-        PathBuf::from(Path::new(scene).file_name().unwrap_or_default()).with_extension("png");
-    // An image of the scene may have its name.
-    if spare(&path, &outcome).is_err() {
-        path.set_extension("picture.png");
-    }
+    let path = free(Path::new(Path::new(scene).file_name().unwrap_or_default()));
     write_png(&path, shot.width, shot.height, &rgba)
         .map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
     let shown = std::path::absolute(&path).unwrap_or(path);
     eprintln!("surefoot: wrote the picture to {}", shown.display());
     Ok(exit)
+}
+
+/// A name for a scene's picture that no file has: what is there may be an image of the scene, or anybody's.
+fn free(scene: &Path) -> PathBuf {
+    let name = |n: u32| scene.with_extension(if n == 1 { "png".to_owned() } else { format!("{n}.png") });
+    (1..).map(name).find(|path| path.symlink_metadata().is_err()).unwrap_or_default()
 }

@@ -8,8 +8,9 @@ use super::world::World;
 use serde_json::json;
 use std::path::Path;
 use std::time::Instant;
-use surefoot_compiler::compiled::Camera;
+use surefoot_compiler::compiled::{Camera, Compiled, Live};
 use surefoot_compiler::diagnostic::Severity;
+use surefoot_compiler::outlook::is_blind;
 use surefoot_compiler::physics::{Ball, State};
 use surefoot_compiler::reference::Reference;
 use surefoot_compiler::reference::camera::Basis;
@@ -18,7 +19,6 @@ use surefoot_compiler::reference::vector::{add, dot, length, scale, sub};
 use surefoot_compiler::syntax;
 use surefoot_runtime::{Physics, ViewMode};
 use surefoot_runtime::live::Update;
-use surefoot_runtime::stage::reads_time;
 
 /// One thing to do.
 #[derive(Debug)]
@@ -444,10 +444,14 @@ fn answer(session: &mut Session, world: &mut World, answer: Answer) {
 fn arrived(session: &mut Session, world: &mut World, update: Update) {
     let swapped = update.ready.is_some();
     if let Some(ready) = update.ready {
-        session.said.reads_time = reads_time(&ready.compiled);
+        session.said.reads_time = ready.compiled.reads_time();
         session.said.factors = factors(&ready.compiled, &update.words);
+        let before = session.scene().cloned().zip(session.stage.live().cloned());
         session.stage.put(ready);
         session.said.swaps += 1;
+        if let Some((old, live)) = before {
+            go_home_if_blind(session, &old, &live);
+        }
     }
     session.said.problems = problems(&update.words);
     session.said.words = update.words;
@@ -470,6 +474,16 @@ fn arrived(session: &mut Session, world: &mut World, update: Update) {
             "modules": built.modules,
         }),
     );
+}
+
+/// A camera that a hand moved and that saw the old scene is none for the new one where it stands in its solid or sees nothing of it, and the
+/// scene's own does.
+fn go_home_if_blind(session: &mut Session, old: &Compiled, was: &Live) {
+    let Some(orbit) = session.look.orbit.take() else { return };
+    let moved = orbit.camera();
+    let blind = |camera: &Camera| session.scene().zip(session.stage.live()).is_some_and(|(new, live)| is_blind(new, live, camera));
+    let better = blind(&moved) && !is_blind(old, was, &moved) && session.camera().is_some_and(|own| !blind(&own));
+    session.look.orbit = (!better).then_some(orbit);
 }
 
 fn on_disk(session: &mut Session, world: &mut World, name: &str, disk: &Disk) {

@@ -1,6 +1,7 @@
 //! A text that is edited, and what the disk holds meanwhile.
 
 use std::time::{Duration, Instant};
+use surefoot_compiler::syntax::has_carriage_returns;
 
 /// How long a person must pause before what was typed is compiled.
 pub const PAUSE: Duration = Duration::from_millis(120);
@@ -22,7 +23,7 @@ pub struct Document {
     unreadable: Option<String>,
     /// What another program has put there while there were unsaved edits. A person decides.
     conflict: Option<String>,
-    /// Whether the file's lines end with `\r\n`.
+    /// Whether most of the file's lines end with `\r\n`.
     carriage_returns: bool,
     /// When the text was last edited, until the compiler is given the edit.
     edited: Option<Instant>,
@@ -56,7 +57,7 @@ impl Document {
         let text_here = unix_lines(text);
         Self {
             name: name.to_owned(),
-            carriage_returns: text.contains("\r\n"),
+            carriage_returns: has_carriage_returns(text),
             saved: text_here.clone(),
             missing: false,
             unreadable: None,
@@ -149,7 +150,7 @@ impl Document {
         let new = unix_lines(text);
         if self.text == new || !self.has_edits() {
             let other = self.text != new;
-            self.carriage_returns = text.contains("\r\n");
+            self.carriage_returns = has_carriage_returns(text);
             self.text.clone_from(&new);
             self.saved = new;
             self.conflict = None;

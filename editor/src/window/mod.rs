@@ -22,7 +22,8 @@ use canvas::{Canvas, Order};
 use command::{Command, apply};
 use document::Document;
 use eframe::egui_wgpu::{RenderState, WgpuSetup};
-use egui::{CentralPanel, Frame, Key, KeyboardShortcut, Margin, Modifiers, Panel, ViewportCommand};
+use egui::containers::panel::PanelState;
+use egui::{CentralPanel, Frame, IdSalt, Key, KeyboardShortcut, Margin, Modifiers, Panel, Rect, ViewportCommand, vec2};
 use serde_json::json;
 use session::{Question, Session};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -52,6 +53,9 @@ pub fn open(scene: &str, asked: Options, log: Log) -> Result<(), String> {
     };
     eframe::run_native("surefoot", options, Box::new(create)).map_err(|error| error.to_string())
 }
+
+/// How often it is said anew how long work takes.
+const TICK: Duration = Duration::from_millis(250);
 
 /// The window's program.
 struct App {
@@ -100,6 +104,7 @@ impl App {
             apply(&mut self.session, &mut self.world, command);
         }
         self.session.said.loading = self.world.loading();
+        self.session.said.work = self.world.work();
         self.world.lend_edits(&mut self.session);
         let uncaught = self.uncaught.lock().unwrap_or_else(PoisonError::into_inner).take();
         if let Some(error) = uncaught {
@@ -136,9 +141,9 @@ impl App {
         // Of a narrow window something is left for the picture.
         let wide = ui.available_width();
         if session.open.source {
-            let left =
-                Panel::left("source").frame(side).default_size(470.0).size_range(200.0..=(0.55 * wide).max(200.0));
-            left.show(ui, |ui| {
+            let most = (0.55 * wide).max(200.0);
+            let left = Panel::left("source").frame(side).default_size(470.0).size_range(200.0..=most);
+            show_side(ui, "source", left, 470.0, most, |ui| {
                 let below = Frame::new().inner_margin(Margin { top: 8, ..Margin::ZERO });
                 let list = Panel::bottom("problems").frame(below).resizable(true);
                 list.default_size(130.0).size_range(40.0..=600.0).show(ui, |ui| {
@@ -149,11 +154,9 @@ impl App {
             });
         }
         if session.open.parameters {
-            let right = Panel::right("parameters")
-                .frame(side)
-                .default_size(250.0)
-                .size_range(150.0..=(0.3 * wide).max(150.0));
-            right.show(ui, |ui| panels::parameters::show(ui, session, commands));
+            let most = (0.3 * wide).max(150.0);
+            let right = Panel::right("parameters").frame(side).default_size(250.0).size_range(150.0..=most);
+            show_side(ui, "parameters", right, 250.0, most, |ui| panels::parameters::show(ui, session, commands));
         }
         panels::picture::keys(ui, session, commands);
         panels::questions::show(ui, session, commands);
@@ -225,6 +228,9 @@ impl App {
         if self.session.stage.animates() {
             ctx.request_repaint();
         }
+        if self.session.said.work.is_some() {
+            ctx.request_repaint_after(TICK);
+        }
         let now = Instant::now();
         let wait = self.session.documents.all.iter().filter_map(|d| d.wait(now)).min();
         if let Some(wait) = wait {
@@ -250,6 +256,20 @@ impl eframe::App for App {
         let ground = Frame::new().fill(theme::GROUND);
         CentralPanel::default().frame(ground).show(ui, |ui| self.picture(ui));
         self.around(ui);
+    }
+}
+
+/// Shows a panel at a side that is so wide at first and at most so wide now. One that a narrow window made narrower is as wide as before once
+/// there is room again.
+fn show_side(ui: &mut egui::Ui, name: &str, panel: Panel, first: f32, most: f32, add: impl FnOnce(&mut egui::Ui)) {
+    let id = ui.scope_id().with_salt(IdSalt::new(name));
+    let wanted = PanelState::load(ui.ctx(), id).map_or(first, |state| state.outer_rect.width());
+    panel.show(ui, add);
+    let Some(shown) = PanelState::load(ui.ctx(), id) else { return };
+    // A hand that makes it narrower still means it.
+    if wanted > most && shown.outer_rect.width() > most - 1.0 {
+        let outer_rect = Rect::from_min_size(shown.outer_rect.min, vec2(wanted, shown.outer_rect.height()));
+        ui.ctx().data_mut(|data| data.insert_persisted(id, PanelState { outer_rect }));
     }
 }
 

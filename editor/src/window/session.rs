@@ -10,7 +10,7 @@ use surefoot_compiler::compiled::{Camera, Compiled, Parameter};
 use surefoot_compiler::diagnostic::{self, Severity};
 use surefoot_compiler::factors::Explained;
 use surefoot_compiler::source::Span;
-use surefoot_runtime::live::{Times, Words};
+use surefoot_runtime::live::{Times, Words, Work};
 use surefoot_runtime::{Stage, ViewMode};
 
 /// All that the window knows.
@@ -92,6 +92,8 @@ pub struct Said {
     pub drawing: Option<String>,
     /// Which mesh is being read, and how many there are.
     pub loading: Option<String>,
+    /// What is being done for the newest text, and for how long.
+    pub work: Option<(Work, Duration)>,
     /// How long the newest text took.
     pub times: Times,
     /// Whether the scene that is drawn changes with time.

@@ -7,12 +7,12 @@ use super::session::Session;
 use serde_json::json;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::{Loader, Options, Outcome};
 use surefoot_compiler::source::Sources;
 use surefoot_compiler::{Memory, compile_remembering};
 use surefoot_runtime::film::LINEAR;
-use surefoot_runtime::live::{LiveScene, Setup, SharedLoader};
+use surefoot_runtime::live::{LiveScene, Setup, SharedLoader, Work};
 use surefoot_runtime::{Gpu, Stats, ViewMode};
 
 /// What the session reaches outside of itself.
@@ -99,6 +99,11 @@ impl World {
             Some(Command::OnDisk(path.clone(), read.map_or_else(|| self.read(path), Disk::Text)))
         });
         texts.chain(updates).collect()
+    }
+
+    /// What is being done for the newest text, and for how long.
+    pub fn work(&self) -> Option<(Work, Duration)> {
+        self.live.work()
     }
 
     /// Which mesh is being read just now.

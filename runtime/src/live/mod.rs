@@ -44,7 +44,7 @@ pub struct Setup {
     pub target: Option<(Gpu, wgpu::TextureFormat)>,
     /// What the pictures show at first.
     pub mode: ViewMode,
-    /// Called from the worker's thread when there is something to [`LiveScene::poll`]: wakes the window.
+    /// Called from the worker's thread when there is something to [`LiveScene::poll`], or other work is begun: wakes the window.
     pub wake: Arc<dyn Fn() + Send + Sync>,
 }
 
@@ -68,6 +68,15 @@ pub struct Times {
     pub pipeline: Duration,
     /// From the first sign of a change until the scene was ready to be taken.
     pub total: Duration,
+}
+
+/// What is being done for a change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Work {
+    /// The compiler runs.
+    Compiling,
+    /// naga and the driver make the picture.
+    Building,
 }
 
 /// What the compiler says of a text.
@@ -195,6 +204,11 @@ impl LiveScene {
         state.busy || state.asked.is_some()
     }
 
+    /// What is being done just now, and for how long: until it is done the last picture is not that of the text.
+    pub fn work(&self) -> Option<(Work, Duration)> {
+        self.shared.lock().work.map(|(work, since)| (work, since.elapsed()))
+    }
+
     /// Which mesh is being read just now, and how many there are, for people.
     pub fn loading(&self) -> Option<String> {
         self.shared.lock().loading.clone()
@@ -254,6 +268,8 @@ struct State {
     /// When the newest event of the file system came.
     last_event: Option<Instant>,
     busy: bool,
+    /// What is being done, and since when.
+    work: Option<(Work, Instant)>,
     /// The mesh that is being read.
     loading: Option<String>,
     stop: bool,

@@ -3,7 +3,7 @@
 use super::record::Recorder;
 use super::rehearsal::Rehearsal;
 use super::watch::Watch;
-use super::{Ready, Setup, Shared, State, Times, Update, Words};
+use super::{Ready, Setup, Shared, State, Times, Update, Words, Work};
 use crate::frame::Picture;
 use crate::headless;
 use crate::mesh::Assets;
@@ -228,6 +228,7 @@ impl Worker {
     }
 
     fn compile(&mut self, job: &mut Job) -> Option<Arc<Compiled>> {
+        self.begin(Work::Compiling);
         let (path, options, texts) = {
             let mut state = self.shared.lock();
             state.report.compilations += 1;
@@ -271,6 +272,9 @@ impl Worker {
     /// Builds a scene's picture, where there is a scene.
     fn build(&mut self, scene: Option<Arc<Compiled>>, mode: ViewMode, since: Instant) -> Update {
         let start = Instant::now();
+        if scene.is_some() {
+            self.begin(Work::Building);
+        }
         let ready = scene.and_then(|compiled| {
             let prepare = || self.prepare(&compiled, mode);
             let prepared = catch_unwind(AssertUnwindSafe(prepare))
@@ -306,6 +310,11 @@ impl Worker {
         }
     }
 
+    fn begin(&self, work: Work) {
+        self.shared.lock().work = Some((work, Instant::now()));
+        (self.setup.wake)();
+    }
+
     fn prepare(&mut self, compiled: &Compiled, mode: ViewMode) -> Result<Parts, String> {
         let Some((gpu, format)) = &self.setup.target else { return Ok((None, None)) };
         let meshes = self.assets.meshes(compiled);
@@ -338,6 +347,7 @@ impl Worker {
             }
         }
         state.update = Some(update);
+        state.work = None;
         state.busy = state.asked.is_some();
         drop(state);
         (self.setup.wake)();

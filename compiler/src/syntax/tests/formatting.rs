@@ -226,3 +226,12 @@ fn all_programs_hold() {
     }
     assert!(seen > 0);
 }
+
+#[test]
+fn lines_end_as_most_of_the_text_do() {
+    let text = "// A comment.\nlet  a = 1\nscene = sphere(a) // another\n";
+    let laid_out = format(text).unwrap();
+    assert_eq!(format(&text.replace('\n', "\r\n")).unwrap(), laid_out.replace('\n', "\r\n"));
+    assert_eq!(format(&text.replace(".\n", ".\r\n")).unwrap(), laid_out);
+    assert!(!laid_out.contains('\r'));
+}

@@ -3,12 +3,17 @@
 use crate::window::canvas::Shown;
 use crate::window::command::Command;
 use crate::window::panels::icons::{self, Icon};
+use crate::window::panels::status::working;
 use crate::window::session::Session;
 use crate::window::theme;
 use egui::{
-    Color32, CornerRadius, Frame, Key, Margin, PointerButton, Rect, Response, RichText, Sense, Ui,
+    Align, Color32, CornerRadius, Frame, Key, Layout, Margin, PointerButton, Rect, Response, RichText, Sense, Ui,
     UiBuilder,
 };
+use std::time::Duration;
+
+/// Work that is done sooner is not spoken of over the picture.
+const LONG: Duration = Duration::from_secs(1);
 
 /// How much a step of the wheel changes the distance.
 const WHEEL: f64 = 0.0022;
@@ -66,24 +71,40 @@ pub fn paint(ui: &mut Ui, rect: Rect, session: &Session, shown: Option<Shown>) {
     match shown {
         Some(shown) => {
             ui.painter().image(shown.texture, rect, shown.uv, Color32::WHITE);
+            if let Some((work, time)) = working(session, LONG) {
+                label(ui, rect, &format!("{work} {time}"));
+            }
         }
         None => {
-            let words = match session.error() {
-                Some(_) => "no picture yet",
-                None => "compiling…",
+            let words = match (wrong(session), working(session, LONG)) {
+                (Some(_), _) => "no picture yet".to_owned(),
+                (None, Some((work, time))) => format!("{work} {time}"),
+                (None, None) => "compiling…".to_owned(),
             };
             ui.put(rect, egui::Label::new(RichText::new(words).heading().color(theme::WEAK)));
         }
     }
 }
 
+/// Why the picture is not that of the text, where something is wrong.
+fn wrong(session: &Session) -> Option<&str> {
+    let (said, error) = (&session.said, session.error().map(|problem| problem.message.as_str()));
+    error.or(said.failure.as_deref()).or(said.drawing.as_deref()).or(session.stage.trouble())
+}
+
+/// A few words in the picture's lower left corner.
+fn label(ui: &mut Ui, rect: Rect, words: &str) {
+    let builder = UiBuilder::new().max_rect(rect.shrink(10.0)).layout(Layout::bottom_up(Align::Min));
+    ui.scope_builder(builder, |ui| {
+        let frame = Frame::new().fill(theme::PANEL.gamma_multiply(0.85)).corner_radius(CornerRadius::same(5)).inner_margin(Margin::symmetric(8, 4));
+        frame.show(ui, |ui| ui.label(RichText::new(words).small().color(theme::TEXT)));
+    });
+}
+
 /// Says over the picture why it is not that of the text.
 pub fn band(ui: &mut Ui, rect: Rect, session: &Session, commands: &mut Vec<Command>) {
-    let said = &session.said;
     let error = session.error();
-    let words = error.map(|problem| problem.message.as_str());
-    let words = words.or(said.failure.as_deref()).or(said.drawing.as_deref()).or(session.stage.trouble());
-    let Some(words) = words else { return };
+    let Some(words) = wrong(session) else { return };
     let builder = UiBuilder::new().max_rect(rect.shrink(10.0)).sense(Sense::hover());
     ui.scope_builder(builder, |ui| {
         let frame = Frame::new()

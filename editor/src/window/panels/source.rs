@@ -11,7 +11,7 @@ use egui::text::{CCursor, CCursorRange, LayoutJob, TextFormat};
 use egui::text_edit::{TextEditOutput, TextEditState};
 use egui::util::undoer::{Settings, Undoer};
 use egui::{
-    Align, Align2, Button, Color32, Event, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, ScrollArea, Stroke, TextBuffer,
+    Align, Align2, Button, Color32, Event, Frame, Id, Key, Label, Margin, Modifiers, Rect, Response, RichText, ScrollArea, Stroke, TextBuffer,
     TextEdit, Ui, vec2,
 };
 use std::ops::Range;
@@ -51,10 +51,10 @@ fn files(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                 }
                 let names = names(session);
                 if names.len() < 2 {
-                    ui.label(name).on_hover_text(&document.name);
+                    ui.add(Label::new(name).truncate()).on_hover_text(&document.name);
                     return;
                 }
-                let list = egui::ComboBox::from_id_salt("file").selected_text(name).width(160.0);
+                let list = egui::ComboBox::from_id_salt("file").selected_text(name).width(160f32.min(ui.available_width())).truncate();
                 let list = list.show_ui(ui, |ui| {
                     for name in names {
                         let open = session.documents.find(&name).and_then(|i| session.documents.all.get(i));

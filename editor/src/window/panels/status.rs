@@ -6,6 +6,10 @@ use egui::{RichText, Ui};
 use std::time::Duration;
 use surefoot_compiler::compiled::Compiled;
 use surefoot_compiler::functions::Kind;
+use surefoot_runtime::live::{Times, Work};
+
+/// Work that is done sooner is not spoken of.
+const SHORT: Duration = Duration::from_millis(400);
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, session: &Session) {
@@ -34,12 +38,10 @@ pub fn show(ui: &mut Ui, session: &Session) {
             entry(ui, "reading", loading, "on another thread; the last picture stays until it is there");
         }
         let times = &session.said.times;
-        if times.compile > Duration::ZERO {
-            entry(ui, "compiled in", &milliseconds(times.compile), "the compiler alone");
-        }
-        if times.pipeline > Duration::ZERO {
-            let hover = "naga, the driver and the first pixel, on another thread";
-            entry(ui, "pipeline", &milliseconds(times.pipeline), hover);
+        if let Some((work, time)) = working(session, SHORT) {
+            entry(ui, work, &time, "on another thread; the last picture stays until it is done");
+        } else {
+            took(ui, times);
         }
         if let Some(scene) = session.scene() {
             let (field, bound) = scene.module.operations;
@@ -68,6 +70,27 @@ fn entry(ui: &mut Ui, name: &str, value: &str, hover: &str) {
         }
         ui.label(value).on_hover_text(hover);
     });
+}
+
+/// What the text that is drawn took.
+fn took(ui: &mut Ui, times: &Times) {
+    if times.compile > Duration::ZERO {
+        entry(ui, "compiled in", &milliseconds(times.compile), "the compiler alone");
+    }
+    if times.pipeline > Duration::ZERO {
+        let hover = "naga, the driver and the first pixel, on another thread";
+        entry(ui, "pipeline", &milliseconds(times.pipeline), hover);
+    }
+}
+
+/// What is being done for the newest text, where it is for so long already, and how long it is.
+pub fn working(session: &Session, least: Duration) -> Option<(&'static str, String)> {
+    let (work, time) = session.said.work.filter(|(_, time)| *time >= least)?;
+    let words = match work {
+        Work::Compiling => "compiling …",
+        Work::Building => "building the picture …",
+    };
+    Some((words, format!("{} s", time.as_secs())))
 }
 
 /// The largest factor for the values at hand; all of them and what they come from when the pointer rests on it.
