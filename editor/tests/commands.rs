@@ -60,6 +60,21 @@ fn check_says_what_is_wrong_and_ends_with_a_code() {
     assert_eq!(code, 2);
 }
 
+/// What a program that builds must look at again.
+#[test]
+fn check_names_all_files_of_a_scene() {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    let files = |scene: &str| {
+        let (_, out, _) = run(&examples, &["check", "--json", scene]);
+        let report: Value = serde_json::from_str(&out).unwrap();
+        report["files"].as_array().unwrap().iter().map(|file| file.as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    for scene in ["statue.sdf", "stone_column.sdf", "chrome.sdf", "colonnade.sdf"] {
+        let files = files(scene);
+        assert!(files.len() > 1 && files.iter().all(|file| examples.join(file).exists()), "{files:?}");
+    }
+}
+
 #[test]
 fn check_tells_a_machine_everything() {
     let folder = folder("json");

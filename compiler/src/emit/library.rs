@@ -105,8 +105,8 @@ fn sf_within(origin: vec3f, direction: vec3f, span: vec2f) -> vec2f {
   let start = origin + sf_uniforms.origin;
   let rounding = vec3f(1e-6 * (length(start) + 1.0));
   let moved = select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
-  let one = (sf_region[0] - rounding - start) / moved;
-  let other = (sf_region[1] + rounding - start) / moved;
+  let one = (sf_region_low - rounding - start) / moved;
+  let other = (sf_region_high + rounding - start) / moved;
   let enter = min(one, other);
   let leave = max(one, other);
   return vec2f(max(span.x, max(max(enter.x, enter.y), enter.z)), min(span.y, min(min(leave.x, leave.y), leave.z)));

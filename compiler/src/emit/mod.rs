@@ -251,7 +251,7 @@ fn reserved_names(prefix: &str) -> Scope {
     let mut names = Scope::default();
     let exports = Export::ALL.iter().map(|e| e.name());
     let helpers = library::HELPERS.iter().map(|h| h.name);
-    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists", "planes", "ahead", "rest_bound", "rest_distance", "region"];
+    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists", "planes", "ahead", "rest_bound", "rest_distance", "region_low", "region_high"];
     for text in exports.chain(helpers).chain(library::STRUCTURES).chain(others) {
         names.reserve(&format!("{prefix}{text}"));
     }
@@ -418,7 +418,9 @@ fn declarations(context: &Context, facts: &header::Facts, buffers: bool, wgsl: &
     }
     if let Some(region) = facts.region.filter(|_| context.helpers.pieces().any(|p| p.name == "within")) {
         let corner = |of: fn(Interval) -> f64| region.0.map(|side| format!("{:?}", of(side) as f32)).join(", ");
-        let _ = write!(wgsl, "\nconst {prefix}region = array(vec3f({}), vec3f({}));\n", corner(|i| i.lo), corner(|i| i.hi));
+        // No array: HLSL's front ends take no call for a constant, as which naga writes one.
+        let (low, high) = (corner(|i| i.lo), corner(|i| i.hi));
+        let _ = write!(wgsl, "\nconst {prefix}region_low = vec3f({low});\nconst {prefix}region_high = vec3f({high});\n");
     }
     for piece in context.helpers.pieces().filter(|p| buffers || p.name != "span") {
         let _ = write!(wgsl, "\n{}", prefixed(piece.text, prefix));

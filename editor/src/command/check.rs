@@ -1,6 +1,6 @@
 //! `surefoot check`: what is wrong with scenes, and what the compiler knows of them.
 
-use super::{Exit, Failure, colored, count, print};
+use super::{Exit, Failure, all_read, colored, count, print};
 use crate::files::{self, FileLoader};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -88,7 +88,7 @@ fn report(scene: &str, outcome: &Outcome) -> Value {
         "functions": compiled.map_or_else(Vec::new, |c| c.module.exports.iter().map(|e| e.name()).collect()),
         "skipped": compiled.map_or_else(Vec::new, |c| skipped(c, sources)),
         "unseen": compiled.map_or_else(Vec::new, |c| unseen(c, sources)),
-        "files": outcome.files,
+        "files": all_read(outcome),
     })
 }
 

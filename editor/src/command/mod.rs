@@ -149,17 +149,27 @@ fn compile_file(scene: &str, options: &Options) -> Result<Outcome, Failure> {
 /// Fails where a path that is to be written is a file that the scene reads: a text, an image, one in a folder of images, or a mesh.
 fn spare(path: &std::path::Path, outcome: &Outcome) -> Result<(), Failure> {
     let Ok(target) = std::fs::canonicalize(path) else { return Ok(()) };
-    let images = outcome.compiled.iter().flat_map(|c| c.graph.images.iter().chain(c.blocks.environment.as_ref().map(|e| &e.file)));
-    let meshes = outcome.compiled.iter().flat_map(|c| c.blocks.meshes.iter().map(|mesh| &mesh.file));
-    let mut read = outcome.files.iter().chain(images.map(|image| &image.path)).chain(meshes);
     // A path starts with itself.
-    match read.any(|file| std::fs::canonicalize(file).is_ok_and(|file| target.starts_with(file))) {
+    match all_read(outcome).into_iter().any(|file| std::fs::canonicalize(file).is_ok_and(|file| target.starts_with(file))) {
         false => Ok(()),
         true => Err(Failure::usage(format!(
             "{} is a file of the scene, and would be written over: say another after -o",
             path.display()
         ))),
     }
+}
+
+/// The paths of all that a scene reads: texts, those of images and of a sky (a folder, of a cubemap), meshes.
+fn all_read(outcome: &Outcome) -> Vec<&str> {
+    let images = outcome.compiled.iter().flat_map(|c| c.graph.images.iter().chain(c.blocks.environment.as_ref().map(|e| &e.file)));
+    let meshes = outcome.compiled.iter().flat_map(|c| c.blocks.meshes.iter().map(|mesh| &mesh.file));
+    let mut all: Vec<&str> = Vec::new();
+    for path in outcome.files.iter().chain(images.map(|image| &image.path)).chain(meshes) {
+        if !all.contains(&path.as_str()) {
+            all.push(path);
+        }
+    }
+    all
 }
 
 /// Whether a stream shows colours: it is a terminal, and nobody has asked for none (<https://no-color.org>).

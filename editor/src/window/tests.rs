@@ -163,7 +163,7 @@ fn middle(harness: &mut Harness<'_, App>) -> image::RgbaImage {
 
 #[test]
 fn a_still_grows_while_nothing_moves_and_then_rests() {
-    let folder = Folder::new("still", SCENE);
+    let folder = Folder::new("still", &format!("{SCENE}camera {{ eye: (4, 3, 6), target: (0, 0, 0), fov: 40deg }}\n"));
     let mut harness = window(&folder.scene());
     ready(&mut harness);
     let samples = |app: &App| app.canvas.as_ref().unwrap().samples();

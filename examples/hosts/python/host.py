@@ -4,6 +4,7 @@
 """
 
 import argparse
+import itertools
 import keyword
 import math
 import pathlib
@@ -27,7 +28,7 @@ def live_values(wgsl):
     if top is None:
         return
     name, start, end = (lines[top].index(word) for word in ("name", "default", "range"))
-    for row in lines[top + 1 : lines.index("//", top)]:
+    for row in itertools.takewhile(lambda line: line.startswith("//  "), lines[top + 1 :]):
         offset = row[2:].split()[0]
         yield None if offset == "-" else int(offset), row[name:start].strip(), [float(value) for value in row[start:end].split(", ")]
 

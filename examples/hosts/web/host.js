@@ -24,8 +24,8 @@ function liveValues(wgsl) {
   const top = lines.findIndex((line) => /^\/\/ +offset +type +name +default +range$/.test(line));
   if (top < 0) return [];
   const columns = ['type', 'name', 'default', 'range'].map((word) => lines[top].indexOf(word));
-  const rows = lines.slice(top + 1, lines.indexOf('//', top));
-  return rows.map((row) => {
+  const end = lines.findIndex((line, i) => i > top && !line.startsWith('//  '));
+  return lines.slice(top + 1, end).map((row) => {
     const cell = (i) => row.slice(columns[i], columns[i + 1]).trim();
     const range = cell(3).match(/^(-?[\d.e-]+?)\.\.(-?[\d.e-]+)/);
     return {
