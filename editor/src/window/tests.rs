@@ -163,7 +163,7 @@ fn middle(harness: &mut Harness<'_, App>) -> image::RgbaImage {
 
 #[test]
 fn a_still_grows_while_nothing_moves_and_then_rests() {
-    let folder = Folder::new("still", &format!("{SCENE}camera {{ eye: (4, 3, 6), target: (0, 0, 0), fov: 40deg }}\n"));
+    let folder = Folder::new("still", &format!("{SCENE}environment {{ sky: gradient((0.24, 0.39, 0.63), (0.8, 0.86, 0.91)) }}\n"));
     let mut harness = window(&folder.scene());
     ready(&mut harness);
     let samples = |app: &App| app.canvas.as_ref().unwrap().samples();
