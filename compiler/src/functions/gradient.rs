@@ -233,7 +233,7 @@ impl Builder<'_> {
 
 /// Whether a jump of an operation makes a wall that has a direction.
 fn is_wall(op: Op) -> bool {
-    matches!(op, Op::Floor | Op::Ceil | Op::Trunc | Op::Round | Op::Hash | Op::Sign | Op::Lt | Op::Le)
+    matches!(op, Op::Floor | Op::Ceil | Op::Trunc | Op::Round | Op::Hash | Op::Sign | Op::Lt | Op::Le | Op::Atan2)
 }
 
 #[cfg(test)]
@@ -269,6 +269,11 @@ mod tests {
         let chosen = "field f = if p.x + p.z < 0.5 { length(p) - 1 } else { length(p) - 0.5 }\nscene = f.within(box(8))";
         let half = 0.5f64.sqrt();
         assert_near(seen(chosen, [0.25, 0.8, 0.25 + 1e-6]).0, [half, 0.0, half]);
+        // Where an angle starts anew: the end of what winds about the axis faces along the circle.
+        let spiral = "field f = { let a = atan2(p.y, p.x); length((length(p.xy) - 1 - 0.15 * a, p.z)) - 0.3 }\nscene = f.within(box(6))";
+        let (normal, distance) = seen(spiral, [-1.5, -1e-6, 0.0]);
+        assert_near(normal, [0.0, -1.0, 0.0]);
+        assert!(distance > 0.0 && distance < 1e-3, "{distance}");
         // Each axis by itself, and the shape is turned.
         let blocks = "field f = length(round(4 * p) / 4) - 1\nscene = f.within(box(4)).rotate(z, 90deg)";
         assert_near(seen(blocks, [0.1, 1.125 - 1e-6, 0.1]).0, [0.0, 1.0, 0.0]);
