@@ -195,6 +195,36 @@ fn what_is_done_again_and_again_is_computed_once_each_time() {
 }
 
 #[test]
+fn noise_is_written_once_and_called_in_loops() {
+    // Text, how many functions of noise there are, and how often the field's own text and the gradient's go round.
+    let scenes = [
+        ("scene = sphere(1).displace(0.2 * fbm(2 * p))", 1, &[5][..]),
+        // What waits for other noise stands in a loop of its own.
+        ("scene = sphere(1).displace(0.1 * fbm(p + 0.3 * (fbm(p), fbm(p + 5), 0)))", 1, &[10, 5]),
+        // Two kinds; of the second there are too few calls for a loop.
+        ("scene = sphere(1).displace(0.05 * fbm(3 * p, 4) + 0.1 * cellular(2 * p))", 2, &[4]),
+        // Of the plane, of space, and of space where one coordinate is always the same.
+        ("scene = heightfield(0.3 * fbm(p.xz, 3) + 0.1 * fbm((p.x, 0.5, time))).within(box(4))", 3, &[3, 4]),
+        // An arm by itself, and what only one of them needs.
+        ("field f = length(p) - 1 - 0.1 * (if p.x < 0.1 { fbm(2 * p, 3) } else { fbm(3 * p + fbm(p, 3), 4) })\nscene = f.within(box(4))", 1, &[3, 4, 3]),
+        // A cell's index is read as a number of its own.
+        ("scene = for cell in grid((3, 3, 3)) { sphere(0.6).displace(0.1 * fbm(2 * p + cell, 3)) }", 1, &[3]),
+    ];
+    let mut all = Vec::new();
+    for (text, functions, turns) in scenes {
+        let scene = scene(text);
+        let wgsl = &scene.module.wgsl;
+        let noise = |line: &&str| ["perlin", "cellular", "n("].iter().any(|name| line.starts_with(&format!("fn sf_{name}"))) && line.ends_with("-> f32 {");
+        assert_eq!(wgsl.lines().filter(noise).count(), functions, "{text}\n{wgsl}");
+        for count in turns {
+            assert!(wgsl.contains(&format!(" < {count}; i")), "{text}: {count}\n{wgsl}");
+        }
+        all.push((text.to_owned(), scene, 1.5));
+    }
+    check(all, 80);
+}
+
+#[test]
 fn the_hash_is_the_same_to_the_last_bit() {
     let scene = scene("scene = for cell in grid((2, 2, 2)) { sphere(0.2 + 0.3 * hash(cell)) }");
     let (module, _) = emit::validate(&scene.module.wgsl).unwrap();

@@ -1,5 +1,6 @@
 //! A function of the module while it is made: expressions over its arguments, each once, calls opened where that was decided.
 
+mod batch;
 mod share;
 
 use super::EmitError;
@@ -11,6 +12,7 @@ use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Kind, Op, Terms};
 use crate::graph::{Graph, Leaf, NodeId};
 use rustc_hash::FxHasher;
+pub use batch::Batch;
 use share::Sharing;
 use smallvec::{SmallVec, smallvec};
 use std::hash::Hasher;
@@ -42,6 +44,10 @@ pub enum Code {
     Op(Op),
     /// A function of the module: the point, then numbers.
     Call(TargetId),
+    /// A loop that calls a function of the module so often: the points, then numbers that are the same for all.
+    Batch(TargetId, u32),
+    /// What a loop found in one of its turns.
+    Item(u32),
     /// A component of a vector.
     Component(u8),
     /// Components of a vector in any order: so many, four bits each.
@@ -91,6 +97,8 @@ impl Code {
             Code::Aside(n) => (16, u64::from(n)),
             Code::Row(piece) => (17, u64::from(piece)),
             Code::Computed(field, _) => (20, u64::from(field)),
+            Code::Batch(target, _) => (21, u64::from(target)),
+            Code::Item(i) => (22, u64::from(i)),
         };
         kind << 40 | detail
     }
@@ -128,6 +136,8 @@ pub struct Body {
     parts: Vec<ExprId>,
     /// Whether something is divided by what is no constant.
     divides: bool,
+    /// How many calls of outlined formulas it holds.
+    outlined: usize,
     /// Room for [`Body::open`].
     opening: Opening,
     /// Room for [`Body::share`].
@@ -202,6 +212,7 @@ impl Body {
         self.joined.clear();
         self.parts.clear();
         self.divides = false;
+        self.outlined = 0;
     }
 
     /// What an expression is.
@@ -309,7 +320,7 @@ impl Body {
             Code::Row(_) => 4,
             Code::VectorOp(_, n) | Code::Splat(n) => n,
             Code::World | Code::Scene | Code::Normal => 3,
-            Code::Call(_) => 4,
+            Code::Call(_) | Code::Item(_) => 4,
             _ => 1,
         }
     }
@@ -460,6 +471,7 @@ impl Body {
             }
             _ => list.extend_from_slice(variables),
         }
+        self.outlined += usize::from(plans.is_outlined(id));
         let call = self.add(Code::Call(id), &list);
         if let Some(gradient) = plans.get(id).and_then(|t| plans.field_from_gradient(t)) {
             self.note_field(call, gradient, args);

@@ -120,3 +120,29 @@ impl Scope {
         }
     }
 }
+
+/// Places in a list whose names are `NAME_x`, `NAME_y` and so on, one after the other.
+pub fn named_vectors<'n>(names: impl Iterator<Item = Option<&'n str>>) -> Vec<Vec<u32>> {
+    let mut open: FxHashMap<&str, usize> = FxHashMap::default();
+    let mut vectors: Vec<Vec<u32>> = Vec::new();
+    for (at, name) in (0..).zip(names) {
+        let Some((base, place)) = name.and_then(split_axis) else { continue };
+        if place == 0 {
+            open.insert(base, vectors.len());
+            vectors.push(vec![at]);
+        } else if let Some(parts) = open.get(base).and_then(|&i| vectors.get_mut(i))
+            && parts.len() == place
+        {
+            parts.push(at);
+        }
+    }
+    vectors.retain(|parts| parts.len() > 1);
+    vectors
+}
+
+/// The name of a vector and the place of a component, of the name of a component.
+pub fn split_axis(name: &str) -> Option<(&str, usize)> {
+    let (base, axis) = name.rsplit_once('_')?;
+    let place = ["x", "y", "z", "w"].iter().position(|a| *a == axis)?;
+    Some((base, place))
+}

@@ -1,11 +1,12 @@
 //! Which formulas are needed, which of them become functions of the module, and in which order.
 
 use super::EmitError;
+use super::names::named_vectors;
 use super::table::{Table, Tables};
 use crate::functions::Functions;
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::Arc;
 
 /// What one function of the module computes of a shape. The components of a gradient come together, with the field.
@@ -194,6 +195,8 @@ pub struct Plans<'a> {
     graph: &'a Graph,
     functions: &'a Functions,
     tables: &'a Tables,
+    /// The shapes that are outlines.
+    outlined: FxHashSet<ShapeId>,
     /// The functions, callers and callees mixed.
     pub targets: Vec<Target>,
     /// For each shape and group the target, if there is one.
@@ -215,7 +218,8 @@ impl<'a> Plans<'a> {
         let places = vec![0; graph.len()];
         let shapes = graph.shapes().len();
         let (targets, index) = (Vec::with_capacity(shapes), vec![[None; 4]; shapes]);
-        Self { graph, functions, tables, targets, index, places, nodes: Vec::new(), compared: FxHashMap::default() }
+        let outlined = functions.outlines.values().map(|outline| outline.shape).collect();
+        Self { graph, functions, tables, outlined, targets, index, places, nodes: Vec::new(), compared: FxHashMap::default() }
     }
 
     /// Whether a shape has the formulas of a group.
@@ -277,6 +281,11 @@ impl<'a> Plans<'a> {
     pub fn field_from_gradient(&self, target: &Target) -> Option<TargetId> {
         let id = (target.group == Group::Field).then(|| self.gradient(target.shape))??;
         self.get(id).filter(|t| t.stands_alone).map(|_| id)
+    }
+
+    /// Whether a target is of an outline.
+    pub fn is_outlined(&self, id: TargetId) -> bool {
+        self.get(id).is_some_and(|target| self.outlined.contains(&target.shape))
     }
 
     /// A target.
@@ -508,7 +517,10 @@ impl<'a> Plans<'a> {
     pub fn plan(&mut self, roots: &[NodeId], variables: Arc<[u32]>) -> Plan {
         let graph = self.graph;
         let mut nodes = std::mem::take(&mut self.nodes);
-        graph.computed(roots, &mut nodes);
+        let outlines = &self.functions.outlines;
+        let outline = |id: NodeId| if matches!(graph.node(id), Node::Claim(..)) { outlines.get(&id) } else { None };
+        let operands = |id: NodeId| outline(id).map_or_else(|| graph.operands(id), |outline| &outline.arguments[..]);
+        graph.computed_from(roots, operands, &mut nodes);
         let mut places = std::mem::take(&mut self.places);
         let mut plan = Plan { variables, ..Plan::default() };
         // Three components of a gradient take four steps.
@@ -517,10 +529,14 @@ impl<'a> Plans<'a> {
         // Calls of a gradient at the same arguments are one step.
         let mut gradients: FxHashMap<(TargetId, &[NodeId]), u32> = FxHashMap::default();
         for &id in &nodes {
-            let args = graph.operands(id);
+            let args = operands(id);
             let place = |a: &NodeId| places.get(a.0 as usize).copied().unwrap_or(0);
             let named = graph.node_name(id).map(|_| id);
             let step = match graph.node(id) {
+                Node::Claim(..) if let Some(outline) = outline(id) => {
+                    let target = self.target(outline.shape, Group::Field);
+                    plan.push(Action::Call(target), args.iter().map(place), named)
+                }
                 Node::Claim(..) => {
                     let at = args.first().map_or(0, place);
                     // The claim's own name goes to what it speaks of.
@@ -555,7 +571,7 @@ impl<'a> Plans<'a> {
                 *place = step;
             }
         }
-        plan.vectors = named_vectors(graph, &plan.steps);
+        plan.vectors = named_vectors(plan.steps.iter().map(|step| graph.node_name(step.named?)));
         plan.results = roots
             .iter()
             .map(|r| places.get(r.0 as usize).copied().unwrap_or(0))
@@ -564,31 +580,4 @@ impl<'a> Plans<'a> {
         self.nodes = nodes;
         plan
     }
-}
-
-/// Steps whose names are `NAME_x`, `NAME_y` and so on, one after the other.
-fn named_vectors(graph: &Graph, steps: &[Step]) -> Vec<Vec<u32>> {
-    let mut open: FxHashMap<&str, usize> = FxHashMap::default();
-    let mut vectors: Vec<Vec<u32>> = Vec::new();
-    for (at, step) in steps.iter().enumerate() {
-        let Some(name) = step.named.and_then(|n| graph.node_name(n)) else { continue };
-        let Some((base, place)) = split_axis(name) else { continue };
-        if place == 0 {
-            open.insert(base, vectors.len());
-            vectors.push(vec![at as u32]);
-        } else if let Some(parts) = open.get(base).and_then(|&i| vectors.get_mut(i))
-            && parts.len() == place
-        {
-            parts.push(at as u32);
-        }
-    }
-    vectors.retain(|parts| parts.len() > 1);
-    vectors
-}
-
-/// The name of a vector and the place of a component, of the name of a component.
-pub fn split_axis(name: &str) -> Option<(&str, usize)> {
-    let (base, axis) = name.rsplit_once('_')?;
-    let place = ["x", "y", "z", "w"].iter().position(|a| *a == axis)?;
-    Some((base, place))
 }

@@ -4,7 +4,7 @@ use super::EmitError;
 use super::body::{Outside, Read};
 use super::formulas::Formulas;
 use super::names::{Scope, identifier};
-use super::plan::split_axis;
+use super::names::split_axis;
 use super::write::component_name;
 use crate::compiled::{Parameter, Uniform, UniformSource};
 use crate::graph::Graph;

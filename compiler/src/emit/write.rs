@@ -1,13 +1,14 @@
 //! Expressions as a person would write them: what is used twice or has a name stands in a `let`, the rest is nested while short.
 
+mod batch;
 mod compose;
 mod ranges;
 
 use super::arms::{self, Arm, Arms, BlockId};
 use super::body::{Body, Code, ExprId};
 use super::library::Helpers;
-use super::names::{Scope, identifier};
-use super::plan::{Plans, TargetId, split_axis};
+use super::names::{Scope, identifier, split_axis};
+use super::plan::{Group, Plans, TargetId};
 use super::table::Tables;
 use super::uniforms::Candidates;
 use crate::graph::Graph;
@@ -136,6 +137,8 @@ struct Writer<'c, 'a> {
     arms: Arms,
     block: BlockId,
     depth: usize,
+    /// The results of each loop of calls.
+    results: Vec<(ExprId, Vec<Text>)>,
 }
 
 /// Writes the lines that compute `root` and give it back. `arguments` are names that the function's arguments have.
@@ -148,6 +151,8 @@ pub fn write(
     out: &mut String,
 ) -> usize {
     let root = body.share(context.graph, context.plans, root);
+    let batches = if body.may_batch() { batch::find(context, body, root, out) } else { Vec::new() };
+    let root = body.batch(&batches, root);
     let Room { scratch, mut states, mut ranges, mut order, mut stack, mut locals } = std::mem::take(&mut context.room);
     for name in arguments {
         locals.reserve(name);
@@ -156,18 +161,13 @@ pub fn write(
     let divides = body.divides();
     states.resize(count, State::default());
     ranges.resize(if divides { count } else { 0 }, Interval::ALL);
-    let mut writer = Writer { context, body, out, scratch, states, ranges, locals, operations: 0, arms: Arms::default(), block: 0, depth: 1 };
-    let Seen { scene, extremum, mut dear } = writer.order(root, &mut order, &mut stack);
+    let (arms, results) = (Arms::default(), Vec::new());
+    let mut writer = Writer { context, body, out, scratch, states, ranges, locals, operations: 0, arms, block: 0, depth: 1, results };
+    let Seen { scene, extremum, dear } = writer.order(root, &mut order, &mut stack);
     if divides {
         writer.want_ranges(&order);
     }
-    dear.sort_unstable();
-    let arms = Arms::find(writer.body, &order, &dear, |id| writer.cost(id));
-    // Branch by branch; in each, arguments first as before.
-    if arms.any() {
-        order.sort_by_key(|&id| arms.place(id));
-    }
-    writer.arms = arms;
+    writer.part(dear, &mut order);
     if extremum {
         writer.mark_squares(&order);
     }
@@ -199,6 +199,16 @@ pub fn write(
 }
 
 impl Writer<'_, '_> {
+    /// Finds which branch each expression is computed in. `order` goes branch by branch then; in each, arguments first as before.
+    fn part(&mut self, mut dear: Vec<Arm>, order: &mut [ExprId]) {
+        dear.sort_unstable();
+        let arms = Arms::find(self.body, order, &dear, |id| self.cost(id));
+        if arms.any() {
+            order.sort_by_key(|&id| arms.place(id));
+        }
+        self.arms = arms;
+    }
+
     /// What the root needs, arguments first, into `order`; and how often each is used, and what is there at all.
     fn order(&mut self, root: ExprId, order: &mut Vec<ExprId>, stack: &mut Vec<(ExprId, u32, usize)>) -> Seen {
         let mut seen = Seen::default();
@@ -261,6 +271,7 @@ impl Writer<'_, '_> {
     fn cost(&self, id: ExprId) -> usize {
         match self.body.code(id) {
             Code::Call(target) => self.context.operations.get(&target).copied().unwrap_or(0),
+            Code::Batch(target, count) => count as usize * self.context.operations.get(&target).copied().unwrap_or(0),
             Code::VectorOp(_, count) => usize::from(count),
             Code::Op(_) => 1,
             _ => 0,
@@ -382,6 +393,9 @@ impl Writer<'_, '_> {
     /// Writes an expression into the scratch, and as a `let` where that is better.
     fn expression(&mut self, id: ExprId, is_root: bool) {
         let (code, args) = (self.body.code(id), self.body.arguments(id));
+        if let Code::Batch(target, count) = code {
+            return self.batch(id, target, count, args);
+        }
         self.learn(id, code, args);
         self.shorten(id, code, args);
         let start = self.scratch.len() as u32;
@@ -403,6 +417,7 @@ impl Writer<'_, '_> {
                     | Code::Value(_)
                     | Code::Aside(_)
                     | Code::Row(_)
+                    | Code::Item(_)
                     | Code::Component(_)
                     | Code::Swizzle(..)
             ),
@@ -513,7 +528,7 @@ impl Writer<'_, '_> {
                 _ => "a",
             },
             Code::Call(target) => match self.context.plans.get(target) {
-                Some(t) if t.group == super::plan::Group::Gradient => "g",
+                Some(t) if t.group == Group::Gradient => "g",
                 _ => "d",
             },
             Code::Vector(_) | Code::VectorOp(..) | Code::Splat(_) => "v",

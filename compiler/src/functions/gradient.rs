@@ -3,9 +3,11 @@
 
 use super::jumps::{Jump, hair};
 use super::sides::Sides;
+use super::outlines::Outline;
 use super::Builder;
 use crate::graph::kernel::Op;
 use crate::graph::{Exactness, Function, Leaf, Node, NodeId, ShapeId, kernel};
+use rustc_hash::FxHashMap;
 use smallvec::{SmallVec, smallvec};
 use std::rc::Rc;
 
@@ -123,7 +125,7 @@ impl Builder<'_> {
         if let Some(known) = known(slopes, root) {
             return known;
         }
-        for id in self.graph.reachable_among(&[root], |id| known(slopes, id).is_none()) {
+        for id in self.without_slope(root, slopes) {
             let slope = self.slope(id, slopes, seen);
             let at = id.0 as usize;
             if at >= slopes.len() {
@@ -134,6 +136,22 @@ impl Builder<'_> {
             }
         }
         known(slopes, root).unwrap_or_default()
+    }
+
+    /// The nodes whose gradients a node's own is made of, in order, as far as they are not known.
+    fn without_slope(&mut self, root: NodeId, slopes: &Slopes) -> Vec<NodeId> {
+        let new = |id| known(slopes, id).is_none();
+        let order = self.graph.reachable_among(&[root], new);
+        let claims = order.iter().copied().filter(|&id| matches!(self.graph.node(id), Node::Claim(..)));
+        let outlined: SmallVec<[NodeId; 8]> = claims.collect();
+        let outlined: FxHashMap<NodeId, Outline> = outlined.into_iter().filter_map(|id| Some((id, self.outline(id)?))).collect();
+        if outlined.is_empty() {
+            return order;
+        }
+        // What is inside of them is another function's.
+        let graph = &*self.graph;
+        let operands = |id: NodeId| outlined.get(&id).map_or_else(|| graph.arguments(id), |outline| &outline.arguments[..]);
+        graph.needed(&[root], operands, new)
     }
 
     /// The gradient of a node whose arguments have theirs.
@@ -186,6 +204,11 @@ impl Builder<'_> {
                 let Some(value) = self.graph.shape(shape).map(|s| s.value) else { return flat };
                 let opened = self.graph.open(shape, value, &args);
                 self.gradient_of(opened, slopes, seen)
+            }
+            Node::Claim(..) if let Some(Outline { shape, arguments }) = self.outline(id) => {
+                let inner: SmallVec<[[NodeId; 3]; 4]> = arguments.iter().take(3).map(|a| of(slopes, a)).collect();
+                let partials = [0, 1, 2].map(|i| self.graph.call(shape, Function::Gradient(i), &arguments));
+                self.chain_rule(&partials, &inner)
             }
             Node::Claim(args, _) => args.first().map_or(flat, |a| of(slopes, a)),
             _ => flat,

@@ -14,6 +14,7 @@ mod dress;
 mod gradient;
 mod ground;
 mod jumps;
+mod outlines;
 mod sides;
 mod stairs;
 mod surface;
@@ -22,6 +23,7 @@ pub mod unions;
 
 pub use ahead::{Ahead, Planes};
 pub use ground::{Carry, carry, firm};
+pub use outlines::Outline;
 
 use ahead::AMPLE;
 use crate::analysis::region::WORLD_SIDE;
@@ -66,6 +68,8 @@ pub struct Functions {
     pub absorbed: FxHashSet<(NodeId, NodeId)>,
     /// Boxes that hold all points at which nodes are at most zero, of nodes of which more is known than their formulas show.
     pub solids: FxHashMap<NodeId, Box3>,
+    /// What stands for claims of long formulas.
+    pub outlines: FxHashMap<NodeId, Outline>,
 }
 
 impl Functions {
@@ -275,6 +279,10 @@ pub struct Builder<'a> {
     walls: FxHashMap<ShapeId, Rc<Option<gradient::Wall>>>,
     walled: FxHashMap<ShapeId, bool>,
     beside: FxHashMap<NodeId, NodeId>,
+    /// Outlines of claims, as far as they were asked for.
+    outlines: FxHashMap<NodeId, Option<Outline>>,
+    /// Their shapes, by formula and dimensions.
+    outlined: FxHashMap<(NodeId, u8), ShapeId>,
     /// Whether a plane may be among the operands of a union.
     planes: FxHashMap<NodeId, bool>,
     surfaces: FxHashMap<NodeId, Option<Look>>,
@@ -338,6 +346,8 @@ pub fn build(
         walls: FxHashMap::default(),
         walled: FxHashMap::default(),
         beside: FxHashMap::default(),
+        outlines: FxHashMap::default(),
+        outlined: FxHashMap::default(),
         planes: FxHashMap::default(),
         surfaces: FxHashMap::default(),
         looks: FxHashMap::default(),
@@ -384,6 +394,7 @@ pub fn build(
     builder.built.unions = unions::find(builder.graph, builder.facts, &builder.built, &asked);
     builder.built.ahead = builder.ahead();
     builder.built.solids = builder.facts.known_solids().clone();
+    builder.outline_all();
     let summary = builder.summary();
     (builder.built, summary, builder.diagnostics)
 }

@@ -13,7 +13,7 @@ use super::{BUDGET, Builder};
 use crate::analysis::Domain;
 use crate::analysis::search::{ROUNDING, Search, Target};
 use crate::graph::kernel::Op;
-use crate::graph::{Node, NodeId};
+use crate::graph::NodeId;
 use std::rc::Rc;
 
 /// Such a formula is so many times as steep somewhere as it is in most places.
@@ -112,11 +112,11 @@ impl Builder<'_> {
     }
 
     fn curvature(&mut self, node: NodeId, domain: &Domain) -> Option<f64> {
+        let gradient = self.gradient(node);
         // A call's gradient is a function of the module, not of the graph.
-        if self.graph.reachable(&[node]).iter().any(|&id| matches!(self.graph.node(id), Node::Call(..))) {
+        if gradient.iter().any(|&g| self.graph.reads(g).shapes) {
             return None;
         }
-        let gradient = self.gradient(node);
         let found = self.facts.map_constant(self.graph, &gradient, domain, BUDGET);
         let fastest = found.lipschitz * (1.0 + ROUNDING);
         (!found.jumps && fastest <= FASTEST).then_some(fastest)

@@ -19,14 +19,24 @@ impl Graph {
 
     /// The same without the arguments that are not `wanted`, and what only they need.
     pub fn reachable_among(&self, roots: &[NodeId], wanted: impl Fn(NodeId) -> bool) -> Vec<NodeId> {
+        self.needed(roots, |id| self.arguments(id), wanted)
+    }
+
+    /// The same with what is `inside` of a node in place of its arguments: nodes that are older.
+    pub fn needed<'g>(&'g self, roots: &[NodeId], inside: impl Fn(NodeId) -> &'g [NodeId], wanted: impl Fn(NodeId) -> bool) -> Vec<NodeId> {
         let mut order = Vec::with_capacity(16);
-        self.needed(roots, |id| self.arguments(id), wanted, &mut order);
+        self.find_needed(roots, inside, wanted, &mut order);
         order
     }
 
     /// Every node that the values of the roots are computed from, in the same order: without what claims speak of. Into `order`.
     pub fn computed(&self, roots: &[NodeId], order: &mut Vec<NodeId>) {
-        self.needed(roots, |id| self.operands(id), |_| true, order);
+        self.computed_from(roots, |id| self.operands(id), order);
+    }
+
+    /// The same with other operands of nodes, which are older than they.
+    pub fn computed_from<'g>(&'g self, roots: &[NodeId], operands: impl Fn(NodeId) -> &'g [NodeId], order: &mut Vec<NodeId>) {
+        self.find_needed(roots, operands, |_| true, order);
     }
 
     /// The nodes that the value of a node is computed from. Of a claim that is what it is about.
@@ -40,14 +50,14 @@ impl Graph {
     /// The nodes that are reachable without what calls no shape, into `order`.
     pub fn calling(&self, roots: &[NodeId], order: &mut Vec<NodeId>) {
         let roots: SmallVec<[NodeId; 16]> = roots.iter().copied().filter(|r| self.reads(*r).shapes).collect();
-        self.needed(&roots, |id| self.arguments(id), |id| self.reads(id).shapes, order);
+        self.find_needed(&roots, |id| self.arguments(id), |id| self.reads(id).shapes, order);
     }
 
     /// The same of one root, without what was `seen` by such a walk before: a bit for each node of the graph.
     pub fn calling_more(&self, root: NodeId, seen: &mut [u64], order: &mut Vec<NodeId>) {
         let is_new = |id: NodeId| self.reads(id).shapes && seen.get(id.0 as usize / 64).is_some_and(|word| word >> (id.0 % 64) & 1 == 0);
         let root = is_new(root).then_some(root);
-        self.needed(root.as_slice(), |id| self.arguments(id), is_new, order);
+        self.find_needed(root.as_slice(), |id| self.arguments(id), is_new, order);
         for id in order {
             seen.get_mut(id.0 as usize / 64).into_iter().for_each(|word| *word |= 1 << (id.0 % 64));
         }
@@ -70,7 +80,7 @@ impl Graph {
     }
 
     /// The roots and what is inside of them, without what is not `wanted`, into `order`.
-    fn needed<'g>(
+    fn find_needed<'g>(
         &'g self,
         roots: &[NodeId],
         inside: impl Fn(NodeId) -> &'g [NodeId],
@@ -156,19 +166,34 @@ impl Graph {
         replace: impl Fn(Leaf) -> Option<NodeId>,
     ) -> Vec<NodeId> {
         let order = self.reachable(roots);
-        self.rewrite(&order, roots, replace)
+        self.rewrite(&order, roots, &[], replace)
     }
 
-    /// The roots with the nodes of `order` made anew, leaves replaced; others stay.
+    /// A formula with the point's coordinates in the places of these nodes. None where it reads the point or the normal beside them, or is made of
+    /// fewer nodes than `least`.
+    pub fn abstracted(&mut self, root: NodeId, nodes: &[NodeId], least: usize) -> Option<NodeId> {
+        let order = self.reachable_among(&[root], |id| !nodes.contains(&id));
+        let outside = |id: &NodeId| matches!(self.node(*id), Node::Leaf(Leaf::P(_) | Leaf::Normal(_)));
+        if order.len() < least || nodes.contains(&root) || order.iter().any(outside) {
+            return None;
+        }
+        let point = self.point();
+        let places: Vec<(NodeId, NodeId)> = nodes.iter().copied().zip(point).collect();
+        self.rewrite(&order, &[root], &places, |_| None).first().copied()
+    }
+
+    /// The roots with the nodes of `order` made anew, leaves replaced; of others those that `known` pairs with something else are that, the rest stay.
     fn rewrite(
         &mut self,
         order: &[NodeId],
         roots: &[NodeId],
+        known: &[(NodeId, NodeId)],
         replace: impl Fn(Leaf) -> Option<NodeId>,
     ) -> Vec<NodeId> {
         let mut done: Vec<NodeId> = Vec::with_capacity(order.len());
-        let find = |done: &[NodeId], a: &NodeId| {
-            order.binary_search(a).ok().and_then(|i| done.get(i).copied()).unwrap_or(*a)
+        let find = |done: &[NodeId], a: &NodeId| match order.binary_search(a) {
+            Ok(i) => done.get(i).copied().unwrap_or(*a),
+            Err(_) => known.iter().find(|(old, _)| old == a).map_or(*a, |(_, new)| *new),
         };
         for &id in order {
             let map = |a: &NodeId| find(&done, a);
@@ -218,7 +243,7 @@ impl Graph {
             return roots.to_vec();
         }
         let order = self.reachable_among(roots, |id| !self.reads(id).nothing());
-        self.rewrite(&order, roots, |leaf| match leaf {
+        self.rewrite(&order, roots, &[], |leaf| match leaf {
             Leaf::P(i) => args.get(i as usize).copied(),
             Leaf::Variable(v) => {
                 let at = variables.binary_search(&v).ok()?;

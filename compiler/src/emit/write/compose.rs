@@ -24,7 +24,7 @@ impl Writer<'_, '_> {
     }
 
     /// An argument's text, in parentheses where it binds less than `least`.
-    fn put_argument(&mut self, id: ExprId, least: u8) {
+    pub(super) fn put_argument(&mut self, id: ExprId, least: u8) {
         let text = self.text(id);
         let parentheses = text.strength < least;
         if parentheses {
@@ -121,6 +121,12 @@ impl Writer<'_, '_> {
             Code::Component(i) => {
                 self.put_argument(first, 9);
                 self.put(component_name(i));
+                9
+            }
+            // A loop is written as lines of its own, and its name stands for it.
+            Code::Batch(..) => 9,
+            Code::Item(i) => {
+                self.put_item(first, i);
                 9
             }
             Code::Swizzle(count, order) => {

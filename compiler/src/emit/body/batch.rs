@@ -1,0 +1,79 @@
+//! Calls of one function that do not wait for each other become one loop: drivers write out each call of a function, but not each turn of a loop.
+
+use super::{Body, Code, ExprId, Exprs};
+use crate::emit::arms::BlockId;
+use crate::emit::plan::{Plans, TargetId};
+use rustc_hash::FxHashMap;
+
+/// Fewer calls are written out.
+const FEWEST: usize = 3;
+/// Calls that take fewer operations together too.
+const LEAST: usize = 256;
+
+/// Calls that are one loop.
+#[derive(Clone, Debug)]
+pub struct Batch {
+    target: TargetId,
+    calls: Exprs,
+}
+
+impl Body {
+    /// Whether it holds enough calls of outlined formulas.
+    pub fn may_batch(&self) -> bool {
+        self.outlined >= FEWEST
+    }
+
+    /// The calls that may be one loop. `order` has arguments first, `place` is the block in which each expression is computed, `operations` are those of
+    /// a function.
+    pub fn batches(
+        &self,
+        plans: &Plans,
+        order: &[ExprId],
+        place: impl Fn(ExprId) -> BlockId,
+        operations: impl Fn(TargetId) -> usize,
+    ) -> Vec<Batch> {
+        // By how many calls one waits for: what is of one level does not wait for each other.
+        let mut levels = vec![0u32; self.exprs.len()];
+        let mut groups: Vec<Batch> = Vec::new();
+        let mut index: FxHashMap<(TargetId, u32, BlockId, &[ExprId]), usize> = FxHashMap::default();
+        for &id in order {
+            let args = self.arguments(id);
+            let mut level = args.iter().filter_map(|&a| levels.get(a as usize)).copied().max().unwrap_or(0);
+            if let Code::Call(target) = self.code(id)
+                && plans.is_outlined(target)
+            {
+                level += 1;
+                let key = (target, level, place(id), args.get(1..).unwrap_or(&[]));
+                let at = *index.entry(key).or_insert_with(|| {
+                    groups.push(Batch { target, calls: Exprs::new() });
+                    groups.len() - 1
+                });
+                if let Some(batch) = groups.get_mut(at) {
+                    batch.calls.push(id);
+                }
+            }
+            if let Some(slot) = levels.get_mut(id as usize) {
+                *slot = level;
+            }
+        }
+        groups.retain(|batch| batch.calls.len() >= FEWEST && batch.calls.len() * operations(batch.target) >= LEAST);
+        groups
+    }
+
+    /// Lets results of loops stand for calls. The answer: what stands for the root.
+    pub fn batch(&mut self, batches: &[Batch], root: ExprId) -> ExprId {
+        let mut shared: FxHashMap<ExprId, ExprId> = FxHashMap::default();
+        for Batch { target, calls } in batches {
+            let points = calls.iter().filter_map(|&call| self.arguments(call).first());
+            let others = calls.first().and_then(|&call| self.arguments(call).get(1..)).unwrap_or(&[]);
+            let args: Exprs = points.chain(others).copied().collect();
+            let batch = self.add(Code::Batch(*target, calls.len() as u32), &args);
+            for (i, &call) in (0..).zip(calls) {
+                shared.insert(call, self.add(Code::Item(i), &[batch]));
+            }
+        }
+        let of = |id: ExprId| shared.get(&id).copied().unwrap_or(id);
+        self.pool.iter_mut().for_each(|arg| *arg = of(*arg));
+        of(root)
+    }
+}

@@ -1,0 +1,99 @@
+//! Calls of one function as a loop. In each turn all places and all results move up by one: a list that is read at the turn's number would have to be
+//! memory, and these need not.
+
+use super::{Context, Room, State, Text, Writer};
+use crate::emit::arms::Arms;
+use crate::emit::body::{Batch, Body, ExprId};
+use crate::emit::plan::{Group, TargetId};
+use std::fmt::Write;
+
+/// The calls of a function that may be loops.
+pub fn find(context: &mut Context, body: &Body, root: ExprId, out: &mut String) -> Vec<Batch> {
+    let Room { scratch, mut states, mut order, mut stack, locals, .. } = Room::default();
+    states.resize(body.len(), State::default());
+    let (ranges, results, arms) = (Vec::new(), Vec::new(), Arms::default());
+    let mut writer = Writer { context, body, out, scratch, states, ranges, locals, operations: 0, arms, block: 0, depth: 1, results };
+    let seen = writer.order(root, &mut order, &mut stack);
+    writer.part(seen.dear, &mut order);
+    let operations = |target| writer.context.operations.get(&target).copied().unwrap_or(0);
+    body.batches(writer.context.plans, &order, |id| writer.arms.place(id), operations)
+}
+
+impl Writer<'_, '_> {
+    /// Writes the loop that calls a function at so many points. `args`: the points, then numbers that are the same for all.
+    pub(super) fn batch(&mut self, id: ExprId, target: TargetId, count: u32, args: &[ExprId]) {
+        let plans = self.context.plans;
+        let Some((target, name)) = plans.get(target).zip(self.context.functions.get(&target).cloned()) else { return };
+        self.operations += self.cost(id);
+        let (points, others) = args.split_at_checked(count as usize).unwrap_or((args, &[]));
+        let mut places = Vec::with_capacity(points.len());
+        for &point in points {
+            let place = self.local("at");
+            let start = self.scratch.len();
+            self.assign(place, point);
+            self.line("var ", start, ";");
+            places.push(place);
+        }
+        let ty = if target.group == Group::Gradient { "vec4f" } else { "f32" };
+        let own = name.strip_prefix(self.context.prefix).unwrap_or(&name);
+        let results: Vec<Text> = points.iter().map(|_| self.local(own)).collect();
+        for result in &results {
+            let start = self.scratch.len();
+            self.scratch.extend_from_within(result.range());
+            self.put(": ");
+            self.put(ty);
+            self.line("var ", start, ";");
+        }
+        let turn = self.local("i");
+        let turn = self.written(turn).to_owned();
+        let start = self.scratch.len();
+        let _ = write!(self.scratch, "var {turn} = 0; {turn} < {count}; {turn}++");
+        self.line("for (", start, ") {");
+        self.depth += 1;
+        self.move_up(&results);
+        if let (Some(result), Some(place)) = (results.last(), places.first()) {
+            let start = self.scratch.len();
+            self.scratch.extend_from_within(result.range());
+            let _ = write!(self.scratch, " = {name}(");
+            self.scratch.extend_from_within(place.range());
+            for &other in others {
+                self.put(", ");
+                self.put_number(other, 0);
+            }
+            self.line("", start, ");");
+        }
+        self.move_up(&places);
+        self.depth -= 1;
+        self.line("}", self.scratch.len(), "");
+        self.results.push((id, results));
+    }
+
+    /// Each of some variables takes the value of the next.
+    fn move_up(&mut self, variables: &[Text]) {
+        for (to, from) in variables.iter().zip(variables.iter().skip(1)) {
+            let start = self.scratch.len();
+            self.scratch.extend_from_within(to.range());
+            self.put(" = ");
+            self.scratch.extend_from_within(from.range());
+            self.line("", start, ";");
+        }
+    }
+
+    /// What a loop found in one of its turns.
+    pub(super) fn put_item(&mut self, batch: ExprId, turn: u32) {
+        let results = self.results.iter().find(|(id, _)| *id == batch);
+        if let Some(result) = results.and_then(|(_, results)| results.get(turn as usize)) {
+            self.scratch.extend_from_within(result.range());
+        }
+    }
+
+    /// A name like this one that is not taken yet.
+    fn local(&mut self, word: &str) -> Text {
+        let start = self.scratch.len();
+        match self.context.prefix {
+            "" => self.locals.write(word, Some(&self.context.module), &mut self.scratch),
+            _ => self.locals.write_plain(word, &mut self.scratch),
+        }
+        Text { start: start as u32, length: (self.scratch.len() - start) as u32, strength: 9, atom: true }
+    }
+}
