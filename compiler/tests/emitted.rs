@@ -196,26 +196,32 @@ fn what_is_done_again_and_again_is_computed_once_each_time() {
 
 #[test]
 fn noise_is_written_once_and_called_in_loops() {
-    // Text, how many functions of noise there are, and how often the field's own text and the gradient's go round.
+    // Text, the functions that stand for formulas in it, and how often they are called in loops.
     let scenes = [
-        ("scene = sphere(1).displace(0.2 * fbm(2 * p))", 1, &[5][..]),
+        ("scene = sphere(1).displace(0.2 * fbm(2 * p))", &["perlin", "fbm"][..], &[5][..]),
         // What waits for other noise stands in a loop of its own.
-        ("scene = sphere(1).displace(0.1 * fbm(p + 0.3 * (fbm(p), fbm(p + 5), 0)))", 1, &[10, 5]),
-        // Two kinds; of the second there are too few calls for a loop.
-        ("scene = sphere(1).displace(0.05 * fbm(3 * p, 4) + 0.1 * cellular(2 * p))", 2, &[4]),
+        ("scene = sphere(1).displace(0.1 * fbm(p + 0.3 * (fbm(p), fbm(p + 5), fbm(p + 9))))", &["perlin", "fbm"], &[5, 3]),
+        ("scene = sphere(1).displace(0.05 * fbm(3 * p, 4) + 0.1 * cellular(2 * p))", &["perlin", "fbm", "cellular"], &[4]),
         // Of the plane, of space, and of space where one coordinate is always the same.
-        ("scene = heightfield(0.3 * fbm(p.xz, 3) + 0.1 * fbm((p.x, 0.5, time))).within(box(4))", 3, &[3, 4]),
+        ("scene = heightfield(0.3 * fbm(p.xz, 3) + 0.1 * fbm((p.x, 0.5, time))).within(box(4))", &["perlin", "perlin2", "perlin3", "fbm", "fbm2"], &[3, 4]),
         // An arm by itself, and what only one of them needs.
-        ("field f = length(p) - 1 - 0.1 * (if p.x < 0.1 { fbm(2 * p, 3) } else { fbm(3 * p + fbm(p, 3), 4) })\nscene = f.within(box(4))", 1, &[3, 4, 3]),
+        ("field f = length(p) - 1 - 0.1 * (if p.x < 0.1 { fbm(2 * p, 3) } else { fbm(3 * p + fbm(p, 3), 4) })\nscene = f.within(box(4))", &["perlin", "fbm", "fbm2"], &[3, 4]),
         // A cell's index is read as a number of its own.
-        ("scene = for cell in grid((3, 3, 3)) { sphere(0.6).displace(0.1 * fbm(2 * p + cell, 3)) }", 1, &[3]),
+        ("scene = for cell in grid((3, 3, 3)) { sphere(0.6).displace(0.1 * fbm(2 * p + cell, 3)) }", &["perlin", "fbm"], &[3]),
+        // Functions of a person: of a number as it is, of one that moves, and one that jumps.
+        ("fn wave(v: vec3) = { let s = 0, q = v for i in 0..4 { s = s + sin(q.x) * cos(q.y) + sin(q.z), q = 1.7 * q.yzx + 1 }; s / 8 }\nscene = sphere(1).displace(0.1 * wave(p) + 0.05 * wave(3 * p) + 0.02 * wave(p + time))", &["wave"], &[3]),
+        ("fn cells(v: vec2, k: float) = { let s = 0, q = v for i in 0..4 { s = s + k * abs(floor(2 * q.x) - q.y), q = q.yx * 1.3 - 0.7 }; s / 20 }\nscene = heightfield(0.1 * cells(p.xz, 1) + 0.1 * cells(2 * p.xz, 1 + 0.1 * p.x)).within(box(3))", &["cells"], &[]),
     ];
     let mut all = Vec::new();
     for (text, functions, turns) in scenes {
         let scene = scene(text);
         let wgsl = &scene.module.wgsl;
-        let noise = |line: &&str| ["perlin", "cellular", "n("].iter().any(|name| line.starts_with(&format!("fn sf_{name}"))) && line.ends_with("-> f32 {");
-        assert_eq!(wgsl.lines().filter(noise).count(), functions, "{text}\n{wgsl}");
+        let is_own = |name: &&str| !name.ends_with("_gradient") && ["perlin", "fbm", "cellular", "wave", "cells"].iter().any(|own| name.starts_with(own));
+        let own = wgsl.lines().filter_map(|line| line.strip_prefix("fn sf_")?.split('(').next()).filter(is_own);
+        let (mut own, mut functions) = (own.collect::<Vec<_>>(), functions.to_vec());
+        own.sort();
+        functions.sort();
+        assert_eq!(own, functions, "{text}\n{wgsl}");
         for count in turns {
             assert!(wgsl.contains(&format!(" < {count}; i")), "{text}: {count}\n{wgsl}");
         }

@@ -326,7 +326,7 @@ impl<'a> Plans<'a> {
             let formulas = formulas.get(..group.functions().len()).unwrap_or(&formulas);
             let variables =
                 self.graph.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
-            let plan = self.plan(formulas, variables);
+            let plan = self.plan_of(Some(shape), formulas, variables);
             if let Some(target) = self.targets.get_mut(at - 1) {
                 target.plan = plan;
             }
@@ -515,10 +515,15 @@ impl<'a> Plans<'a> {
 
     /// The steps of some formulas over a space with these variables. A call's target is found, its plan made later.
     pub fn plan(&mut self, roots: &[NodeId], variables: Arc<[u32]>) -> Plan {
+        self.plan_of(None, roots, variables)
+    }
+
+    /// The same of functions of a shape.
+    fn plan_of(&mut self, shape: Option<ShapeId>, roots: &[NodeId], variables: Arc<[u32]>) -> Plan {
         let graph = self.graph;
         let mut nodes = std::mem::take(&mut self.nodes);
         let outlines = &self.functions.outlines;
-        let outline = |id: NodeId| if matches!(graph.node(id), Node::Claim(..)) { outlines.get(&id) } else { None };
+        let outline = |id: NodeId| if outlines.is_empty() { None } else { outlines.get(&id).filter(|o| Some(o.shape) != shape) };
         let operands = |id: NodeId| outline(id).map_or_else(|| graph.operands(id), |outline| &outline.arguments[..]);
         graph.computed_from(roots, operands, &mut nodes);
         let mut places = std::mem::take(&mut self.places);
@@ -533,7 +538,7 @@ impl<'a> Plans<'a> {
             let place = |a: &NodeId| places.get(a.0 as usize).copied().unwrap_or(0);
             let named = graph.node_name(id).map(|_| id);
             let step = match graph.node(id) {
-                Node::Claim(..) if let Some(outline) = outline(id) => {
+                _ if let Some(outline) = outline(id) => {
                     let target = self.target(outline.shape, Group::Field);
                     plan.push(Action::Call(target), args.iter().map(place), named)
                 }
@@ -553,9 +558,9 @@ impl<'a> Plans<'a> {
                 Node::Leaf(leaf) => plan.push(Action::Leaf(*leaf), [], named),
                 Node::Factor(i) => plan.push(Action::Factor(*i), [], named),
                 Node::Op(op, _) => plan.push(Action::Op(*op), args.iter().map(place), named),
-                Node::Call(shape, function, list) => {
+                Node::Call(inner, function, list) => {
                     let (group, component) = Group::of(*function);
-                    let target = self.target(*shape, group);
+                    let target = self.target(*inner, group);
                     match component {
                         None => plan.push(Action::Call(target), args.iter().map(place), named),
                         Some(i) => {

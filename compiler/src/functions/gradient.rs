@@ -51,6 +51,13 @@ impl Builder<'_> {
 
     /// The gradient of a shape's field, with its walls.
     pub(super) fn gradient_with_walls(&mut self, shape: ShapeId, value: NodeId) -> [NodeId; 3] {
+        if self.is_outlined(shape) {
+            // By its own formula, which elsewhere it stands for.
+            self.own = Some(shape);
+            let found = self.gradient_of(value, &mut Slopes::new(), Seen::Pieces);
+            self.own = None;
+            return found;
+        }
         if !self.has_walls(shape) {
             return self.gradient(value);
         }
@@ -142,9 +149,7 @@ impl Builder<'_> {
     fn without_slope(&mut self, root: NodeId, slopes: &Slopes) -> Vec<NodeId> {
         let new = |id| known(slopes, id).is_none();
         let order = self.graph.reachable_among(&[root], new);
-        let claims = order.iter().copied().filter(|&id| matches!(self.graph.node(id), Node::Claim(..)));
-        let outlined: SmallVec<[NodeId; 8]> = claims.collect();
-        let outlined: FxHashMap<NodeId, Outline> = outlined.into_iter().filter_map(|id| Some((id, self.outline(id)?))).collect();
+        let outlined: FxHashMap<NodeId, Outline> = order.iter().filter_map(|&id| Some((id, self.outline(id)?))).collect();
         if outlined.is_empty() {
             return order;
         }
@@ -159,6 +164,11 @@ impl Builder<'_> {
         let zero = self.graph.constant(0.0);
         let flat = [zero; 3];
         let of = |slopes: &Slopes, a: &NodeId| known(slopes, *a).unwrap_or(flat);
+        if let Some(Outline { shape, arguments }) = self.outline(id) {
+            let inner: SmallVec<[[NodeId; 3]; 4]> = arguments.iter().take(3).map(|a| of(slopes, a)).collect();
+            let partials = [0, 1, 2].map(|i| self.graph.call(shape, Function::Gradient(i), &arguments));
+            return self.chain_rule(&partials, &inner);
+        }
         match self.graph.node(id).clone() {
             Node::Leaf(Leaf::P(i)) => {
                 let mut unit = flat;
@@ -204,11 +214,6 @@ impl Builder<'_> {
                 let Some(value) = self.graph.shape(shape).map(|s| s.value) else { return flat };
                 let opened = self.graph.open(shape, value, &args);
                 self.gradient_of(opened, slopes, seen)
-            }
-            Node::Claim(..) if let Some(Outline { shape, arguments }) = self.outline(id) => {
-                let inner: SmallVec<[[NodeId; 3]; 4]> = arguments.iter().take(3).map(|a| of(slopes, a)).collect();
-                let partials = [0, 1, 2].map(|i| self.graph.call(shape, Function::Gradient(i), &arguments));
-                self.chain_rule(&partials, &inner)
             }
             Node::Claim(args, _) => args.first().map_or(flat, |a| of(slopes, a)),
             _ => flat,

@@ -283,6 +283,8 @@ pub struct Builder<'a> {
     outlines: FxHashMap<NodeId, Option<Outline>>,
     /// Their shapes, by formula and dimensions.
     outlined: FxHashMap<(NodeId, u8), ShapeId>,
+    /// The one among them whose own gradient is being made.
+    own: Option<ShapeId>,
     /// Whether a plane may be among the operands of a union.
     planes: FxHashMap<NodeId, bool>,
     surfaces: FxHashMap<NodeId, Option<Look>>,
@@ -348,6 +350,7 @@ pub fn build(
         beside: FxHashMap::default(),
         outlines: FxHashMap::default(),
         outlined: FxHashMap::default(),
+        own: None,
         planes: FxHashMap::default(),
         surfaces: FxHashMap::default(),
         looks: FxHashMap::default(),

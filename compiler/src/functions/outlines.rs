@@ -1,13 +1,12 @@
-//! Outlining: a long formula of one to three numbers of which a claim says how steep it is, as noise is, becomes a function of those numbers. It
-//! is written once, however often and at whatever places it is asked for, and its gradient is the chain rule over that function's own.
+//! Outlining: a long formula of one to three numbers, as noise is, becomes a function of those numbers. It is written once, however often and at
+//! whatever places it is asked for, and its gradient is the chain rule over that function's own. What is known of the formula stays known where it
+//! stands: only what is written of it changes.
 
 use super::Builder;
-use crate::graph::{Claim, ClaimGroup, Exactness, Function, Leaf, Node, NodeId, NodeList, Shape, ShapeId};
+use crate::graph::{Claim, ClaimGroup, Exactness, Function, Graph, Leaf, Node, NodeId, NodeList, Shape, ShapeId};
+use std::sync::Arc;
 
-/// A shorter formula is as good where it stands.
-const LEAST: usize = 40;
-
-/// What stands for a claim: a shape of no space but that of the claim's numbers.
+/// What stands for a formula: a shape of no space but that of the formula's numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     /// Its field is the formula, its point the numbers.
@@ -16,25 +15,54 @@ pub struct Outline {
     pub arguments: NodeList,
 }
 
-impl Builder<'_> {
-    /// The outline of a claim. None where its formula is short, reads more than the claim's numbers, or it is no such claim.
-    pub(super) fn outline(&mut self, claim: NodeId) -> Option<Outline> {
-        if let Some(known) = self.outlines.get(&claim) {
-            return known.clone();
-        }
-        let found = self.find_outline(claim);
-        self.outlines.insert(claim, found.clone());
-        found
-    }
+/// A formula that may be a function.
+struct Candidate {
+    formula: NodeId,
+    name: Option<Arc<str>>,
+    /// The numbers that it is made of.
+    of: NodeList,
+}
 
-    fn find_outline(&mut self, claim: NodeId) -> Option<Outline> {
-        let Node::Claim(of, Claim::Lipschitz(_, groups, _)) = self.graph.node(claim) else { return None };
-        if groups.is_empty() || groups.iter().any(|g| matches!(g, ClaimGroup::Values(_))) {
+impl Candidate {
+    /// Of a node that is claimed to be no steeper than some numbers, or is noted to be the result of a function.
+    fn at(graph: &Graph, id: NodeId) -> Option<Self> {
+        if let Some(made) = graph.result(id) {
+            return Some(Self { formula: id, name: Some(made.by.clone()), of: made.of.clone() });
+        }
+        let Node::Claim(of, Claim::Lipschitz(_, groups, _)) = graph.node(id) else { return None };
+        let (&formula, of) = of.split_first()?;
+        let numbers = groups.iter().all(|g| matches!(g, ClaimGroup::Vector(_)));
+        numbers.then(|| Self { formula, name: graph.node_name(id).map(Into::into), of: of.into() })
+    }
+}
+
+impl Builder<'_> {
+    /// What stands for a node. None where its formula is short, made of more than three numbers, or reads more than those.
+    pub(super) fn outline(&mut self, id: NodeId) -> Option<Outline> {
+        if !matches!(self.graph.node(id), Node::Claim(..)) && self.graph.result(id).is_none() {
             return None;
         }
-        let (&formula, numbers) = of.split_first()?;
+        let found = match self.outlines.get(&id) {
+            Some(known) => known.clone(),
+            None => {
+                let found = self.find_outline(id);
+                self.outlines.insert(id, found.clone());
+                found
+            }
+        };
+        found.filter(|outline| Some(outline.shape) != self.own)
+    }
+
+    /// Whether a shape stands for formulas.
+    pub(super) fn is_outlined(&self, shape: ShapeId) -> bool {
+        let known = |s: &Shape| self.outlined.get(&(s.value, s.dimensions)) == Some(&shape);
+        !self.outlined.is_empty() && self.graph.shape(shape).is_some_and(known)
+    }
+
+    fn find_outline(&mut self, id: NodeId) -> Option<Outline> {
+        let Candidate { formula, name, of } = Candidate::at(self.graph, id)?;
         let mut coordinates: Vec<NodeId> = Vec::with_capacity(3);
-        for &number in numbers {
+        for &number in of.iter() {
             if self.graph.as_constant(number).is_none() && !coordinates.contains(&number) {
                 coordinates.push(number);
             }
@@ -42,44 +70,40 @@ impl Builder<'_> {
         if !(1..=3).contains(&coordinates.len()) {
             return None;
         }
-        let value = self.graph.abstracted(formula, &coordinates, LEAST)?;
+        let value = self.graph.abstracted(formula, &coordinates)?;
         let dimensions = if coordinates.len() == 3 { 3 } else { 2 };
         coordinates.resize(3, self.graph.constant(0.0));
-        let shape = self.outlined(value, dimensions, claim);
+        let shape = match self.outlined.get(&(value, dimensions)) {
+            Some(&known) => known,
+            None => self.outlined_as(name, value, dimensions, id),
+        };
         let variables = self.graph.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
         let variables = variables.iter().map(|&v| self.graph.leaf(Leaf::Variable(v)));
         let arguments = coordinates.into_iter().chain(variables).collect();
         Some(Outline { shape, arguments })
     }
 
-    /// The shape of an outlined formula: one, wherever the first of its claims stands.
-    fn outlined(&mut self, value: NodeId, dimensions: u8, claim: NodeId) -> ShapeId {
-        if let Some(known) = self.outlined.get(&(value, dimensions)) {
-            return *known;
-        }
-        let name = self.graph.node_name(claim).map(Into::into);
-        let (span, exactness) = (self.place(self.root, claim), Exactness::Formula);
+    /// The shape of a formula: one, wherever the first node that it stands for is.
+    fn outlined_as(&mut self, name: Option<Arc<str>>, value: NodeId, dimensions: u8, first: NodeId) -> ShapeId {
+        let (span, exactness) = (self.place(self.root, first), Exactness::Formula);
         let shape = Shape { name, dimensions, value, variables: [].into(), exactness, material: None, paints: [].into(), span };
         let shape = self.graph.add_shape(shape);
-        // What a claim speaks of is continuous.
+        // Where it jumps the shapes that ask for it say so.
         self.walled.insert(shape, false);
         self.built.formulas.insert((shape, Function::Field), value);
         self.outlined.insert((value, dimensions), shape);
         shape
     }
 
-    /// The outlines of all claims of the graph, whose formulas no other function need hold.
+    /// What stands for any node of the graph.
     pub(super) fn outline_all(&mut self) {
         let mut at = 0;
-        // An outline may hold claims of its own.
+        // An outline may hold others.
         while at < self.graph.len() {
-            let id = NodeId(at as u32);
-            if matches!(self.graph.node(id), Node::Claim(..)) {
-                self.outline(id);
-            }
+            self.outline(NodeId(at as u32));
             at += 1;
         }
         let found = std::mem::take(&mut self.outlines);
-        self.built.outlines = found.into_iter().filter_map(|(claim, outline)| Some((claim, outline?))).collect();
+        self.built.outlines = found.into_iter().filter_map(|(id, outline)| Some((id, outline?))).collect();
     }
 }

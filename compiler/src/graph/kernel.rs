@@ -442,7 +442,7 @@ impl Terms for Graph {
     }
     fn operation(&self, id: NodeId) -> Option<(Op, &[NodeId])> {
         match self.node(id) {
-            Node::Op(op, args) => Some((*op, args)),
+            Node::Op(op, args) if !self.labels.stands_apart(id) => Some((*op, args)),
             _ => None,
         }
     }

@@ -1,6 +1,6 @@
-//! What nodes are called in the source, and where they come from: for readers of the output and of diagnostics.
+//! What nodes are called in the source, where they come from, and which function made them: for readers of the output and of diagnostics.
 
-use super::NodeId;
+use super::{Graph, Node, NodeId, NodeList};
 use crate::source::Span;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
@@ -13,6 +13,20 @@ pub struct Labels {
     texts: Vec<Arc<str>>,
     numbers: FxHashMap<Arc<str>, u32>,
     places: Vec<Option<Span>>,
+    results: FxHashMap<NodeId, Made>,
+    apart: Vec<NodeId>,
+}
+
+/// A formula of fewer nodes is as good where it stands as by the name of what made it.
+pub const LONG: u32 = 40;
+
+/// What made a node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Made {
+    /// The name of a function.
+    pub by: Arc<str>,
+    /// The numbers that it was given; the node depends on nothing else of its space.
+    pub of: NodeList,
 }
 
 impl Labels {
@@ -58,8 +72,87 @@ impl Labels {
         }
     }
 
+    /// Notes which function made a node.
+    pub fn note_result(&mut self, id: NodeId, made: Made) {
+        self.results.entry(id).or_insert(made);
+    }
+
+    /// Which function made a node.
+    pub fn result(&self, id: NodeId) -> Option<&Made> {
+        // Mostly there is none at all.
+        if self.results.is_empty() { None } else { self.results.get(&id) }
+    }
+
+    /// Nodes that no simplification looks into, for now. The answer: how many there were before.
+    pub fn stand_apart(&mut self, ids: &[NodeId]) -> usize {
+        let before = self.apart.len();
+        self.apart.extend_from_slice(ids);
+        before
+    }
+
+    /// Lets those that came after so many be looked into again.
+    pub fn stand_no_more(&mut self, before: usize) {
+        self.apart.truncate(before);
+    }
+
+    /// Whether no simplification looks into a node: into what is written as a function, or what one is made of.
+    pub fn stands_apart(&self, id: NodeId) -> bool {
+        self.apart.contains(&id) || self.result(id).is_some()
+    }
+
     fn number(&self, id: NodeId) -> u32 {
         self.names.get(id.0 as usize).copied().unwrap_or(0)
+    }
+}
+
+impl Graph {
+    /// Gives a node the name that it has in the source. The first name stays.
+    pub fn name_node(&mut self, id: NodeId, name: &str) {
+        if !matches!(self.node(id), Node::Constant(_) | Node::Leaf(_)) {
+            self.labels.name(id, name);
+        }
+    }
+
+    /// The name of a node in the source.
+    pub fn node_name(&self, id: NodeId) -> Option<&str> {
+        self.labels.name_of(id)
+    }
+
+    /// Gives a node the name of another that became it.
+    pub(super) fn pass_name(&mut self, from: NodeId, to: NodeId) {
+        if !matches!(self.node(to), Node::Constant(_) | Node::Leaf(_)) {
+            self.labels.pass_name(from, to);
+        }
+    }
+
+    /// Notes which function of numbers alone a long formula is the result of. The first stays.
+    pub fn note_result(&mut self, id: NodeId, made: Made) {
+        self.labels.note_result(id, made);
+    }
+
+    /// Which function of numbers a node is noted to be the result of.
+    pub fn result(&self, id: NodeId) -> Option<&Made> {
+        self.labels.result(id)
+    }
+
+    /// Lets no simplification look into these nodes until [`Graph::stand_no_more`] takes the answer.
+    pub fn stand_apart(&mut self, ids: &[NodeId]) -> usize {
+        self.labels.stand_apart(ids)
+    }
+
+    /// Ends what [`Graph::stand_apart`] began.
+    pub fn stand_no_more(&mut self, before: usize) {
+        self.labels.stand_no_more(before);
+    }
+
+    /// Remembers where a node came from. The first place stays.
+    pub fn locate(&mut self, id: NodeId, span: Span) {
+        self.labels.locate(id, span);
+    }
+
+    /// Where a node came from.
+    pub fn location(&self, id: NodeId) -> Option<Span> {
+        self.labels.place_of(id)
     }
 }
 

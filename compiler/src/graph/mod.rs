@@ -24,6 +24,7 @@ use index::Index;
 use interval::Interval;
 use kernel::Op;
 use labels::Labels;
+pub use labels::{LONG, Made};
 pub use list::NodeList;
 use reads::{Reads, Sets};
 use rustc_hash::FxHasher;
@@ -477,35 +478,6 @@ impl Graph {
             Node::Op(_, args) | Node::Call(_, _, args) | Node::Claim(args, _) => args,
             _ => &[],
         }
-    }
-
-    /// Gives a node the name that it has in the source. The first name stays.
-    pub fn name_node(&mut self, id: NodeId, name: &str) {
-        if !matches!(self.node(id), Node::Constant(_) | Node::Leaf(_)) {
-            self.labels.name(id, name);
-        }
-    }
-
-    /// The name of a node in the source.
-    pub fn node_name(&self, id: NodeId) -> Option<&str> {
-        self.labels.name_of(id)
-    }
-
-    /// Gives a node the name of another that became it.
-    fn pass_name(&mut self, from: NodeId, to: NodeId) {
-        if !matches!(self.node(to), Node::Constant(_) | Node::Leaf(_)) {
-            self.labels.pass_name(from, to);
-        }
-    }
-
-    /// Remembers where a node came from. The first place stays.
-    pub fn locate(&mut self, id: NodeId, span: Span) {
-        self.labels.locate(id, span);
-    }
-
-    /// Where a node came from.
-    pub fn location(&self, id: NodeId) -> Option<Span> {
-        self.labels.place_of(id)
     }
 
     /// A shape. None for an index from another graph.

@@ -1,7 +1,7 @@
 //! Walks over the graph: what nodes need, nodes made anew with other leaves, values over any algebra.
 
 use super::algebra::Algebra;
-use super::{Function, Graph, Leaf, Node, NodeId, ShapeId};
+use super::{Function, Graph, LONG, Leaf, Made, Node, NodeId, ShapeId};
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
@@ -169,12 +169,12 @@ impl Graph {
         self.rewrite(&order, roots, &[], replace)
     }
 
-    /// A formula with the point's coordinates in the places of these nodes. None where it reads the point or the normal beside them, or is made of
-    /// fewer nodes than `least`.
-    pub fn abstracted(&mut self, root: NodeId, nodes: &[NodeId], least: usize) -> Option<NodeId> {
+    /// A formula with the point's coordinates in the places of these nodes. None where it reads the point or the normal beside them, calls a
+    /// shape, or is not long.
+    pub fn abstracted(&mut self, root: NodeId, nodes: &[NodeId]) -> Option<NodeId> {
         let order = self.reachable_among(&[root], |id| !nodes.contains(&id));
         let outside = |id: &NodeId| matches!(self.node(*id), Node::Leaf(Leaf::P(_) | Leaf::Normal(_)));
-        if order.len() < least || nodes.contains(&root) || order.iter().any(outside) {
+        if order.len() < LONG as usize || nodes.contains(&root) || self.reads(root).shapes || order.iter().any(outside) {
             return None;
         }
         let point = self.point();
@@ -215,6 +215,10 @@ impl Graph {
             };
             if new != id {
                 self.pass_name(id, new);
+                if let Some(made) = self.result(id) {
+                    let made = Made { by: made.by.clone(), of: made.of.iter().map(map).collect() };
+                    self.note_result(new, made);
+                }
                 if let Some(span) = self.location(id) {
                     self.locate(new, span);
                 }

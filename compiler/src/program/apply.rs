@@ -5,7 +5,7 @@ use super::load::ItemRef;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
-use crate::graph::{Claim, ClaimGroup, Function, Leaf, Node, NodeId, NodeList, ShapeId, ValueRange};
+use crate::graph::{Claim, ClaimGroup, Function, LONG, Leaf, Made, Node, NodeId, NodeList, ShapeId, ValueRange};
 use crate::source::Span;
 use crate::syntax::ast::{self, ClaimKind, ExprKind, FunctionKind, ItemKind, Parameter, Type};
 use smallvec::{SmallVec, smallvec};
@@ -139,7 +139,7 @@ impl Elaborator<'_> {
             });
         let value = self.deeper(span, |e| match function.kind {
             FunctionKind::Fn => {
-                let value = e.expression(&function.body, &env)?;
+                let value = e.value_of(item, function, &values, &env)?;
                 let value = e.claimed_value(value, function, &values, &env);
                 e.hint(&value, &function.name.text);
                 Ok(value)
@@ -270,6 +270,32 @@ impl Elaborator<'_> {
         }
     }
 
+    /// The value of a function. What it makes of numbers, if that is a long formula, is one in which they stand as they are, so that it can be a
+    /// function of the module too.
+    fn value_of(&mut self, item: ItemRef, function: &ast::Function, args: &[Value], env: &Env) -> Elaborated<Value> {
+        let Some(numbers) = numbers_of(args) else { return self.expression(&function.body, env) };
+        if !self.long.contains(&item) {
+            let value = self.expression(&function.body, env)?;
+            if !is_long(&value, &numbers) {
+                return Ok(value);
+            }
+            self.long.insert(item);
+        }
+        let apart = self.graph.stand_apart(&numbers);
+        // What was made of these numbers before may be made of what is inside them.
+        let memo = std::mem::take(&mut self.memo);
+        let value = self.expression(&function.body, env);
+        self.memo = memo;
+        self.graph.stand_no_more(apart);
+        let value = value?;
+        if let Value::Number(node, _) = value
+            && is_long(&value, &numbers)
+        {
+            self.graph.note_result(node, Made { by: function.name.text.clone(), of: NodeList::from(&numbers[..]) });
+        }
+        Ok(value)
+    }
+
     /// A value with what its declaration claims of it.
     fn claimed(&mut self, node: NodeId, function: &ast::Function, args: &[Value], env: &Env) -> NodeId {
         let Some(claim) = &function.claim else { return node };
@@ -324,6 +350,26 @@ impl Elaborator<'_> {
             })
             .collect()
     }
+}
+
+/// Whether what was made of some numbers is a long formula, as far as is seen: what was made since the newest of them is as much as it may be.
+fn is_long(value: &Value, numbers: &[NodeId]) -> bool {
+    let Value::Number(node, _) = value else { return false };
+    let newest = numbers.iter().map(|n| n.0).max();
+    newest.is_some_and(|newest| node.0 >= newest + LONG)
+}
+
+/// All numbers among values; none where a value is made of something else.
+fn numbers_of(values: &[Value]) -> Option<Vec<NodeId>> {
+    let mut numbers = Vec::new();
+    for value in values {
+        match value {
+            Value::Number(n, _) | Value::Bool(n) => numbers.push(*n),
+            Value::Vector(v) | Value::Matrix(_, v) => numbers.extend(v.iter().copied()),
+            _ => return None,
+        }
+    }
+    Some(numbers)
 }
 
 /// Whether a parameter of a blend is one of the distances that it combines.

@@ -139,6 +139,8 @@ pub struct Elaborator<'a> {
     /// Shapes that another choice would put into the scene.
     alternatives: Vec<ShapeId>,
     memo: FxHashMap<(ItemRef, Option<Value>, Vec<Value>), Option<Value>>,
+    /// Functions that made a long formula of numbers.
+    long: FxHashSet<ItemRef>,
     depth: usize,
     /// Materials whose entries are being read.
     materials: Vec<ItemRef>,
@@ -192,6 +194,7 @@ pub fn elaborate(modules: &Modules, options: &Options, facts: Facts) -> Elaborat
         called: FxHashSet::default(),
         alternatives: Vec::new(),
         memo: FxHashMap::default(),
+        long: FxHashSet::default(),
         depth: 0,
         materials: Vec::new(),
         nesting: 0,

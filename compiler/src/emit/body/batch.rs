@@ -5,9 +5,9 @@ use crate::emit::arms::BlockId;
 use crate::emit::plan::{Plans, TargetId};
 use rustc_hash::FxHashMap;
 
-/// Fewer calls are written out.
-const FEWEST: usize = 3;
-/// Calls that take fewer operations together too.
+/// One call is no loop.
+const FEWEST: usize = 2;
+/// Calls that take fewer operations together are written out.
 const LEAST: usize = 256;
 
 /// Calls that are one loop.
