@@ -136,8 +136,8 @@ pub struct Body {
     parts: Vec<ExprId>,
     /// Whether something is divided by what is no constant.
     divides: bool,
-    /// How many calls of outlined formulas it holds.
-    outlined: usize,
+    /// How many calls it holds.
+    calls: usize,
     /// Room for [`Body::open`].
     opening: Opening,
     /// Room for [`Body::share`].
@@ -212,7 +212,7 @@ impl Body {
         self.joined.clear();
         self.parts.clear();
         self.divides = false;
-        self.outlined = 0;
+        self.calls = 0;
     }
 
     /// What an expression is.
@@ -471,7 +471,7 @@ impl Body {
             }
             _ => list.extend_from_slice(variables),
         }
-        self.outlined += usize::from(plans.is_outlined(id));
+        self.calls += 1;
         let call = self.add(Code::Call(id), &list);
         if let Some(gradient) = plans.get(id).and_then(|t| plans.field_from_gradient(t)) {
             self.note_field(call, gradient, args);

@@ -6,7 +6,7 @@ use super::table::{Table, Tables};
 use crate::functions::Functions;
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId};
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
 /// What one function of the module computes of a shape. The components of a gradient come together, with the field.
@@ -195,8 +195,6 @@ pub struct Plans<'a> {
     graph: &'a Graph,
     functions: &'a Functions,
     tables: &'a Tables,
-    /// The shapes that are outlines.
-    outlined: FxHashSet<ShapeId>,
     /// The functions, callers and callees mixed.
     pub targets: Vec<Target>,
     /// For each shape and group the target, if there is one.
@@ -218,8 +216,7 @@ impl<'a> Plans<'a> {
         let places = vec![0; graph.len()];
         let shapes = graph.shapes().len();
         let (targets, index) = (Vec::with_capacity(shapes), vec![[None; 4]; shapes]);
-        let outlined = functions.outlines.values().map(|outline| outline.shape).collect();
-        Self { graph, functions, tables, outlined, targets, index, places, nodes: Vec::new(), compared: FxHashMap::default() }
+        Self { graph, functions, tables, targets, index, places, nodes: Vec::new(), compared: FxHashMap::default() }
     }
 
     /// Whether a shape has the formulas of a group.
@@ -281,11 +278,6 @@ impl<'a> Plans<'a> {
     pub fn field_from_gradient(&self, target: &Target) -> Option<TargetId> {
         let id = (target.group == Group::Field).then(|| self.gradient(target.shape))??;
         self.get(id).filter(|t| t.stands_alone).map(|_| id)
-    }
-
-    /// Whether a target is of an outline.
-    pub fn is_outlined(&self, id: TargetId) -> bool {
-        self.get(id).is_some_and(|target| self.outlined.contains(&target.shape))
     }
 
     /// A target.

@@ -151,8 +151,7 @@ pub fn write(
     out: &mut String,
 ) -> usize {
     let root = body.share(context.graph, context.plans, root);
-    let batches = if body.may_batch() { batch::find(context, body, root, out) } else { Vec::new() };
-    let root = body.batch(&batches, root);
+    let root = batch::find(context, body, root, out).map_or(root, |batches| body.batch(&batches, root));
     let Room { scratch, mut states, mut ranges, mut order, mut stack, mut locals } = std::mem::take(&mut context.room);
     for name in arguments {
         locals.reserve(name);

@@ -2,13 +2,19 @@
 
 use super::{Body, Code, ExprId, Exprs};
 use crate::emit::arms::BlockId;
-use crate::emit::plan::{Plans, TargetId};
+use crate::emit::plan::TargetId;
 use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
 
 /// One call is no loop.
 const FEWEST: usize = 2;
 /// Calls that take fewer operations together are written out.
-const LEAST: usize = 256;
+const LEAST: usize = 128;
+
+/// Whether so many calls of a function of so many operations are worth a loop.
+fn is_worth_a_loop(calls: usize, operations: usize) -> bool {
+    calls >= FEWEST && calls.saturating_mul(operations) >= LEAST
+}
 
 /// Calls that are one loop.
 #[derive(Clone, Debug)]
@@ -18,16 +24,23 @@ pub struct Batch {
 }
 
 impl Body {
-    /// Whether it holds enough calls of outlined formulas.
-    pub fn may_batch(&self) -> bool {
-        self.outlined >= FEWEST
+    /// Whether it holds calls of one function that may be worth a loop. `operations` are those of a function.
+    pub fn may_batch(&self, operations: impl Fn(TargetId) -> usize) -> bool {
+        let mut counts: SmallVec<[(TargetId, usize); 8]> = SmallVec::new();
+        for expr in self.exprs.iter().filter(|_| self.calls >= FEWEST) {
+            let Code::Call(target) = expr.code else { continue };
+            match counts.iter_mut().find(|(known, _)| *known == target) {
+                Some((_, count)) => *count += 1,
+                None => counts.push((target, 1)),
+            }
+        }
+        counts.iter().any(|&(target, count)| is_worth_a_loop(count, operations(target)))
     }
 
     /// The calls that may be one loop. `order` has arguments first, `place` is the block in which each expression is computed, `operations` are those of
     /// a function.
     pub fn batches(
         &self,
-        plans: &Plans,
         order: &[ExprId],
         place: impl Fn(ExprId) -> BlockId,
         operations: impl Fn(TargetId) -> usize,
@@ -39,9 +52,7 @@ impl Body {
         for &id in order {
             let args = self.arguments(id);
             let mut level = args.iter().filter_map(|&a| levels.get(a as usize)).copied().max().unwrap_or(0);
-            if let Code::Call(target) = self.code(id)
-                && plans.is_outlined(target)
-            {
+            if let Code::Call(target) = self.code(id) {
                 level += 1;
                 let key = (target, level, place(id), args.get(1..).unwrap_or(&[]));
                 let at = *index.entry(key).or_insert_with(|| {
@@ -56,7 +67,7 @@ impl Body {
                 *slot = level;
             }
         }
-        groups.retain(|batch| batch.calls.len() >= FEWEST && batch.calls.len() * operations(batch.target) >= LEAST);
+        groups.retain(|batch| is_worth_a_loop(batch.calls.len(), operations(batch.target)));
         groups
     }
 

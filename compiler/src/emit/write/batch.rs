@@ -7,8 +7,11 @@ use crate::emit::body::{Batch, Body, ExprId};
 use crate::emit::plan::{Group, TargetId};
 use std::fmt::Write;
 
-/// The calls of a function that may be loops.
-pub fn find(context: &mut Context, body: &Body, root: ExprId, out: &mut String) -> Vec<Batch> {
+/// The calls of a function that are loops, if there are any.
+pub fn find(context: &mut Context, body: &Body, root: ExprId, out: &mut String) -> Option<Vec<Batch>> {
+    if !body.may_batch(|target| context.operations.get(&target).copied().unwrap_or(0)) {
+        return None;
+    }
     let Room { scratch, mut states, mut order, mut stack, locals, .. } = Room::default();
     states.resize(body.len(), State::default());
     let (ranges, results, arms) = (Vec::new(), Vec::new(), Arms::default());
@@ -16,7 +19,8 @@ pub fn find(context: &mut Context, body: &Body, root: ExprId, out: &mut String) 
     let seen = writer.order(root, &mut order, &mut stack);
     writer.part(seen.dear, &mut order);
     let operations = |target| writer.context.operations.get(&target).copied().unwrap_or(0);
-    body.batches(writer.context.plans, &order, |id| writer.arms.place(id), operations)
+    let batches = body.batches(&order, |id| writer.arms.place(id), operations);
+    (!batches.is_empty()).then_some(batches)
 }
 
 impl Writer<'_, '_> {
