@@ -296,7 +296,7 @@ impl Builder<'_> {
         } else {
             (Code::Unproven, format!("no bound is proven for this formula; it is drawn with a measured factor: {why}"))
         };
-        self.diagnostics.push(Diagnostic::new(code, at, message, instead));
+        self.diagnostics.push(Diagnostic::new(code, at, message, self.own_noise(node).unwrap_or(instead)));
         self.kind = self.kind.max(Kind::Unproven);
         finite.then_some(Treatment {
             constant: 1.5 * steepest,

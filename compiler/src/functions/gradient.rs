@@ -164,8 +164,8 @@ impl Builder<'_> {
         let zero = self.graph.constant(0.0);
         let flat = [zero; 3];
         let of = |slopes: &Slopes, a: &NodeId| known(slopes, *a).unwrap_or(flat);
-        if let Some(Outline { shape, arguments }) = self.outline(id) {
-            let inner: SmallVec<[[NodeId; 3]; 4]> = arguments.iter().take(3).map(|a| of(slopes, a)).collect();
+        if let Some(Outline { shape, arguments, read }) = self.outline(id) {
+            let inner: SmallVec<[[NodeId; 3]; 4]> = arguments.iter().take(read).map(|a| of(slopes, a)).collect();
             let partials = [0, 1, 2].map(|i| self.graph.call(shape, Function::Gradient(i), &arguments));
             return self.chain_rule(&partials, &inner);
         }

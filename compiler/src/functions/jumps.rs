@@ -8,6 +8,9 @@ use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Node, NodeId, ShapeId};
 use smallvec::{SmallVec, smallvec};
 
+/// A sine times so much is meant to be random.
+const SCATTERS: f64 = 1000.0;
+
 /// An operation that makes a formula jump.
 pub(super) struct Site {
     pub(super) node: NodeId,
@@ -50,6 +53,24 @@ const LOOKS: usize = 256;
 const MOST_OPENED: usize = 200_000;
 
 impl Builder<'_> {
+    /// What to write instead of noise that a person made of random numbers in cells: nobody sees that its cells agree at their walls.
+    pub(super) fn own_noise(&self, node: NodeId) -> Option<&'static str> {
+        let claimed = |id: NodeId| matches!(self.graph.node(id), Node::Claim(_, Claim::Lipschitz(..)));
+        let own = self.graph.reachable_among(&[node], |id| !claimed(id));
+        let large = |id: &NodeId| self.graph.as_constant(*id).is_some_and(|c| c.abs() >= SCATTERS);
+        let sine = |id: &NodeId| matches!(self.graph.node(*id), Node::Op(Op::Sin | Op::Cos, _));
+        let random = |id: &NodeId| match self.graph.node(*id) {
+            Node::Op(Op::Hash, _) => true,
+            // As shaders have it that know no whole numbers.
+            Node::Op(Op::Mul, args) => args.iter().any(large) && args.iter().any(sine),
+            _ => false,
+        };
+        let cells = |id: &NodeId| matches!(self.graph.node(*id), Node::Op(Op::Floor, _));
+        (own.iter().any(cells) && own.iter().any(random)).then_some(
+            "noise of your own has a wall at each cell, as far as can be proven: `value_noise`, `perlin`, `simplex`, `cellular` and `fbm` have none, and their factors are known",
+        )
+    }
+
     /// A ray stops before a jump and looks again just behind it.
     pub(super) fn stop_at_jumps(
         &mut self,
@@ -88,7 +109,10 @@ impl Builder<'_> {
                 Code::Jump,
                 at,
                 "this formula jumps; rays stop before the jump and look again",
-                "steps that are meant need nothing; where both sides agree, write it without the jump, for example with `abs`, `min` or `repeat`",
+                match self.own_noise(node) {
+                    Some(instead) => instead,
+                    None => "steps that are meant need nothing; where both sides agree, write it without the jump, for example with `abs`, `min` or `repeat`",
+                },
             ));
         }
         if let Some(at) = unknown {

@@ -11,8 +11,11 @@ use std::sync::Arc;
 pub struct Outline {
     /// Its field is the formula, its point the numbers.
     pub shape: ShapeId,
-    /// The numbers, as a call takes them.
+    /// The numbers, as a call takes them. All are older than what the outline stands for: where there are fewer than three, the last stands for those that nobody
+    /// reads.
     pub arguments: NodeList,
+    /// How many of the coordinates are read.
+    pub read: usize,
 }
 
 /// A formula that may be a function.
@@ -71,8 +74,9 @@ impl Builder<'_> {
             return None;
         }
         let value = self.graph.abstracted(formula, &coordinates)?;
-        let dimensions = if coordinates.len() == 3 { 3 } else { 2 };
-        coordinates.resize(3, self.graph.constant(0.0));
+        let read = coordinates.len();
+        let dimensions = if read == 3 { 3 } else { 2 };
+        coordinates.resize(3, *coordinates.last()?);
         let shape = match self.outlined.get(&(value, dimensions)) {
             Some(&known) => known,
             None => self.outlined_as(name, value, dimensions, id),
@@ -80,7 +84,7 @@ impl Builder<'_> {
         let variables = self.graph.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
         let variables = variables.iter().map(|&v| self.graph.leaf(Leaf::Variable(v)));
         let arguments = coordinates.into_iter().chain(variables).collect();
-        Some(Outline { shape, arguments })
+        Some(Outline { shape, arguments, read })
     }
 
     /// The shape of a formula: one, wherever the first node that it stands for is.
