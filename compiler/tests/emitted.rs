@@ -204,6 +204,8 @@ fn noise_is_written_once_and_called_in_loops() {
         ("scene = sphere(1).displace(0.05 * fbm(3 * p, 4) + 0.1 * cellular(2 * p))", &["perlin", "fbm", "cellular"], &[4]),
         // Of the plane, of space, and of space where one coordinate is always the same.
         ("scene = heightfield(0.3 * fbm(p.xz, 3) + 0.1 * fbm((p.x, 0.5, time))).within(box(4))", &["perlin", "perlin2", "perlin3", "fbm", "fbm2"], &[3, 4]),
+        // Many calls are several loops.
+        ("scene = sphere(1).displace(0.02 * (for i in 0..40 by + { perlin(p * (1 + i / 9)) }))", &["perlin"], &[14, 12]),
         // An arm by itself, and what only one of them needs.
         ("field f = length(p) - 1 - 0.1 * (if p.x < 0.1 { fbm(2 * p, 3) } else { fbm(3 * p + fbm(p, 3), 4) })\nscene = f.within(box(4))", &["perlin", "fbm", "fbm2"], &[3, 4]),
         // A cell's index is read as a number of its own.

@@ -11,6 +11,9 @@ const FEWEST: usize = 2;
 /// Calls that take fewer operations together are written out.
 const LEAST: usize = 128;
 
+/// More calls are several loops: in each turn all of them move up.
+const MOST: usize = 16;
+
 /// Whether so many calls of a function of so many operations are worth a loop.
 fn is_worth_a_loop(calls: usize, operations: usize) -> bool {
     calls >= FEWEST && calls.saturating_mul(operations) >= LEAST
@@ -67,8 +70,12 @@ impl Body {
                 *slot = level;
             }
         }
-        groups.retain(|batch| is_worth_a_loop(batch.calls.len(), operations(batch.target)));
-        groups
+        let part = |Batch { target, calls }: &Batch| {
+            let loops = calls.len().div_ceil(MOST).max(1);
+            let parts: Vec<Batch> = calls.chunks(calls.len().div_ceil(loops).max(1)).map(|calls| Batch { target: *target, calls: calls.into() }).collect();
+            parts
+        };
+        groups.iter().flat_map(part).filter(|batch| is_worth_a_loop(batch.calls.len(), operations(batch.target))).collect()
     }
 
     /// Lets results of loops stand for calls. The answer: what stands for the root.
