@@ -109,10 +109,8 @@ impl Builder<'_> {
                 Code::Jump,
                 at,
                 "this formula jumps; rays stop before the jump and look again",
-                match self.own_noise(node) {
-                    Some(instead) => instead,
-                    None => "steps that are meant need nothing; where both sides agree, write it without the jump, for example with `abs`, `min` or `repeat`",
-                },
+                self.own_noise(node)
+                    .unwrap_or("steps that are meant need nothing; where both sides agree, write it without the jump, for example with `abs`, `min` or `repeat`"),
             ));
         }
         if let Some(at) = unknown {
