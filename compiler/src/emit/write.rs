@@ -500,14 +500,7 @@ impl Writer<'_, '_> {
                 let outer = module.filter(|_| name.starts_with(prefix));
                 self.locals.write(&name, outer, &mut self.scratch);
             }
-            None if prefix.is_empty() => {
-                let name = self.usual_name(id);
-                self.locals.write(name, module, &mut self.scratch);
-            }
-            None => {
-                let name = self.usual_name(id);
-                self.locals.write_plain(name, &mut self.scratch);
-            }
+            None => return self.local(self.usual_name(id)),
         }
         Text { start: start as u32, length: (self.scratch.len() - start) as u32, strength: 9, atom: true }
     }

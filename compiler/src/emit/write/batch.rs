@@ -92,7 +92,7 @@ impl Writer<'_, '_> {
     }
 
     /// A name like this one that is not taken yet.
-    fn local(&mut self, word: &str) -> Text {
+    pub(super) fn local(&mut self, word: &str) -> Text {
         let start = self.scratch.len();
         match self.context.prefix {
             "" => self.locals.write(word, Some(&self.context.module), &mut self.scratch),
