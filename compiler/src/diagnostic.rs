@@ -231,6 +231,9 @@ codes! {
     Costly, "costly", Warning,
         "One evaluation of the scene takes so many operations that a picture may take minutes. Copies that are joined by a `for`, or repeated, are looked at only where they are near.",
         "";
+    Gaps, "gaps", Warning,
+        "Copies of a repetition that are rounded or blended by more than the compiler looks at around each point, so that the gaps between them fill up where the nearest copies are farther away. Round or blend each copy inside the braces, or make the cells larger.",
+        "scene = (for c in grid((1, 1, 1)) { if c.x % 9 == 0 { sphere(0.2) } }).round(3)";
     NoRoom, "no-room", Warning,
         "The balls of a group have no room in the box where they begin: they begin within each other and push apart. Or that box lies outside of the walls.",
         "scene = plane(y)\nballs b { count: 1000, radius: 0.5, spawn: (0, 1, 0)..(1, 2, 1) }";

@@ -71,6 +71,17 @@ impl Box3 {
         Self(self.0.map(|i| i.grow(amount)))
     }
 
+    /// The `i`-th of places that are spread over the box evenly: along each axis by another irrational part of it (Roberts, "The unreasonable
+    /// effectiveness of quasirandom sequences"), so that no two of them lie on a plane.
+    pub fn place(&self, i: usize) -> [f64; 3] {
+        const PARTS: [f64; 3] = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9];
+        let mut place = PARTS;
+        for (at, side) in place.iter_mut().zip(&self.0) {
+            *at = side.lo + side.width() * (*at * i as f64).fract();
+        }
+        place
+    }
+
     /// Length of the longest side.
     pub fn size(&self) -> f64 {
         self.0.iter().map(|i| i.width()).fold(0.0, f64::max)

@@ -31,7 +31,7 @@ const ENTRIES: u32 = 400;
 /// How many steps one contraction may visit, shared steps counted each time.
 const VISITS: usize = 4000;
 /// So many places tell whether a solid ends.
-const PLACES: u32 = 24;
+const PLACES: usize = 24;
 
 /// As far as outlines are found.
 pub const WORLD_SIDE: f64 = 1e5;
@@ -172,15 +172,9 @@ impl Facts {
 
     /// Whether some places of a large box can't be told from the solid: a closer look would leave the box as it is.
     fn is_found_in(&mut self, graph: &Graph, node: NodeId, region: &Box3) -> bool {
-        // Along each axis by another irrational part of it, so that no two places lie on a plane.
-        const PARTS: [f64; 3] = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9];
         let tape = self.tape(graph, node);
         (1..=PLACES).any(|i| {
-            let mut place = *region;
-            for (axis, part) in PARTS.into_iter().enumerate() {
-                let side = region.axis(axis);
-                place = place.with_axis(axis, Interval::point(side.lo + side.width() * (part * f64::from(i)).fract()));
-            }
+            let place = Box3(region.place(i).map(Interval::point));
             self.ranges_of(graph, &tape, &Domain::of(place)).last().is_none_or(|value| value.lo <= 0.0)
         })
     }

@@ -33,6 +33,8 @@ struct Builder<'a> {
     graph: &'a Graph,
     functions: &'a Functions,
     live: &'a Live,
+    /// Nodes that are the lesser of two values, of which the second is raised to the first component of the normal.
+    lesser: &'a FxHashMap<NodeId, [NodeId; 2]>,
     values: Values,
     scopes: Vec<Scope>,
     scope_index: FxHashMap<(ShapeId, Box<[ValueId]>), u32>,
@@ -45,6 +47,7 @@ pub(super) fn tape(
     roots: &[NodeId],
     live: &Live,
     limit: usize,
+    lesser: &FxHashMap<NodeId, [NodeId; 2]>,
 ) -> Result<Tape, TooLarge> {
     let mut values = Values::default();
     let inputs: Vec<ValueId> = (0..INPUTS as u8).map(|i| values.add(Value::Input(i))).collect();
@@ -57,6 +60,7 @@ pub(super) fn tape(
         graph,
         functions,
         live,
+        lesser,
         values,
         scopes: vec![scene],
         scope_index: FxHashMap::default(),
@@ -98,6 +102,12 @@ impl Builder<'_> {
         stack: &mut Vec<(u32, NodeId)>,
     ) -> Option<ValueId> {
         let graph = self.graph;
+        if let Some(both) = self.lesser.get(&node) {
+            let &[first, second] = self.need(scope, both, stack)?.as_slice() else { return None };
+            let level = self.values.add(Value::Input(3));
+            let second = self.values.op(Op::Max, &[second, level]);
+            return Some(self.values.op(Op::Min, &[first, second]));
+        }
         match graph.node(node) {
             Node::Constant(bits) => Some(self.values.constant_f32(f64::from_bits(*bits))),
             Node::Leaf(leaf) => Some(self.leaf(scope, *leaf)),

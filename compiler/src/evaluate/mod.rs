@@ -16,6 +16,7 @@ use crate::compiled::Live;
 use crate::functions::Functions;
 use crate::graph::kernel::Op;
 use crate::graph::{Graph, NodeId};
+use rustc_hash::FxHashMap;
 
 /// How many points are computed at once.
 pub const LANES: usize = 16;
@@ -75,7 +76,19 @@ impl Tape {
         live: &Live,
         limit: usize,
     ) -> Result<Self, TooLarge> {
-        build::tape(graph, functions, roots, live, limit)
+        build::tape(graph, functions, roots, live, limit, &FxHashMap::default())
+    }
+
+    /// The formula `root`, in which each node of `lesser` is the lesser of its first value and of its second or the first component of the
+    /// normal, whichever is larger.
+    pub(crate) fn raising(
+        graph: &Graph,
+        root: NodeId,
+        live: &Live,
+        limit: usize,
+        lesser: &FxHashMap<NodeId, [NodeId; 2]>,
+    ) -> Result<Self, TooLarge> {
+        build::tape(graph, &Functions::default(), &[root], live, limit, lesser)
     }
 
     /// Number of operations for one point.

@@ -11,6 +11,7 @@ pub mod call;
 mod choice;
 mod elsewhere;
 pub mod expression;
+mod gaps;
 mod growth;
 pub mod load;
 mod loops;
@@ -19,6 +20,7 @@ mod mesh;
 mod operator;
 mod overload;
 pub mod physics;
+pub mod polar;
 pub mod repeat;
 mod surroundings;
 mod texture;
@@ -31,6 +33,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::{Exactness, Graph, NodeId, NodeList, Shape, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast::{self, FunctionKind, ItemKind};
+use gaps::Capped;
 use load::{ItemRef, Modules};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::rc::Rc;
@@ -160,6 +163,11 @@ pub struct Elaborator<'a> {
     axes: FxHashSet<Span>,
     /// The scene's extent, needed while repetitions are made.
     pub extent: f64,
+    /// Repetitions that do not look at all copies.
+    capped: Vec<Capped>,
+    /// How far from copies what stands around a repetition reads its value, by the place of the repetition; where that is farther than it looks
+    /// by itself.
+    read_up_to: FxHashMap<Span, f64>,
 }
 
 /// What elaboration gives.
@@ -182,6 +190,23 @@ pub struct Elaboration {
 
 /// Elaborates the program whose texts are `modules`; the scene is that of the first text. `facts` know what was found before.
 pub fn elaborate(modules: &Modules, options: &Options, facts: Facts) -> Elaboration {
+    let (elaboration, read) = elaborate_reading(modules, options, facts, FxHashMap::default());
+    if read.is_empty() {
+        return elaboration;
+    }
+    let ran = elaboration.facts.ran;
+    let mut facts = Facts::with(elaboration.facts.memory);
+    facts.ran = ran;
+    elaborate_reading(modules, options, facts, read).0
+}
+
+/// The same with what is known of how far repetitions are read; and how far they are, where that is farther than they look.
+fn elaborate_reading(
+    modules: &Modules,
+    options: &Options,
+    facts: Facts,
+    read_up_to: FxHashMap<Span, f64>,
+) -> (Elaboration, FxHashMap<Span, f64>) {
     let mut e = Elaborator {
         modules,
         options,
@@ -206,6 +231,8 @@ pub fn elaborate(modules: &Modules, options: &Options, facts: Facts) -> Elaborat
         trial: false,
         axes: FxHashSet::default(),
         extent: 100.0,
+        capped: Vec::new(),
+        read_up_to,
     };
     let main = modules.main;
     // Parameters first and in their order: so they stand in the window, whether anything reads them yet or not.
@@ -235,10 +262,11 @@ pub fn elaborate(modules: &Modules, options: &Options, facts: Facts) -> Elaborat
             "write `scene = ` and a shape, for example `scene = sphere(1)`",
         ));
     }
+    let read = root.map_or_else(FxHashMap::default, |root| e.read_in_gaps(root));
     let unused = e.uncalled(main);
     e.try_uncalled(main);
     e.unused_parameters(&blocks, root);
-    Elaboration {
+    let elaboration = Elaboration {
         graph: e.graph,
         facts: e.facts,
         root,
@@ -246,7 +274,8 @@ pub fn elaborate(modules: &Modules, options: &Options, facts: Facts) -> Elaborat
         blocks,
         diagnostics: e.diagnostics,
         unused,
-    }
+    };
+    (elaboration, read)
 }
 
 impl Elaborator<'_> {

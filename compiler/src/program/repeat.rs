@@ -1,9 +1,8 @@
-//! Repetition without end, and around an axis: as many neighbours as the body reaches.
+//! Repetition along axes: as many neighbours as the body reaches.
 //!
 //! The value is the smallest over the copies that are looked at, and over the least distance at which a copy that is not looked
 //! at may begin. So it is continuous, keeps the Lipschitz constant of the body, and its zero set is that of all copies.
 
-use super::growth::angle_about_zero;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::analysis::region::WORLD_SIDE;
@@ -18,7 +17,7 @@ use crate::syntax::ast::{Argument, For};
 /// At most so many cells are looked at along one axis.
 const MOST_CELLS: usize = 8;
 /// At most so many copies are looked at, all together.
-const MOST_COPIES: usize = 128;
+pub(super) const MOST_COPIES: usize = 128;
 
 impl Elaborator<'_> {
     /// `for cell in grid(size, count) { body }`.
@@ -116,7 +115,6 @@ impl Elaborator<'_> {
         });
         let cells = |variable: u32| numbers.get(variables.iter().position(|&v| v == variable)?).copied();
         let region = self.body_box(body, &cells);
-        let mut copies = 1;
         for axis in &mut axes {
             let side = region.axis(axis.index);
             axis.reach = side.magnitude();
@@ -137,13 +135,8 @@ impl Elaborator<'_> {
                     format!("make the cells larger, bound the body with `.within(…)`, or do not repeat along {name} (size 0)"),
                 ));
             }
-            copies *= 2 * axis.rings + 2;
-            if axis.reach > 0.0 {
-                let next = axis.rings as f64 + 1.0;
-                let distances = next * axis.range.lo - axis.reach..(next + 0.5) * axis.range.hi - axis.reach;
-                axis.share = self.share_of_distance(body, &cells, &region, distances, &[axis.index]);
-            }
         }
+        let copies = copies(&axes);
         if copies > MOST_COPIES {
             return Err(self.error(
                 Code::NoReach,
@@ -151,6 +144,20 @@ impl Elaborator<'_> {
                 format!("the body reaches so far that {copies} copies would be looked at for each point"),
                 "make the cells larger, or the body smaller",
             ));
+        }
+        let shares = |e: &mut Self, axes: &mut [Axis]| {
+            for axis in axes.iter_mut().filter(|axis| axis.reach > 0.0) {
+                let next = axis.rings as f64 + 1.0;
+                let distances = next * axis.range.lo - axis.reach..(next + 0.5) * axis.range.hi - axis.reach;
+                axis.share = e.share_of_distance(body, &cells, &region, distances, &[axis.index]);
+            }
+        };
+        shares(self, &mut axes);
+        if let Some(level) = self.is_read_up_to(span) {
+            if !look_as_far_as(level, &mut axes) {
+                self.say_too_far(level, least_cap(&axes), span);
+            }
+            shares(self, &mut axes);
         }
         // All cells together: those of a counted axis reach so far, those of an endless one everywhere.
         let mut around = region;
@@ -270,8 +277,10 @@ impl Elaborator<'_> {
         let value = match cap {
             Some(cap) => {
                 let cap = self.at_least_outside(cap, around, dimensions);
-                let cap = self.part_of(cap, axes.iter().fold(1.0, |share, axis| share.min(axis.share)));
-                self.graph.op(Op::Min, &[nearest, cap])
+                let cap = self.part_of(cap, least_share(axes));
+                let value = self.graph.op(Op::Min, &[nearest, cap]);
+                self.is_capped(value, nearest, cap, least_cap(axes), span);
+                value
             }
             None => nearest,
         };
@@ -282,7 +291,7 @@ impl Elaborator<'_> {
     }
 
     /// A cap, or the distance to a box that holds all copies, if that is more: none is nearer than that either.
-    fn at_least_outside(&mut self, cap: NodeId, around: &Box3, dimensions: usize) -> NodeId {
+    pub(super) fn at_least_outside(&mut self, cap: NodeId, around: &Box3, dimensions: usize) -> NodeId {
         // What reaches to the extent goes on there.
         let ends = |side: &Interval| !side.is_empty() && side.magnitude() < 0.99 * self.extent;
         let slabs: Vec<(usize, Interval)> = (0..dimensions).map(|i| (i, around.axis(i))).filter(|(_, side)| ends(side)).collect();
@@ -292,7 +301,7 @@ impl Elaborator<'_> {
     }
 
     /// As much of a cap as the field of a body is at that distance.
-    fn part_of(&mut self, cap: NodeId, share: f64) -> NodeId {
+    pub(super) fn part_of(&mut self, cap: NodeId, share: f64) -> NodeId {
         if share >= 1.0 {
             return cap;
         }
@@ -308,264 +317,6 @@ impl Elaborator<'_> {
         let cell = self.graph.op(Op::Max, &[cell, zero]);
         self.graph.op(Op::Min, &[cell, last])
     }
-
-    /// `for k in polar(axis, n) { body }`: copy k turned by k/n of a turn.
-    pub fn polar(
-        &mut self,
-        each: &For,
-        args: &[Argument],
-        span: Span,
-        env: &Env,
-    ) -> Elaborated<Value> {
-        let mut given = Vec::new();
-        for arg in args {
-            given.push((self.expression(&arg.value, env)?, arg.value.span));
-        }
-        let (axis, count) = match given.as_slice() {
-            [count] => (None, count.clone()),
-            [axis, count] => (Some(axis.clone()), count.clone()),
-            _ => {
-                return Err(self.error(
-                    Code::MissingArgument,
-                    each.source.span,
-                    "`polar` needs a number of copies",
-                    "write `polar(y, 12)`, and `polar(12)` for drawings",
-                ));
-            }
-        };
-        let dimensions: u8 = if axis.is_some() { 3 } else { 2 };
-        let count_node = self.to_number(&count.0, count.1, env)?;
-        let range = self.facts.live_range(&self.graph, count_node);
-        let constant = self.graph.as_constant(count_node);
-        if range.lo < 1.0 || constant.is_some_and(|c| c.fract() != 0.0) {
-            return Err(self.error(
-                Code::BadValue,
-                count.1,
-                format!("there can't be {} copies", constant.unwrap_or(range.lo)),
-                "write a whole number of at least one",
-            ));
-        }
-        // A live count is a whole number.
-        let count_node = match count.0 {
-            Value::Number(_, true) => count_node,
-            _ => self.graph.op(Op::Round, &[count_node]),
-        };
-        if !range.hi.is_finite() || range.hi > 10_000.0 {
-            return Err(self.error(
-                Code::NotConstant,
-                count.1,
-                "the number of copies may be anything",
-                "write a number, or a parameter with a range",
-            ));
-        }
-        let axis_value = match &axis {
-            Some((axis, at)) => {
-                let v = self.to_vector(axis, 3, *at)?;
-                let &[i, j, k] = &*v else { return Err(Stop) };
-                Some(([i, j, k], *at))
-            }
-            None => None,
-        };
-        let variable = self.graph.fresh_variable();
-        let index = self.graph.leaf(Leaf::Variable(variable));
-        let inner = env.with(&each.index.text, Value::Number(index, true)).at(None);
-        let body = self.expression(&each.body, &inner)?;
-        if matches!(body, Value::Nothing) {
-            return Ok(Value::Nothing);
-        }
-        let body = self.repeated(&body, dimensions, each, "polar(y, 6)")?;
-        let last = range.hi - 1.0;
-        let cells = |v: u32| (v == variable).then_some((0.0, last));
-        let region = self.body_box(body, &cells);
-        let plane = match axis_value {
-            None => Some((0, 1, 1.0)),
-            Some((axis, _)) => match axis.map(|n| self.graph.as_constant(n)) {
-                // The plane in which the copies turn, first to second coordinate by the right-hand rule.
-                [Some(c), Some(0.0), Some(0.0)] => Some((1, 2, c)),
-                [Some(0.0), Some(c), Some(0.0)] => Some((2, 0, c)),
-                [Some(0.0), Some(0.0), Some(c)] => Some((0, 1, c)),
-                _ => None,
-            },
-        };
-        let rings = constant.zip(plane).and_then(|(n, (u, v, _))| {
-            let half = angle_about_zero(&region, u, v)? / (std::f64::consts::TAU / n);
-            // The first copy that is not looked at begins three quarters of a sector away, or more.
-            let rings = (half - 0.25).max(1.0).ceil();
-            (2.0 * rings + 1.0 < n && 2.0 * rings < MOST_CELLS as f64).then_some((n, rings, half))
-        });
-        let id = match (rings, plane) {
-            (Some((n, rings, half)), Some((u, v, sign))) => {
-                let inner = region.axis(u).mignitude().hypot(region.axis(v).mignitude());
-                // Turned about the axis, the body stays within the circle through its farthest point.
-                let outer = region.axis(u).magnitude().hypot(region.axis(v).magnitude()).next_up();
-                let disc = Interval::new(-outer, outer);
-                let around = region.with_axis(u, disc).with_axis(v, disc);
-                let share = self.share_of_distance(body, &cells, &region, 0.0..outer, &[u, v]);
-                let sectors = Sectors { n, rings, half, inner, around, share };
-                self.place_sectors(body, variable, (u, v, sign), sectors, dimensions, span)
-            }
-            _ => {
-                // Few copies, or a body that reaches around: all of them.
-                let most = range.hi.ceil() as usize;
-                if most > MOST_COPIES {
-                    return Err(self.error(
-                        Code::NoReach,
-                        span,
-                        "the body reaches so far around the axis that too many copies would be looked at",
-                        "move the body away from the axis with `.translate(…)` inside the braces, or make it smaller",
-                    ));
-                }
-                let id = self.place_all(body, variable, axis_value, count_node, most, dimensions, span)?;
-                if let (Some((u, v, _)), Some(value)) = (plane, self.graph.shape(id).map(|s| s.value)) {
-                    let outer = region.axis(u).magnitude().hypot(region.axis(v).magnitude()).next_up();
-                    let disc = Interval::new(-outer, outer);
-                    self.facts.know_solid(value, region.with_axis(u, disc).with_axis(v, disc));
-                }
-                id
-            }
-        };
-        Ok(Value::Shape(id))
-    }
-
-    /// Copies in the point's own sector and `rings` on either side.
-    fn place_sectors(
-        &mut self,
-        body: ShapeId,
-        variable: u32,
-        (u, v, sign): (usize, usize, f64),
-        Sectors { n, rings, half, inner, around, share }: Sectors,
-        dimensions: u8,
-        span: Span,
-    ) -> ShapeId {
-        let mut point = self.graph.point();
-        if dimensions == 2 {
-            point[2] = self.graph.constant(0.0);
-        }
-        let (Some(&pu), Some(&pv)) = (point.get(u), point.get(v)) else { return body };
-        let sector = std::f64::consts::TAU / n * sign.signum();
-        let angle = self.graph.op(Op::Atan2, &[pv, pu]);
-        let per = self.graph.constant(1.0 / sector);
-        let scaled = self.graph.op(Op::Mul, &[angle, per]);
-        let near = self.graph.op(Op::Round, &[scaled]);
-        let offset = self.graph.op(Op::Sub, &[scaled, near]);
-        let count = self.graph.constant(n);
-        let rings_i = rings as i32;
-        let mut copies = Vec::new();
-        for ring in -rings_i..=rings_i {
-            let ring = self.graph.constant(f64::from(ring));
-            let k = self.graph.op(Op::Add, &[near, ring]);
-            let whole_turns = self.graph.op(Op::Div, &[k, count]);
-            let whole_turns = self.graph.op(Op::Floor, &[whole_turns]);
-            let whole_turns = self.graph.op(Op::Mul, &[count, whole_turns]);
-            let index = self.graph.op(Op::Sub, &[k, whole_turns]);
-            let back = self.graph.constant(-sector);
-            let back = self.graph.op(Op::Mul, &[k, back]);
-            let mut q = point;
-            let tu = self.graph.op(Op::TurnU, &[pu, pv, back]);
-            let tv = self.graph.op(Op::TurnV, &[pu, pv, back]);
-            for (i, slot) in q.iter_mut().enumerate() {
-                if i == u {
-                    *slot = tu;
-                } else if i == v {
-                    *slot = tv;
-                }
-            }
-            copies.push(self.call_with_index(body, q, variable, index));
-        }
-        let nearest = self.balanced(Op::Min, &copies, FAR);
-        // What is not looked at lies behind a half plane through the axis, so many sectors away.
-        let first = self.graph.constant(rings + 1.0 - half);
-        let away = self.graph.op(Op::Abs, &[offset]);
-        let gap = self.graph.op(Op::Sub, &[first, away]);
-        let width = self.graph.constant(sector.abs());
-        let gap = self.graph.op(Op::Mul, &[gap, width]);
-        let quarter = self.graph.constant(std::f64::consts::FRAC_PI_2);
-        let gap = self.graph.op(Op::Min, &[gap, quarter]);
-        let sine = self.graph.op(Op::Sin, &[gap]);
-        let radius = self.graph.op(Op::Length2, &[pu, pv]);
-        let cap = self.graph.op(Op::Mul, &[radius, sine]);
-        // It is the distance to that half plane.
-        let one = self.graph.constant(1.0);
-        let cap = self.graph.intern(Node::Claim([cap].into(), Claim::Lipschitz(one, [].into(), None)));
-        // Nor does any copy come nearer to the axis than the body does.
-        let inner = self.graph.constant(inner);
-        let inner = self.graph.op(Op::Sub, &[inner, radius]);
-        let cap = self.graph.op(Op::Max, &[cap, inner]);
-        let cap = self.at_least_outside(cap, &around, usize::from(dimensions));
-        let cap = self.part_of(cap, share);
-        let value = self.graph.op(Op::Min, &[nearest, cap]);
-        let value = self.graph.intern(Node::Claim([value].into(), Claim::Continuous));
-        self.facts.know_solid(value, around);
-        self.make_shape(dimensions, value, span)
-    }
-
-    #[allow(clippy::too_many_arguments)]
-    fn place_all(
-        &mut self,
-        body: ShapeId,
-        variable: u32,
-        axis: Option<([NodeId; 3], Span)>,
-        count: NodeId,
-        most: usize,
-        dimensions: u8,
-        span: Span,
-    ) -> Elaborated<ShapeId> {
-        let mut point = self.graph.point();
-        if dimensions == 2 {
-            point[2] = self.graph.constant(0.0);
-        }
-        let far = self.graph.constant(FAR);
-        let zero = self.graph.constant(0.0);
-        let one = self.graph.constant(1.0);
-        let turn = self.graph.constant(-std::f64::consts::TAU);
-        let mut copies = Vec::new();
-        for k in 0..most {
-            let index = self.graph.constant(k as f64);
-            let part = self.graph.op(Op::Div, &[index, count]);
-            let angle = self.graph.op(Op::Mul, &[part, turn]);
-            let (axis, at) = axis.unwrap_or(([zero, zero, one], span));
-            let Value::Vector(q) = self.turn_about(point, axis, angle, at)? else {
-                return Err(Stop);
-            };
-            let &[a, b, c] = &*q else { return Err(Stop) };
-            let copy = self.call_with_index(body, [a, b, c], variable, index);
-            let present = self.graph.op(Op::Lt, &[index, count]);
-            copies.push(self.graph.op(Op::Select, &[present, copy, far]));
-        }
-        let value = self.balanced(Op::Min, &copies, FAR);
-        Ok(self.make_shape(dimensions, value, span))
-    }
-
-    fn call_with_index(
-        &mut self,
-        body: ShapeId,
-        point: [NodeId; 3],
-        variable: u32,
-        index: NodeId,
-    ) -> NodeId {
-        let bound = self.graph.shape(body).map(|s| s.variables.to_vec()).unwrap_or_default();
-        let mut args = point.to_vec();
-        for v in bound {
-            args.push(if v == variable { index } else { self.graph.leaf(Leaf::Variable(v)) });
-        }
-        self.graph.call(body, crate::graph::Function::Field, &args)
-    }
-}
-
-/// Sectors about an axis.
-struct Sectors {
-    /// How many.
-    n: f64,
-    /// How many are looked at on either side.
-    rings: f64,
-    /// Half of the body's width, in sectors.
-    half: f64,
-    /// How near the body comes to the axis.
-    inner: f64,
-    /// A box that holds all copies.
-    around: Box3,
-    /// How much of the distance from it the body's field is at least.
-    share: f64,
 }
 
 /// One axis of a grid.
@@ -592,4 +343,43 @@ impl Axis {
         self.rings = rings as usize;
         2.0 * rings + 2.0 <= MOST_CELLS as f64
     }
+
+    /// How far copies that are not looked at are away, at least.
+    fn least_cap(&self) -> f64 {
+        (self.rings as f64 + 1.0) * self.range.lo - self.reach
+    }
+}
+
+/// How many copies are looked at, all together.
+fn copies(axes: &[Axis]) -> usize {
+    axes.iter().map(|axis| 2 * axis.rings + 2).product()
+}
+
+/// How much of a distance the body's field is along all axes, at least.
+fn least_share(axes: &[Axis]) -> f64 {
+    axes.iter().fold(1.0, |share, axis| share.min(axis.share))
+}
+
+/// The least value of the cap.
+fn least_cap(axes: &[Axis]) -> f64 {
+    axes.iter().map(Axis::least_cap).fold(FAR, f64::min) * least_share(axes)
+}
+
+/// Looks at more cells, until the value is right up to a level; false where those would be too many.
+fn look_as_far_as(level: f64, axes: &mut [Axis]) -> bool {
+    while least_cap(axes) < level {
+        let nearest = axes.iter().enumerate().min_by(|a, b| a.1.least_cap().total_cmp(&b.1.least_cap())).map(|(i, _)| i);
+        let Some(nearest) = nearest else { break };
+        let grow = |axes: &mut [Axis], rings: fn(usize) -> usize| {
+            if let Some(axis) = axes.get_mut(nearest) {
+                axis.rings = rings(axis.rings);
+            }
+        };
+        grow(axes, |rings| rings + 1);
+        if axes.iter().any(|axis| 2 * axis.rings + 2 > MOST_CELLS) || copies(axes) > MOST_COPIES {
+            grow(axes, |rings| rings - 1);
+            return false;
+        }
+    }
+    true
 }
