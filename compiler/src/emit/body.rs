@@ -44,8 +44,8 @@ pub enum Code {
     Op(Op),
     /// A function of the module: the point, then numbers.
     Call(TargetId),
-    /// A loop that calls a function of the module so often: the points, then numbers that are the same for all.
-    Batch(TargetId, u32),
+    /// A loop that calls a function of the module so often. For each argument one that is the same in all calls, or where its bit in the last is set one for each.
+    Batch(TargetId, u32, u32),
     /// What a loop found in one of its turns.
     Item(u32),
     /// A component of a vector.
@@ -97,7 +97,7 @@ impl Code {
             Code::Aside(n) => (16, u64::from(n)),
             Code::Row(piece) => (17, u64::from(piece)),
             Code::Computed(field, _) => (20, u64::from(field)),
-            Code::Batch(target, _) => (21, u64::from(target)),
+            Code::Batch(target, ..) => (21, u64::from(target)),
             Code::Item(i) => (22, u64::from(i)),
         };
         kind << 40 | detail

@@ -270,7 +270,7 @@ impl Writer<'_, '_> {
     fn cost(&self, id: ExprId) -> usize {
         match self.body.code(id) {
             Code::Call(target) => self.context.operations.get(&target).copied().unwrap_or(0),
-            Code::Batch(target, count) => count as usize * self.context.operations.get(&target).copied().unwrap_or(0),
+            Code::Batch(target, count, _) => count as usize * self.context.operations.get(&target).copied().unwrap_or(0),
             Code::VectorOp(_, count) => usize::from(count),
             Code::Op(_) => 1,
             _ => 0,
@@ -392,8 +392,8 @@ impl Writer<'_, '_> {
     /// Writes an expression into the scratch, and as a `let` where that is better.
     fn expression(&mut self, id: ExprId, is_root: bool) {
         let (code, args) = (self.body.code(id), self.body.arguments(id));
-        if let Code::Batch(target, count) = code {
-            return self.batch(id, target, count, args);
+        if let Code::Batch(target, count, moving) = code {
+            return self.batch(id, (target, count, moving), args);
         }
         self.learn(id, code, args);
         self.shorten(id, code, args);

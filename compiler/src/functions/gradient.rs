@@ -268,7 +268,8 @@ fn is_wall(op: Op) -> bool {
 #[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 mod tests {
     use crate::evaluate::Tape;
-    use crate::graph::Function;
+    use crate::graph::algebra::Reals;
+    use crate::graph::{Function, kernel};
     use crate::{MemoryLoader, Options, compile};
 
     /// Of a scene at a place: the direction of its gradient, and the estimate of the distance.
@@ -287,6 +288,16 @@ mod tests {
 
     fn assert_near(found: [f64; 3], expected: [f64; 3]) {
         assert!((0..3).all(|i| (found[i] - expected[i]).abs() < 1e-3), "{found:?}, not {expected:?}");
+    }
+
+    #[test]
+    fn what_is_flat_has_no_slope() {
+        for row in kernel::KERNEL {
+            let args = [0.3, 0.7, 0.2, 0.9];
+            let args = &args[..usize::from(row.arity)];
+            let slopes = kernel::partials(&mut Reals, row.op, args, (row.value)([0.3, 0.7, 0.2, 0.9]));
+            assert_eq!(slopes == [0.0; 4], row.op.is_flat(), "{}", row.name);
+        }
     }
 
     #[test]

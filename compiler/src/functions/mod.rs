@@ -283,6 +283,8 @@ pub struct Builder<'a> {
     outlines: FxHashMap<NodeId, Option<Outline>>,
     /// Their shapes, by formula and dimensions.
     outlined: FxHashMap<(NodeId, u8), ShapeId>,
+    /// The variables that stand for numbers in them which do not move.
+    still: Vec<u32>,
     /// The one among them whose own gradient is being made.
     own: Option<ShapeId>,
     /// Whether a plane may be among the operands of a union.
@@ -350,6 +352,7 @@ pub fn build(
         beside: FxHashMap::default(),
         outlines: FxHashMap::default(),
         outlined: FxHashMap::default(),
+        still: Vec::new(),
         own: None,
         planes: FxHashMap::default(),
         surfaces: FxHashMap::default(),

@@ -1,18 +1,22 @@
-//! Outlining: a long formula of one to three numbers, as noise is, becomes a function of those numbers. It is written once, however often and at
+//! Outlining: a long formula of one to three numbers that move, as noise is, becomes a function of those numbers and of a few that do not move. It is written once, however often and at
 //! whatever places it is asked for, and its gradient is the chain rule over that function's own. What is known of the formula stays known where it
 //! stands: only what is written of it changes.
 
 use super::Builder;
 use crate::graph::{Claim, ClaimGroup, Exactness, Function, Graph, Leaf, Node, NodeId, NodeList, Shape, ShapeId};
+use rustc_hash::FxHashSet;
 use std::sync::Arc;
+
+/// So many numbers that do not move may a function be given, beside those that do.
+const MOST_STILL: usize = 6;
 
 /// What stands for a formula: a shape of no space but that of the formula's numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     /// Its field is the formula, its point the numbers.
     pub shape: ShapeId,
-    /// The numbers, as a call takes them. All are older than what the outline stands for: where there are fewer than three, the last stands for those that nobody
-    /// reads.
+    /// The numbers, as a call takes them: those that move, then those that between jumps do not. All are older than what the outline stands for: where fewer than
+    /// three move, the last stands for those that nobody reads.
     pub arguments: NodeList,
     /// How many of the coordinates are read.
     pub read: usize,
@@ -40,7 +44,7 @@ impl Candidate {
 }
 
 impl Builder<'_> {
-    /// What stands for a node. None where its formula is short, made of more than three numbers, or reads more than those.
+    /// What stands for a node. None where its formula is short, made of more numbers than a function takes, or reads more than those.
     pub(super) fn outline(&mut self, id: NodeId) -> Option<Outline> {
         if !matches!(self.graph.node(id), Node::Claim(..)) && self.graph.result(id).is_none() {
             return None;
@@ -64,16 +68,26 @@ impl Builder<'_> {
 
     fn find_outline(&mut self, id: NodeId) -> Option<Outline> {
         let Candidate { formula, name, of } = Candidate::at(self.graph, id)?;
-        let mut coordinates: Vec<NodeId> = Vec::with_capacity(3);
+        let (mut coordinates, mut still): (Vec<NodeId>, Vec<NodeId>) = (Vec::with_capacity(3), Vec::new());
         for &number in of.iter() {
-            if self.graph.as_constant(number).is_none() && !coordinates.contains(&number) {
-                coordinates.push(number);
+            if self.graph.as_constant(number).is_none() {
+                let list = if self.moves(number) { &mut coordinates } else { &mut still };
+                if !list.contains(&number) {
+                    list.push(number);
+                }
             }
         }
-        if !(1..=3).contains(&coordinates.len()) {
+        if !(1..=3).contains(&coordinates.len()) || still.len() > MOST_STILL {
             return None;
         }
-        let value = self.graph.abstracted(formula, &coordinates)?;
+        while self.still.len() < still.len() {
+            self.still.push(self.graph.fresh_variable());
+        }
+        let point = (0..3).map(Leaf::P);
+        let variables = self.still.iter().map(|&v| Leaf::Variable(v));
+        let places: Vec<(NodeId, Leaf)> =
+            coordinates.iter().copied().zip(point).chain(still.iter().copied().zip(variables)).collect();
+        let value = self.graph.abstracted(formula, &places)?;
         let read = coordinates.len();
         let dimensions = if read == 3 { 3 } else { 2 };
         coordinates.resize(3, *coordinates.last()?);
@@ -82,9 +96,31 @@ impl Builder<'_> {
             None => self.outlined_as(name, value, dimensions, id),
         };
         let variables = self.graph.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
-        let variables = variables.iter().map(|&v| self.graph.leaf(Leaf::Variable(v)));
+        let variables = variables.iter().map(|&v| {
+            let given = self.still.iter().position(|&own| own == v).and_then(|i| still.get(i));
+            given.copied().unwrap_or_else(|| self.graph.leaf(Leaf::Variable(v)))
+        });
         let arguments = coordinates.into_iter().chain(variables).collect();
         Some(Outline { shape, arguments, read })
+    }
+
+    /// Whether a number changes with the point between its jumps.
+    fn moves(&mut self, number: NodeId) -> bool {
+        if !self.graph.reads(number).point {
+            return false;
+        }
+        let graph = &*self.graph;
+        let mut open = vec![number];
+        let mut seen = FxHashSet::default();
+        while let Some(id) = open.pop() {
+            match graph.node(id) {
+                Node::Leaf(Leaf::P(_)) => return true,
+                Node::Op(op, _) if op.is_flat() => {}
+                _ if seen.insert(id) => open.extend(graph.operands(id)),
+                _ => {}
+            }
+        }
+        false
     }
 
     /// The shape of a formula: one, wherever the first node that it stands for is.

@@ -84,6 +84,14 @@ macro_rules! kernel {
     };
 }
 
+impl Op {
+    /// Whether it is constant on each of its pieces: it jumps, and between its jumps nothing moves.
+    pub fn is_flat(self) -> bool {
+        use Op::*;
+        matches!(self, Sign | Floor | Ceil | Trunc | Round | Lt | Le | Eq | And | Or | Not | Hash)
+    }
+}
+
 use Accuracy::{Absolute, Exact, Inherited, Rounded, Ulp};
 use Interval as I;
 

@@ -1,5 +1,6 @@
 //! What nodes are called in the source, where they come from, and which function made them: for readers of the output and of diagnostics.
 
+use super::kernel::Op;
 use super::{Graph, Node, NodeId, NodeList};
 use crate::source::Span;
 use rustc_hash::FxHashMap;
@@ -18,7 +19,11 @@ pub struct Labels {
 }
 
 /// A formula of fewer nodes is as good where it stands as by the name of what made it.
-pub const LONG: u32 = 40;
+const LONG: usize = 40;
+
+/// So many nodes more counts each hash but the first. A formula of several, as of a point that is strewn in a cell, is long; of one alone, as of noise's
+/// lattice, drivers make better code where it stands.
+const HASH: usize = 20;
 
 /// What made a node.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,6 +138,13 @@ impl Graph {
     /// Which function of numbers a node is noted to be the result of.
     pub fn result(&self, id: NodeId) -> Option<&Made> {
         self.labels.result(id)
+    }
+
+    /// Whether a formula of these nodes is long.
+    pub fn is_long(&self, nodes: impl ExactSizeIterator<Item = NodeId>) -> bool {
+        let count = nodes.len();
+        let hashes = || nodes.filter(|&id| matches!(self.node(id), Node::Op(Op::Hash, _))).count();
+        count >= LONG || count + HASH * hashes().saturating_sub(1) >= LONG
     }
 
     /// Lets no simplification look into these nodes until [`Graph::stand_no_more`] takes the answer.

@@ -24,7 +24,7 @@ use index::Index;
 use interval::Interval;
 use kernel::Op;
 use labels::Labels;
-pub use labels::{LONG, Made};
+pub use labels::Made;
 pub use list::NodeList;
 use reads::{Reads, Sets};
 use rustc_hash::FxHasher;

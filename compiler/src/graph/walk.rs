@@ -1,7 +1,7 @@
 //! Walks over the graph: what nodes need, nodes made anew with other leaves, values over any algebra.
 
 use super::algebra::Algebra;
-use super::{Function, Graph, LONG, Leaf, Made, Node, NodeId, ShapeId};
+use super::{Function, Graph, Leaf, Made, Node, NodeId, ShapeId};
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 
@@ -169,16 +169,20 @@ impl Graph {
         self.rewrite(&order, roots, &[], replace)
     }
 
-    /// A formula with the point's coordinates in the places of these nodes. None where it reads the point or the normal beside them, calls a
-    /// shape, or is not long.
-    pub fn abstracted(&mut self, root: NodeId, nodes: &[NodeId]) -> Option<NodeId> {
-        let order = self.reachable_among(&[root], |id| !nodes.contains(&id));
-        let outside = |id: &NodeId| matches!(self.node(*id), Node::Leaf(Leaf::P(_) | Leaf::Normal(_)));
-        if order.len() < LONG as usize || nodes.contains(&root) || self.reads(root).shapes || order.iter().any(outside) {
+    /// A formula with leaves in the places of some nodes. None where it reads the point, the normal or one of these leaves beside them, calls a shape,
+    /// or is not long.
+    pub fn abstracted(&mut self, root: NodeId, places: &[(NodeId, Leaf)]) -> Option<NodeId> {
+        let is_place = |id: NodeId| places.iter().any(|(place, _)| *place == id);
+        let order = self.reachable_among(&[root], |id| !is_place(id));
+        let outside = |id: &NodeId| match self.node(*id) {
+            Node::Leaf(Leaf::P(_) | Leaf::Normal(_)) => true,
+            Node::Leaf(leaf) => places.iter().any(|(_, other)| other == leaf),
+            _ => false,
+        };
+        if !self.is_long(order.iter().copied()) || is_place(root) || self.reads(root).shapes || order.iter().any(outside) {
             return None;
         }
-        let point = self.point();
-        let places: Vec<(NodeId, NodeId)> = nodes.iter().copied().zip(point).collect();
+        let places: Vec<(NodeId, NodeId)> = places.iter().map(|(place, leaf)| (*place, self.leaf(*leaf))).collect();
         self.rewrite(&order, &[root], &places, |_| None).first().copied()
     }
 

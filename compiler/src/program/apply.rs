@@ -5,7 +5,7 @@ use super::load::ItemRef;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
-use crate::graph::{Claim, ClaimGroup, Function, LONG, Leaf, Made, Node, NodeId, NodeList, ShapeId, ValueRange};
+use crate::graph::{Claim, ClaimGroup, Function, Leaf, Made, Node, NodeId, NodeList, ShapeId, ValueRange};
 use crate::source::Span;
 use crate::syntax::ast::{self, ClaimKind, ExprKind, FunctionKind, ItemKind, Parameter, Type};
 use smallvec::{SmallVec, smallvec};
@@ -276,7 +276,7 @@ impl Elaborator<'_> {
         let Some(numbers) = numbers_of(args) else { return self.expression(&function.body, env) };
         if !self.long.contains(&item) {
             let value = self.expression(&function.body, env)?;
-            if !is_long(&value, &numbers) {
+            if !self.is_long(&value, &numbers) {
                 return Ok(value);
             }
             self.long.insert(item);
@@ -289,11 +289,17 @@ impl Elaborator<'_> {
         self.graph.stand_no_more(apart);
         let value = value?;
         if let Value::Number(node, _) = value
-            && is_long(&value, &numbers)
+            && self.is_long(&value, &numbers)
         {
             self.graph.note_result(node, Made { by: function.name.text.clone(), of: NodeList::from(&numbers[..]) });
         }
         Ok(value)
+    }
+
+    /// Whether what was made of some numbers is a long formula, as far as is seen: what was made since the newest of them is as much as it may be.
+    fn is_long(&self, value: &Value, numbers: &[NodeId]) -> bool {
+        let (Value::Number(node, _), Some(newest)) = (value, numbers.iter().map(|n| n.0).max()) else { return false };
+        self.graph.is_long((newest.saturating_add(1)..node.0.saturating_add(1)).map(NodeId))
     }
 
     /// A value with what its declaration claims of it.
@@ -350,13 +356,6 @@ impl Elaborator<'_> {
             })
             .collect()
     }
-}
-
-/// Whether what was made of some numbers is a long formula, as far as is seen: what was made since the newest of them is as much as it may be.
-fn is_long(value: &Value, numbers: &[NodeId]) -> bool {
-    let Value::Number(node, _) = value else { return false };
-    let newest = numbers.iter().map(|n| n.0).max();
-    newest.is_some_and(|newest| node.0 >= newest + LONG)
 }
 
 /// All numbers among values; none where a value is made of something else.

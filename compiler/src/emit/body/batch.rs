@@ -51,18 +51,18 @@ impl Body {
         // By how many calls one waits for: what is of one level does not wait for each other.
         let mut levels = vec![0u32; self.exprs.len()];
         let mut groups: Vec<Batch> = Vec::new();
-        let mut index: FxHashMap<(TargetId, u32, BlockId, &[ExprId]), usize> = FxHashMap::default();
+        let mut index: FxHashMap<(TargetId, u32, BlockId), usize> = FxHashMap::default();
         for &id in order {
             let args = self.arguments(id);
             let mut level = args.iter().filter_map(|&a| levels.get(a as usize)).copied().max().unwrap_or(0);
             if let Code::Call(target) = self.code(id) {
                 level += 1;
-                let key = (target, level, place(id), args.get(1..).unwrap_or(&[]));
-                let at = *index.entry(key).or_insert_with(|| {
+                let at = *index.entry((target, level, place(id))).or_insert_with(|| {
                     groups.push(Batch { target, calls: Exprs::new() });
                     groups.len() - 1
                 });
-                if let Some(batch) = groups.get_mut(at) {
+                // Which arguments differ is a bit for each.
+                if let (Some(batch), true) = (groups.get_mut(at), args.len() <= u32::BITS as usize) {
                     batch.calls.push(id);
                 }
             }
@@ -82,10 +82,18 @@ impl Body {
     pub fn batch(&mut self, batches: &[Batch], root: ExprId) -> ExprId {
         let mut shared: FxHashMap<ExprId, ExprId> = FxHashMap::default();
         for Batch { target, calls } in batches {
-            let points = calls.iter().filter_map(|&call| self.arguments(call).first());
-            let others = calls.first().and_then(|&call| self.arguments(call).get(1..)).unwrap_or(&[]);
-            let args: Exprs = points.chain(others).copied().collect();
-            let batch = self.add(Code::Batch(*target, calls.len() as u32), &args);
+            let mut args = Exprs::new();
+            let mut moving = 0;
+            for place in 0..calls.first().map_or(0, |&call| self.arguments(call).len()) {
+                let of_all = calls.iter().filter_map(|&call| self.arguments(call).get(place).copied());
+                if of_all.clone().all(|arg| Some(arg) == of_all.clone().next()) {
+                    args.extend(of_all.take(1));
+                } else {
+                    moving |= 1 << place;
+                    args.extend(of_all);
+                }
+            }
+            let batch = self.add(Code::Batch(*target, calls.len() as u32, moving), &args);
             for (i, &call) in (0..).zip(calls) {
                 shared.insert(call, self.add(Code::Item(i), &[batch]));
             }

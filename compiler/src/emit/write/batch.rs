@@ -1,4 +1,4 @@
-//! Calls of one function as a loop. In each turn all places and all results move up by one: a list that is read at the turn's number would have to be
+//! Calls of one function as a loop. In each turn all arguments that differ and all results move up by one: a list that is read at the turn's number would have to be
 //! memory, and these need not.
 
 use super::{Context, Room, State, Text, Writer};
@@ -23,24 +23,34 @@ pub fn find(context: &mut Context, body: &Body, root: ExprId, out: &mut String) 
     (!batches.is_empty()).then_some(batches)
 }
 
+/// An argument of the calls of a loop.
+enum Given {
+    /// It is the same in all of them.
+    Same(ExprId),
+    /// The variables of all of them; the first is that of the call at hand.
+    Moving(Vec<Text>),
+}
+
 impl Writer<'_, '_> {
-    /// Writes the loop that calls a function at so many points. `args`: the points, then numbers that are the same for all.
-    pub(super) fn batch(&mut self, id: ExprId, target: TargetId, count: u32, args: &[ExprId]) {
+    /// Writes the loop that calls a function so many times. `args`: for each argument one that is the same for all, or where its bit in `moving` is set one for
+    /// each call.
+    pub(super) fn batch(&mut self, id: ExprId, (target, count, moving): (TargetId, u32, u32), mut args: &[ExprId]) {
         let plans = self.context.plans;
         let Some((target, name)) = plans.get(target).zip(self.context.functions.get(&target).cloned()) else { return };
         self.operations += self.cost(id);
-        let (points, others) = args.split_at_checked(count as usize).unwrap_or((args, &[]));
-        let mut places = Vec::with_capacity(points.len());
-        for &point in points {
-            let place = self.local("at");
-            let start = self.scratch.len();
-            self.assign(place, point);
-            self.line("var ", start, ";");
-            places.push(place);
+        let mut given = Vec::new();
+        for place in 0u32.. {
+            let moves = moving.checked_shr(place).is_some_and(|rest| rest & 1 == 1);
+            let Some((own, rest)) = args.split_at_checked(if moves { count as usize } else { 1 }) else { break };
+            args = rest;
+            given.push(match own {
+                [same] if !moves => Given::Same(*same),
+                own => Given::Moving(own.iter().map(|&arg| self.moving(arg, if place == 0 { "at" } else { "number" })).collect()),
+            });
         }
         let ty = if target.group == Group::Gradient { "vec4f" } else { "f32" };
         let own = name.strip_prefix(self.context.prefix).unwrap_or(&name);
-        let results: Vec<Text> = points.iter().map(|_| self.local(own)).collect();
+        let results: Vec<Text> = (0..count).map(|_| self.local(own)).collect();
         for result in &results {
             let start = self.scratch.len();
             self.scratch.extend_from_within(result.range());
@@ -55,21 +65,41 @@ impl Writer<'_, '_> {
         self.line("for (", start, ") {");
         self.depth += 1;
         self.move_up(&results);
-        if let (Some(result), Some(place)) = (results.last(), places.first()) {
+        if let Some(result) = results.last() {
             let start = self.scratch.len();
             self.scratch.extend_from_within(result.range());
             let _ = write!(self.scratch, " = {name}(");
-            self.scratch.extend_from_within(place.range());
-            for &other in others {
-                self.put(", ");
-                self.put_number(other, 0);
+            for (i, given) in given.iter().enumerate() {
+                if i > 0 {
+                    self.put(", ");
+                }
+                match given {
+                    Given::Same(arg) => self.put_number(*arg, 0),
+                    Given::Moving(variables) => {
+                        let first = variables.first().map_or(0..0, |variable| variable.range());
+                        self.scratch.extend_from_within(first);
+                    }
+                }
             }
             self.line("", start, ");");
         }
-        self.move_up(&places);
+        for given in &given {
+            if let Given::Moving(variables) = given {
+                self.move_up(variables);
+            }
+        }
         self.depth -= 1;
         self.line("}", self.scratch.len(), "");
         self.results.push((id, results));
+    }
+
+    /// A variable that begins as an argument.
+    fn moving(&mut self, arg: ExprId, word: &str) -> Text {
+        let variable = self.local(word);
+        let start = self.scratch.len();
+        self.assign(variable, arg);
+        self.line("var ", start, ";");
+        variable
     }
 
     /// Each of some variables takes the value of the next.
