@@ -8,7 +8,7 @@ use surefoot_compiler::graph::Function;
 use surefoot_compiler::{Compiled, MemoryLoader, Options, compile};
 
 /// Formulas with a repetition, and with its copies written out: as many as a box of 8 about the origin can meet.
-const PAIRS: [(&str, &str); 9] = [
+const PAIRS: [(&str, &str); 10] = [
     (
         "(for c in grid((1, 0, 0)) { if c.x % 4 == 0 { sphere(0.3) } }).round(1)",
         "(for i in -3..4 { sphere(0.3).translate(4 * i, 0, 0) }).round(1)",
@@ -44,6 +44,11 @@ const PAIRS: [(&str, &str); 9] = [
         "(for c in grid((1, 0, 0)) { if c.x % 4 == 0 { sphere(0.3) } }).round(wide)",
         "(for i in -3..4 { sphere(0.3).translate(4 * i, 0, 0) }).round(wide)",
     ),
+    // As far as it goes in time: at its start it is small.
+    (
+        "(for c in grid((1, 0, 0)) { if c.x % 4 == 0 { sphere(0.3) } }).round(0.6 - 0.5 * cos(time))",
+        "(for i in -3..4 { sphere(0.3).translate(4 * i, 0, 0) }).round(0.6 - 0.5 * cos(time))",
+    ),
     // Through a function of a person's own, on numbers.
     (
         "thick(for c in grid((2, 0, 2)) { if (c.x + c.z) % 3 == 0 { sphere(0.3) } })",
@@ -65,6 +70,7 @@ fn fields(text: &str, wide: f64, points: &[[f64; 3]]) -> Vec<f64> {
     let (scene, _) = scene(text);
     let mut live = scene.live();
     live.components.fill(wide);
+    live.time = wide * std::f64::consts::PI;
     let root = scene.functions.formulas[&(scene.root, Function::Field)];
     let tape = Tape::new(&scene.graph, &scene.functions, &[root], &live, 1_000_000).unwrap();
     let mut found = Vec::new();
@@ -77,7 +83,7 @@ fn sparse_copies_are_rounded_and_blended_as_if_written_out() {
     let points: Vec<[f64; 3]> =
         (1..20_000).map(|i| [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9].map(|part: f64| 8.0 * (part * f64::from(i)).fract() - 4.0)).collect();
     for (repeated, written) in PAIRS {
-        for wide in if repeated.contains("wide") { vec![0.5, 1.1] } else { vec![0.1] } {
+        for wide in if repeated.contains("wide") || repeated.contains("time") { vec![0.5, 1.0] } else { vec![0.1] } {
             let (found, expected) = (fields(repeated, wide, &points), fields(written, wide, &points));
             let solid = expected.iter().filter(|v| **v < 0.0).count();
             assert!(solid > 50 && solid < 19_900, "{written}: {solid} of the points are solid");

@@ -10,7 +10,7 @@ use crate::compiled::Live;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluate::{Evaluator, LANES, Lanes, Tape, lanes};
 use crate::graph::kernel::Op;
-use crate::graph::{Claim, FAR, Function, Graph, Node, NodeId, ParameterComponent, ShapeId};
+use crate::graph::{Claim, FAR, Function, Graph, Leaf, Node, NodeId, ParameterComponent, ShapeId};
 use crate::source::Span;
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -25,6 +25,10 @@ const LARGEST: usize = 20_000;
 /// A value that is so much of the least cap away from the surface is not at the surface; and one that differs by so much is another.
 const NEAR: f64 = 0.1;
 const OTHER: f64 = 0.01;
+/// So many operations may the looks at all surfaces take; what is left is read as it is.
+const MOST: usize = 100_000_000;
+/// What moves is looked at at these times too, in seconds.
+const TIMES: [f64; 4] = [0.7, 1.9, 3.1, 4.7];
 /// With a higher cap there is another surface: so often is it looked for.
 const ROUNDS: usize = 3;
 
@@ -75,14 +79,24 @@ impl Elaborator<'_> {
         let start = Live::start(&self.graph);
         let all = |end: fn(&ParameterComponent) -> f64| Live { components: self.graph.parameters.iter().map(end).collect(), ..start.clone() };
         let lives = [start.clone(), all(|p| p.min), all(|p| p.max)];
+        let later = TIMES.map(|time| Live { time, ..start.clone() });
+        let mut ran = 0;
         for reader in readers(&self.graph, root, &lesser) {
+            if ran > MOST {
+                break;
+            }
             let inside = inside(&self.graph, reader);
             let least = self.capped.iter().filter(|c| inside.contains(&c.value)).fold(FAR, |least, c| least.min(c.least));
             let region = self.facts.rough_region(&self.graph, reader, &Domain::of(Box3::cube(self.extent)));
-            let level = lives.iter().take(if self.graph.parameters.is_empty() { 1 } else { 3 }).fold(0.0, |level: f64, live| {
-                let tape = Tape::raising(&self.graph, reader, live, LARGEST, &lesser);
-                tape.map_or(level, |tape| level.max(Reader { eval: tape.evaluator(), least }.level(&region)))
-            });
+            let moves = inside.iter().any(|&id| *self.graph.node(id) == Node::Leaf(Leaf::Time));
+            let lives = lives.iter().take(if self.graph.parameters.is_empty() { 1 } else { 3 });
+            let mut level: f64 = 0.0;
+            for live in lives.chain(later.iter().filter(|_| moves)) {
+                let Ok(tape) = Tape::raising(&self.graph, reader, live, LARGEST, &lesser) else { continue };
+                let mut look = Reader { eval: tape.evaluator(), least, ran };
+                level = level.max(look.level(&region));
+                ran = look.ran;
+            }
             for capped in self.capped.iter().filter(|c| c.least < level && inside.contains(&c.value)) {
                 let known = levels.entry(capped.place).or_insert(level);
                 *known = level.max(*known);
@@ -149,6 +163,8 @@ struct Reader<'t> {
     eval: Evaluator<'t>,
     /// The least of the caps.
     least: f64,
+    /// How many operations all looks took so far.
+    ran: usize,
 }
 
 impl Reader<'_> {
@@ -195,6 +211,7 @@ impl Reader<'_> {
 
     /// The values at some places with the caps raised to a level.
     fn values(&mut self, places: &[[f64; 3]], level: f64) -> Vec<f64> {
+        self.ran += places.len() * self.eval.tape().operations();
         self.eval.set_normals(&[[level; LANES], [0.0; LANES], [0.0; LANES]]);
         let mut values = Vec::with_capacity(places.len());
         for batch in places.chunks(LANES) {
