@@ -19,7 +19,7 @@ const SIFTED_STEPS: u64 = 1_000_000;
 /// A formula without a constant over all space is sifted where it may be so steep.
 const WILD: f64 = 100.0;
 /// How many steps of formulas the sifting and the cutting of all regions of a scene may cost; then they are only found by carrying back.
-const CLOSER_STEPS: u64 = 2_000_000;
+const CLOSER_STEPS: u64 = 4_000_000;
 /// How many shapes inside may be sifted for one region.
 const SIFTS: u32 = 16;
 /// How many unions inside may be looked at part by part for one region.
@@ -280,8 +280,8 @@ impl Facts {
             if !everywhere && value.lo > level {
                 let before = self.ran;
                 let here = self.all_duals(graph, &tape, &domain.at(part)).last().copied();
-                // A step with its derivatives costs as much as three without.
-                self.closer += 2 * (self.ran - before);
+                // A step with its derivatives costs as much as nine without.
+                self.closer += 8 * (self.ran - before);
                 if here.is_some_and(|here| here.value.lo > level || here.jumps == 0 && is_empty(here.norm)) {
                     continue;
                 }
