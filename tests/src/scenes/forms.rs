@@ -408,7 +408,7 @@ const FORMULA: &[&str] = &[
     "perlin((p.x, <same>))",
     "simplex(<point>)",
     "simplex(p.xy)",
-    "cellular(<point>)",
+    "cell_distance(<point>, (1, 2, 3))",
     "cellular(2 * p.xz)",
     "fbm(<point>, <count>)",
     "fbm(p.xz, 2, 0.6)",
