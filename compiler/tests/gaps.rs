@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+use surefoot_compiler::analysis::Box3;
 use surefoot_compiler::diagnostic::{Code, render};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
@@ -80,8 +81,7 @@ fn fields(text: &str, wide: f64, points: &[[f64; 3]]) -> Vec<f64> {
 
 #[test]
 fn sparse_copies_are_rounded_and_blended_as_if_written_out() {
-    let points: Vec<[f64; 3]> =
-        (1..20_000).map(|i| [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9].map(|part: f64| 8.0 * (part * f64::from(i)).fract() - 4.0)).collect();
+    let points: Vec<[f64; 3]> = (1..20_000).map(|i| Box3::cube(4.0).place(i)).collect();
     for (repeated, written) in PAIRS {
         for wide in if repeated.contains("wide") || repeated.contains("time") { vec![0.5, 1.0] } else { vec![0.1] } {
             let (found, expected) = (fields(repeated, wide, &points), fields(written, wide, &points));

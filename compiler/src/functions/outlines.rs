@@ -1,4 +1,4 @@
-//! Outlining: a long formula of one to three numbers that move, as noise is, becomes a function of those numbers and of a few that do not move. It is written once, however often and at
+//! Outlining: a long formula of one to three numbers, as noise is, or of more of which no more than three move, becomes a function of them. It is written once, however often and at
 //! whatever places it is asked for, and its gradient is the chain rule over that function's own. What is known of the formula stays known where it
 //! stands: only what is written of it changes.
 
@@ -15,8 +15,8 @@ const MOST_STILL: usize = 6;
 pub struct Outline {
     /// Its field is the formula, its point the numbers.
     pub shape: ShapeId,
-    /// The numbers, as a call takes them: those that move, then those that between jumps do not. All are older than what the outline stands for: where fewer than
-    /// three move, the last stands for those that nobody reads.
+    /// The numbers, as a call takes them: up to three, or those that move and then those that between jumps do not. All are older than what the outline stands for: where fewer than
+    /// three are coordinates, the last stands for those that nobody reads.
     pub arguments: NodeList,
     /// How many of the coordinates are read.
     pub read: usize,
@@ -68,15 +68,15 @@ impl Builder<'_> {
 
     fn find_outline(&mut self, id: NodeId) -> Option<Outline> {
         let Candidate { formula, name, of } = Candidate::at(self.graph, id)?;
-        let (mut coordinates, mut still): (Vec<NodeId>, Vec<NodeId>) = (Vec::with_capacity(3), Vec::new());
+        let mut numbers: Vec<NodeId> = Vec::with_capacity(3);
         for &number in of.iter() {
-            if self.graph.as_constant(number).is_none() {
-                let list = if self.moves(number) { &mut coordinates } else { &mut still };
-                if !list.contains(&number) {
-                    list.push(number);
-                }
+            if self.graph.as_constant(number).is_none() && !numbers.contains(&number) {
+                numbers.push(number);
             }
         }
+        // Three or fewer are the coordinates of a point, whether they move or not.
+        let few = numbers.len() <= 3;
+        let (mut coordinates, still): (Vec<NodeId>, Vec<NodeId>) = numbers.into_iter().partition(|&number| few || self.moves(number));
         if !(1..=3).contains(&coordinates.len()) || still.len() > MOST_STILL {
             return None;
         }
@@ -105,10 +105,7 @@ impl Builder<'_> {
     }
 
     /// Whether a number changes with the point between its jumps.
-    fn moves(&mut self, number: NodeId) -> bool {
-        if !self.graph.reads(number).point {
-            return false;
-        }
+    fn moves(&self, number: NodeId) -> bool {
         let graph = &*self.graph;
         let mut open = vec![number];
         let mut seen = FxHashSet::default();

@@ -20,6 +20,8 @@ const PLACES: usize = 1024;
 const PAIRS: usize = 128;
 /// A place of the surface is between two places, halved so often.
 const HALVINGS: usize = 20;
+/// How far a cap has to be raised is found within a hundredth of it, by so many halvings.
+const NARROWED: usize = 5;
 /// Formulas of more operations are not asked.
 const LARGEST: usize = 20_000;
 /// A value that is so much of the least cap away from the surface is not at the surface; and one that differs by so much is another.
@@ -48,14 +50,14 @@ pub(super) struct Capped {
 
 impl Elaborator<'_> {
     /// Remembers that a repetition's `value` is the lesser of the `nearest` copies and of a cap, which is nowhere below `least`.
-    pub(super) fn is_capped(&mut self, value: NodeId, nearest: NodeId, cap: NodeId, least: f64, span: Span) {
+    pub(super) fn note_capped(&mut self, value: NodeId, nearest: NodeId, cap: NodeId, least: f64, span: Span) {
         if value != nearest && value != cap {
             self.capped.push(Capped { value, nearest, cap, least, place: self.place(span) });
         }
     }
 
     /// How far a repetition is read, where that is farther than it looks by itself.
-    pub(super) fn is_read_up_to(&self, span: Span) -> Option<f64> {
+    pub(super) fn level_read(&self, span: Span) -> Option<f64> {
         self.read_up_to.get(&self.place(span)).copied()
     }
 
@@ -78,7 +80,7 @@ impl Elaborator<'_> {
         let lesser: FxHashMap<NodeId, [NodeId; 2]> = self.capped.iter().map(|c| (c.value, [c.nearest, c.cap])).collect();
         let start = Live::start(&self.graph);
         let all = |end: fn(&ParameterComponent) -> f64| Live { components: self.graph.parameters.iter().map(end).collect(), ..start.clone() };
-        let lives = [start.clone(), all(|p| p.min), all(|p| p.max)];
+        let ends = [all(|p| p.min), all(|p| p.max)];
         let later = TIMES.map(|time| Live { time, ..start.clone() });
         let mut ran = 0;
         for reader in readers(&self.graph, root, &lesser) {
@@ -88,10 +90,11 @@ impl Elaborator<'_> {
             let inside = inside(&self.graph, reader);
             let least = self.capped.iter().filter(|c| inside.contains(&c.value)).fold(FAR, |least, c| least.min(c.least));
             let region = self.facts.rough_region(&self.graph, reader, &Domain::of(Box3::cube(self.extent)));
-            let moves = inside.iter().any(|&id| *self.graph.node(id) == Node::Leaf(Leaf::Time));
-            let lives = lives.iter().take(if self.graph.parameters.is_empty() { 1 } else { 3 });
+            let reads = |wanted: fn(&Leaf) -> bool| inside.iter().any(|&id| matches!(self.graph.node(id), Node::Leaf(leaf) if wanted(leaf)));
+            let ends = ends.iter().filter(|_| reads(|leaf| matches!(leaf, Leaf::Parameter(_))));
+            let later = later.iter().filter(|_| reads(|leaf| *leaf == Leaf::Time));
             let mut level: f64 = 0.0;
-            for live in lives.chain(later.iter().filter(|_| moves)) {
+            for live in std::iter::once(&start).chain(ends).chain(later) {
                 let Ok(tape) = Tape::raising(&self.graph, reader, live, LARGEST, &lesser) else { continue };
                 let mut look = Reader { eval: tape.evaluator(), least, ran };
                 level = level.max(look.level(&region));
@@ -134,7 +137,8 @@ fn readers(graph: &Graph, root: ShapeId, values: &FxHashMap<NodeId, [NodeId; 2]>
         match graph.node(node) {
             Node::Op(Op::Min | Op::Max | Op::Neg, args) => open.extend(args.iter()),
             Node::Op(Op::Select, args) if args.first().is_some_and(|&condition| !has(condition)) => open.extend(args.iter()),
-            Node::Op(Op::Mul | Op::Div, args) if args.iter().any(|&a| graph.as_constant(a).is_some_and(|c| c > 0.0)) => open.extend(args.iter()),
+            Node::Op(Op::Mul, args) if args.iter().any(|&a| graph.as_constant(a).is_some_and(|c| c > 0.0)) => open.extend(args.iter()),
+            Node::Op(Op::Div, args) if args.get(1).is_some_and(|&by| graph.as_constant(by).is_some_and(|c| c > 0.0)) => open.extend(args.first()),
             Node::Claim(args, Claim::Continuous) => open.extend(args.first()),
             Node::Call(shape, Function::Field, args) if !args.iter().any(|&a| has(a)) => open.extend(graph.shape(*shape).map(|s| s.value)),
             _ => readers.push(node),
@@ -196,7 +200,7 @@ impl Reader<'_> {
                 low = high;
                 high *= 1.5;
             }
-            for _ in 0..HALVINGS / 4 {
+            for _ in 0..NARROWED {
                 let middle = 0.5 * (low + high);
                 if agrees(middle) {
                     high = middle;

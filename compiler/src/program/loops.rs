@@ -232,10 +232,14 @@ impl Elaborator<'_> {
                     "leave out `by`, or use a range and place the copies yourself",
                 ));
             }
+            let mut given = Vec::new();
+            for arg in args {
+                given.push((self.expression(&arg.value, env)?, arg.value.span));
+            }
             return if name == "grid" {
-                self.grid(each, args, span, env)
+                self.grid(each, &given, span, env)
             } else {
-                self.polar(each, args, span, env)
+                self.polar(each, &given, span, env)
             };
         }
         let source = match &each.source.kind {

@@ -10,25 +10,21 @@ use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, FAR, Leaf, Node, NodeId, ShapeId};
 use crate::source::Span;
-use crate::syntax::ast::{Argument, For};
+use crate::syntax::ast::For;
 
 /// At most so many sectors are looked at, but for the nearest.
 const MOST_SECTORS: f64 = 8.0;
 
 impl Elaborator<'_> {
-    /// `for k in polar(axis, n) { body }`: copy k turned by k/n of a turn.
+    /// `for k in polar(axis, n) { body }`: copy k turned by k/n of a turn. `given`: the arguments of `polar`.
     pub fn polar(
         &mut self,
         each: &For,
-        args: &[Argument],
+        given: &[(Value, Span)],
         span: Span,
         env: &Env,
     ) -> Elaborated<Value> {
-        let mut given = Vec::new();
-        for arg in args {
-            given.push((self.expression(&arg.value, env)?, arg.value.span));
-        }
-        let (axis, count) = match given.as_slice() {
+        let (axis, count) = match given {
             [count] => (None, count.clone()),
             [axis, count] => (Some(axis.clone()), count.clone()),
             _ => {
@@ -108,7 +104,7 @@ impl Elaborator<'_> {
                 return None;
             }
             sectors.share = self.share_of_distance(body, &cells, &region, 0.0..outer, &[u, v]);
-            let level = self.is_read_up_to(span).unwrap_or(0.0);
+            let level = self.level_read(span).unwrap_or(0.0);
             while sectors.least_cap() < level {
                 let few = Sectors { rings: sectors.rings + 1.0, ..sectors };
                 if !few.are_few() {
@@ -216,7 +212,7 @@ impl Elaborator<'_> {
         let cap = self.at_least_outside(cap, &around, usize::from(dimensions));
         let cap = self.part_of(cap, share);
         let value = self.graph.op(Op::Min, &[nearest, cap]);
-        self.is_capped(value, nearest, cap, sectors.least_cap(), span);
+        self.note_capped(value, nearest, cap, sectors.least_cap(), span);
         let value = self.graph.intern(Node::Claim([value].into(), Claim::Continuous));
         self.facts.know_solid(value, around);
         self.make_shape(dimensions, value, span)

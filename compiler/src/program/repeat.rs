@@ -12,7 +12,7 @@ use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Leaf, Node, NodeId, ShapeId, FAR};
 use crate::source::Span;
-use crate::syntax::ast::{Argument, For};
+use crate::syntax::ast::For;
 
 /// At most so many cells are looked at along one axis.
 const MOST_CELLS: usize = 8;
@@ -20,19 +20,15 @@ const MOST_CELLS: usize = 8;
 pub(super) const MOST_COPIES: usize = 128;
 
 impl Elaborator<'_> {
-    /// `for cell in grid(size, count) { body }`.
+    /// `for cell in grid(size, count) { body }`. `given`: the arguments of `grid`.
     pub fn grid(
         &mut self,
         each: &For,
-        args: &[Argument],
+        given: &[(Value, Span)],
         span: Span,
         env: &Env,
     ) -> Elaborated<Value> {
-        let mut given = Vec::new();
-        for arg in args {
-            given.push((self.expression(&arg.value, env)?, arg.value.span));
-        }
-        let (size, count) = match given.as_slice() {
+        let (size, count) = match given {
             [size] => (size.clone(), None),
             [size, count] => (size.clone(), Some(count.clone())),
             _ => {
@@ -153,7 +149,7 @@ impl Elaborator<'_> {
             }
         };
         shares(self, &mut axes);
-        if let Some(level) = self.is_read_up_to(span) {
+        if let Some(level) = self.level_read(span) {
             if !look_as_far_as(level, &mut axes) {
                 self.say_too_far(level, least_cap(&axes), span);
             }
@@ -279,7 +275,7 @@ impl Elaborator<'_> {
                 let cap = self.at_least_outside(cap, around, dimensions);
                 let cap = self.part_of(cap, least_share(axes));
                 let value = self.graph.op(Op::Min, &[nearest, cap]);
-                self.is_capped(value, nearest, cap, least_cap(axes), span);
+                self.note_capped(value, nearest, cap, least_cap(axes), span);
                 value
             }
             None => nearest,
