@@ -20,6 +20,8 @@ const OUTER: usize = 8;
 const LEVELS: usize = 4;
 /// The innermost box is looked at in so many slabs, each by itself, on all of the processor's cores.
 const SLABS: usize = 8;
+/// Places at which a fold is looked at before its cells are: four along each axis.
+const PLACES: usize = 64;
 /// What 32 bits may lose of a value, for each unit of the coordinates.
 const ROUNDING: f64 = 4e-6;
 
@@ -38,7 +40,7 @@ pub fn lists(tables: &Tables, cells: bool) -> Vec<u32> {
         let mut head = [0u32; HEAD as usize];
         head[0] = first;
         head[1] = lists.len() as u32;
-        if let Some(grid) = Grid::around(&table.operands).filter(|_| cells) {
+        if let Some(grid) = Grid::around(&table.operands).filter(|grid| cells && is_worth_cells(grid, table, tables)) {
             let spans = spans(&grid, table, tables, &mut lists);
             head[2] = LEVELS as u32;
             let [x, y, z] = grid.center.map(|c| (c as f32).to_bits());
@@ -101,6 +103,11 @@ fn with([a, b, c]: [f64; 3], [x, y, z]: [f64; 3], f: impl Fn(f64, f64) -> f64) -
     [f(a, x), f(b, y), f(c, z)]
 }
 
+/// The coordinates of a box.
+fn with_ranges([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [Interval; 3] {
+    [(a, x), (b, y), (c, z)].map(|(middle, half)| Interval::new(middle - half, middle + half))
+}
+
 /// A box in cells.
 struct Level {
     low: [f64; 3],
@@ -135,7 +142,12 @@ impl Finder<'_, '_> {
         }
         let radius = 1.001 * half.iter().map(|h| h * h).sum::<f64>().sqrt();
         let reach = center.iter().fold(0.0, |m: f64, c| m.max(c.abs())) + radius;
-        let kept = self.matter(steps, center, radius, ROUNDING * reach);
+        let slack = ROUNDING * reach;
+        let kept = match self.table.fold {
+            Some(Op::Max) => self.matter_to_greatest(steps, center, radius, slack),
+            Some(_) => self.evaluator.changing(steps, center, half.map(|h| 1.001 * h + slack)),
+            None => self.matter(steps, center, radius, slack),
+        };
         let divisible = (0..3).zip(size).zip(half).filter(|((_, n), _)| *n > 1);
         match divisible.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
             None => {
@@ -172,10 +184,18 @@ impl Finder<'_, '_> {
         span
     }
 
+    /// The steps that matter in a ball where the greatest of all operands is asked for.
+    fn matter_to_greatest(&mut self, steps: &[u32], center: [f64; 3], radius: f64, slack: f64) -> Vec<u32> {
+        let values = self.evaluator.values(steps, center);
+        let all = || steps.iter().zip(&values).map(|(&step, value)| (step, value, radius * steepness(self.table, step)));
+        let least = all().map(|(_, value, change)| value.lo - change).fold(f64::NEG_INFINITY, f64::max) - slack;
+        all().filter(|(_, value, change)| value.hi + change >= least || !value.is_finite()).map(|(step, ..)| step).collect()
+    }
+
     /// The steps that matter in a ball.
     fn matter(&mut self, steps: &[u32], center: [f64; 3], radius: f64, slack: f64) -> Vec<u32> {
         let values = self.evaluator.values(steps, center);
-        let steep = |step: u32| self.table.operands.get(step as usize).and_then(|o| *o).map_or(f64::INFINITY, |o| o.steepness);
+        let steep = |step: u32| steepness(self.table, step);
         let mut least = f64::INFINITY;
         for (&step, value) in steps.iter().zip(&values) {
             least = least.min(value.hi + steep(step) * radius);
@@ -212,6 +232,28 @@ impl Finder<'_, '_> {
         }
         kept
     }
+}
+
+/// The Lipschitz constant of a step's operand.
+fn steepness(table: &Table, step: u32) -> f64 {
+    table.operands.get(step as usize).and_then(|o| *o).map_or(f64::INFINITY, |o| o.steepness)
+}
+
+/// Whether lists of its cells are shorter than the whole: some places are looked at, so that no time is lost where they are not.
+fn is_worth_cells(grid: &Grid, table: &Table, tables: &Tables) -> bool {
+    if !matches!(table.fold, Some(Op::Add | Op::Mul)) {
+        return true;
+    }
+    let all: Vec<u32> = (0..table.entries.len() as u32).collect();
+    let mut evaluator = Evaluator::new(table, tables);
+    let cell = with(grid.half, grid.counts.map(|n| n as f64), |h, n| h / n);
+    let mut kept = 0;
+    for i in 0..PLACES {
+        let shares = [i & 3, i >> 2 & 3, i >> 4].map(|n| 0.5 * n as f64 - 0.75);
+        let center = with(grid.center, with(grid.half, shares, |h, s| h * s), |a, b| a + b);
+        kept += evaluator.changing(&all, center, cell).len();
+    }
+    3 * kept < 2 * PLACES * all.len()
 }
 
 /// The steps of a class's form that its operand needs, in order.
@@ -282,7 +324,7 @@ impl<'a> Evaluator<'a> {
         for (class, (known, members)) in classes.filter(|(_, (class, _))| !class.pops) {
             if self.still.get(class) != Some(&true) {
                 for &(at, row) in members {
-                    let range = self.range(class, known, row, point);
+                    let range = self.range(class, known, row, point.map(Interval::point));
                     values.get_mut(at).into_iter().for_each(|slot| *slot = range);
                 }
                 continue;
@@ -298,15 +340,28 @@ impl<'a> Evaluator<'a> {
         values
     }
 
-    /// All values of a row's operand at a point.
-    fn range(&mut self, index: usize, class: &Class, row: u32, point: [f64; 3]) -> Interval {
+    /// The steps of a sum or a product whose operand is not what changes nothing all over a box: nought, or one.
+    fn changing(&mut self, steps: &[u32], center: [f64; 3], half: [f64; 3]) -> Vec<u32> {
+        let table = self.table;
+        let place = with_ranges(center, half);
+        let changes = |step: &&u32| {
+            let Some(&entry) = table.entries.get(**step as usize) else { return true };
+            let index = (entry >> CLASS_SHIFT) as usize;
+            let Some(class) = table.classes.get(index) else { return true };
+            self.range(index, class, entry & ((1 << CLASS_SHIFT) - 1), place) != Interval::point(table.start)
+        };
+        steps.iter().filter(changes).copied().collect()
+    }
+
+    /// All values of a row's operand at the points of a box.
+    fn range(&mut self, index: usize, class: &Class, row: u32, place: [Interval; 3]) -> Interval {
         let form = &class.filled.form;
         let mut arguments = [Interval::ALL; 4];
         for &at in self.needed.get(index).map_or(&[][..], Vec::as_slice) {
             let Some(step) = form.steps.get(at as usize) else { continue };
             let range = match step.action {
                 Action::Number(i) => class.numbers.get(i as usize).map_or(Interval::ALL, |n| Interval::point(self.number(*n, row))),
-                Action::Point(i) => Interval::point(point.get(usize::from(i)).copied().unwrap_or(0.0)),
+                Action::Point(i) => place.get(usize::from(i)).copied().unwrap_or(Interval::ZERO),
                 Action::Op(op) => {
                     for (slot, &a) in arguments.iter_mut().zip(&step.arguments) {
                         *slot = self.ranges.get(a as usize).copied().unwrap_or(Interval::ALL);

@@ -88,6 +88,38 @@ fn the_device_agrees_with_the_formulas() {
     }
 }
 
+/// Lists of a drawing, of a sum, of a product and of the greatest of many: cells hold fewer of their operands, and the device agrees everywhere.
+#[test]
+fn folds_and_drawings_are_tables() {
+    let gpu = gpu();
+    let star = "[for i in 0..60 { let a = tau * i / 60; (1 + 0.2 * sin(5 * a) - 0.08 * (i % 2)) * (cos(a), sin(a)) }]";
+    let normal = "let z = 1 - (2 * i + 1) / 40; let a = 2.4 * i; let r = sqrt(1 - z * z);";
+    let place = "2 * (hash(i), hash(i, 1), hash(i, 2)) - 1";
+    let strokes = "for i in 0..30 { bezier((hash(i), hash(i, 1)), (hash(i, 2), hash(i, 3)), (hash(i, 4), hash(i, 5))) }";
+    let hills = "for i in 0..40 by + { let d = (p.x, p.z) - (4 * hash(i) - 2, 4 * hash(i, 1) - 2); max(0.25 - dot(d, d), 0) }";
+    let scenes = [
+        // The edges of an outline, and the product of their sides.
+        ("polygon", format!("scene = polygon({star}).extrude(0.3)"), 1.4, 2),
+        ("ring", format!("scene = polygon({star}).translate(1.6, 0).revolve().rotate(x, 30deg)"), 2.8, 2),
+        ("strokes", format!("scene = ({strokes}).round(0.02).extrude(0.3)"), 1.2, 1),
+        ("gem", format!("field gem = (for i in 0..40 by max {{ {normal} dot(p, (r * cos(a), z, r * sin(a))) }}) - 1\nscene = gem"), 1.4, 1),
+        ("balls", format!("field dots = for i in 0..40 by min {{ length(p - ({place})) - 0.1 - 0.1 * hash(i, 3) }}\nscene = dots"), 1.4, 1),
+        ("hills", format!("field hills = p.y - ({hills})\nscene = hills.within(box((4, 2, 4)))"), 2.4, 1),
+        // Of a fold in another point than the shape's own, with something beside it that is not alike.
+        ("waves", format!("field sea = p.y + (for i in 0..30 by + {{ 0.01 * sin(dot(2 * p.xz + 1, (i, 3 - i)) + time) }}) + 0.1 * sin(p.x)\nscene = sea.within(box((4, 2, 4)))"), 2.4, 1),
+    ];
+    for (name, text, half, tables) in scenes {
+        let compiled = scene(&text);
+        let found = compiled.module.tables.as_ref().map_or(0, |tables| tables.tables.tables.len());
+        assert_eq!(found, tables, "tables of {name}");
+        let live = Live { time: 0.7, ..compiled.live() };
+        agrees_at(&gpu, &compiled, &live, half);
+        let whole = compiled.module.tables.as_ref().unwrap().whole().lists().len();
+        let lists = compiled.module.tables.as_ref().unwrap().lists().len();
+        assert!(name == "waves" || lists > whole, "{name} has no cells");
+    }
+}
+
 /// What is flatter than a distance stands out of a blend by many times its reach: the box about it holds all of that, so no step of the device's bound
 /// leads through the surface.
 #[test]

@@ -516,7 +516,7 @@ impl<'a> Plans<'a> {
         let mut nodes = std::mem::take(&mut self.nodes);
         let outlines = &self.functions.outlines;
         let outline = |id: NodeId| if outlines.is_empty() { None } else { outlines.get(&id).filter(|o| Some(o.shape) != shape) };
-        let operands = |id: NodeId| outline(id).map_or_else(|| graph.operands(id), |outline| &outline.arguments[..]);
+        let operands = |id: NodeId| outline(id).map_or_else(|| graph.operands(id), |outline| &outline.operands[..]);
         graph.computed_from(roots, operands, &mut nodes);
         let mut places = std::mem::take(&mut self.places);
         let mut plan = Plan { variables, ..Plan::default() };
@@ -532,7 +532,9 @@ impl<'a> Plans<'a> {
             let step = match graph.node(id) {
                 _ if let Some(outline) = outline(id) => {
                     let target = self.target(outline.shape, Group::Field);
-                    plan.push(Action::Call(target), args.iter().map(place), named)
+                    let call = plan.push(Action::Call(target), outline.arguments().iter().map(place), named);
+                    let fold = |value, other| outline.by.map_or(value, |by| plan.push(Action::Op(by), [value, place(other)], named));
+                    outline.beside().iter().fold(call, fold)
                 }
                 Node::Claim(..) => {
                     let at = args.first().map_or(0, place);

@@ -40,6 +40,16 @@ fn known(slopes: &Slopes, id: NodeId) -> Option<[NodeId; 3]> {
     slopes.get(id.0 as usize).copied().flatten()
 }
 
+fn set(slopes: &mut Slopes, id: NodeId, slope: [NodeId; 3]) {
+    let at = id.0 as usize;
+    if at >= slopes.len() {
+        slopes.resize(at + 1, None);
+    }
+    if let Some(slot) = slopes.get_mut(at) {
+        *slot = Some(slope);
+    }
+}
+
 impl Builder<'_> {
     /// The gradient of a node by the point of its space, as nodes: forward, by the kernel's partial derivatives. Between jumps.
     pub(super) fn gradient(&mut self, root: NodeId) -> [NodeId; 3] {
@@ -134,13 +144,7 @@ impl Builder<'_> {
         }
         for id in self.without_slope(root, slopes) {
             let slope = self.slope(id, slopes, seen);
-            let at = id.0 as usize;
-            if at >= slopes.len() {
-                slopes.resize(self.graph.len(), None);
-            }
-            if let Some(slot) = slopes.get_mut(at) {
-                *slot = Some(slope);
-            }
+            set(slopes, id, slope);
         }
         known(slopes, root).unwrap_or_default()
     }
@@ -155,7 +159,7 @@ impl Builder<'_> {
         }
         // What is inside of them is another function's.
         let graph = &*self.graph;
-        let operands = |id: NodeId| outlined.get(&id).map_or_else(|| graph.arguments(id), |outline| &outline.arguments[..]);
+        let operands = |id: NodeId| outlined.get(&id).map_or_else(|| graph.arguments(id), |outline| &outline.operands[..]);
         graph.needed(&[root], operands, new)
     }
 
@@ -164,10 +168,18 @@ impl Builder<'_> {
         let zero = self.graph.constant(0.0);
         let flat = [zero; 3];
         let of = |slopes: &Slopes, a: &NodeId| known(slopes, *a).unwrap_or(flat);
-        if let Some(Outline { shape, arguments, read }) = self.outline(id) {
-            let inner: SmallVec<[[NodeId; 3]; 4]> = arguments.iter().take(read).map(|a| of(slopes, a)).collect();
-            let partials = [0, 1, 2].map(|i| self.graph.call(shape, Function::Gradient(i), &arguments));
-            return self.chain_rule(&partials, &inner);
+        if let Some(outline) = self.outline(id) {
+            let arguments = outline.arguments();
+            let inner: SmallVec<[[NodeId; 3]; 4]> = arguments.iter().take(outline.read).filter(|_| outline.moves).map(|a| of(slopes, a)).collect();
+            let partials = [0, 1, 2].map(|i| self.graph.call(outline.shape, Function::Gradient(i), arguments));
+            let slope = self.chain_rule(&partials, &inner);
+            let Some(by) = outline.by else { return slope };
+            let mut value = self.graph.call(outline.shape, Function::Field, arguments);
+            set(slopes, value, slope);
+            for &other in outline.beside() {
+                value = self.graph.op(by, &[value, other]);
+            }
+            return self.gradient_of(value, slopes, seen);
         }
         match self.graph.node(id).clone() {
             Node::Leaf(Leaf::P(i)) => {

@@ -11,6 +11,7 @@ mod convex;
 mod distance;
 mod domains;
 mod dress;
+mod folds;
 mod gradient;
 mod ground;
 mod jumps;
@@ -283,6 +284,8 @@ pub struct Builder<'a> {
     outlines: FxHashMap<NodeId, Option<Outline>>,
     /// Their shapes, by formula and dimensions.
     outlined: FxHashMap<(NodeId, u8), ShapeId>,
+    /// Trees of one operation, and the shapes that stand for them.
+    folds: folds::Folds,
     /// The variables that stand for numbers in them which do not move.
     still: Vec<u32>,
     /// The one among them whose own gradient is being made.
@@ -352,6 +355,7 @@ pub fn build(
         beside: FxHashMap::default(),
         outlines: FxHashMap::default(),
         outlined: FxHashMap::default(),
+        folds: folds::Folds::default(),
         still: Vec::new(),
         own: None,
         planes: FxHashMap::default(),
@@ -401,6 +405,7 @@ pub fn build(
     builder.built.ahead = builder.ahead();
     builder.built.solids = builder.facts.known_solids().clone();
     builder.outline_all();
+    builder.unite_folds();
     let summary = builder.summary();
     (builder.built, summary, builder.diagnostics)
 }

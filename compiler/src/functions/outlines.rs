@@ -3,6 +3,7 @@
 //! stands: only what is written of it changes.
 
 use super::Builder;
+use crate::graph::kernel::Op;
 use crate::graph::{Claim, ClaimGroup, Exactness, Function, Graph, Leaf, Node, NodeId, NodeList, Shape, ShapeId};
 use rustc_hash::FxHashSet;
 use std::sync::Arc;
@@ -10,16 +11,41 @@ use std::sync::Arc;
 /// So many numbers that do not move may a function be given, beside those that do.
 const MOST_STILL: usize = 6;
 
-/// What stands for a formula: a shape of no space but that of the formula's numbers.
+/// What stands for a formula: a function of its numbers, and of a fold of many what stands beside those that are alike.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
-    /// Its field is the formula, its point the numbers.
+    /// A shape of no space but that of the formula's numbers: its field is the formula, its point the numbers.
     pub shape: ShapeId,
-    /// The numbers, as a call takes them: up to three, or those that move and then those that between jumps do not. All are older than what the outline stands for: where fewer than
-    /// three are coordinates, the last stands for those that nobody reads.
-    pub arguments: NodeList,
+    /// What the formula is made of: the numbers, as a call of the shape takes them, then what the call's value is folded with. All are older than what the outline stands for.
+    pub operands: NodeList,
+    /// How many of them the call takes: three coordinates, of which the last stands for those that nobody reads, then numbers that between jumps do not move.
+    arguments: usize,
     /// How many of the coordinates are read.
     pub read: usize,
+    /// Whether the value changes with them between its jumps.
+    pub moves: bool,
+    /// The operation by which the call's value is folded with the rest.
+    pub by: Option<Op>,
+}
+
+impl Outline {
+    /// A call, and what its value is folded with.
+    pub(super) fn new(shape: ShapeId, arguments: Vec<NodeId>, (read, moves): (usize, bool), beside: Option<(Op, Vec<NodeId>)>) -> Self {
+        let (by, beside) = beside.unzip();
+        let count = arguments.len();
+        let operands = arguments.into_iter().chain(beside.into_iter().flatten()).collect();
+        Self { shape, operands, arguments: count, read, moves, by }
+    }
+
+    /// What the shape's function takes.
+    pub fn arguments(&self) -> &[NodeId] {
+        self.operands.get(..self.arguments).unwrap_or(&[])
+    }
+
+    /// What its value is folded with.
+    pub fn beside(&self) -> &[NodeId] {
+        self.operands.get(self.arguments..).unwrap_or(&[])
+    }
 }
 
 /// A formula that may be a function.
@@ -46,13 +72,14 @@ impl Candidate {
 impl Builder<'_> {
     /// What stands for a node. None where its formula is short, made of more numbers than a function takes, or reads more than those.
     pub(super) fn outline(&mut self, id: NodeId) -> Option<Outline> {
-        if !matches!(self.graph.node(id), Node::Claim(..)) && self.graph.result(id).is_none() {
+        let is_function = matches!(self.graph.node(id), Node::Claim(..)) || self.graph.result(id).is_some();
+        if !is_function && !self.ends_fold(id) {
             return None;
         }
         let found = match self.outlines.get(&id) {
             Some(known) => known.clone(),
             None => {
-                let found = self.find_outline(id);
+                let found = if is_function { self.find_outline(id) } else { self.find_fold(id) };
                 self.outlines.insert(id, found.clone());
                 found
             }
@@ -87,25 +114,23 @@ impl Builder<'_> {
         let variables = self.still.iter().map(|&v| Leaf::Variable(v));
         let places: Vec<(NodeId, Leaf)> =
             coordinates.iter().copied().zip(point).chain(still.iter().copied().zip(variables)).collect();
-        let value = self.graph.abstracted(formula, &places)?;
+        let order = self.graph.within_places(formula, &places).filter(|order| self.graph.is_long(order.iter().copied()))?;
+        let value = self.graph.abstracted(formula, &order, &places);
         let read = coordinates.len();
         let dimensions = if read == 3 { 3 } else { 2 };
         coordinates.resize(3, *coordinates.last()?);
-        let shape = match self.outlined.get(&(value, dimensions)) {
-            Some(&known) => known,
-            None => self.outlined_as(name, value, dimensions, id),
-        };
+        let shape = self.outlined_as(name, value, dimensions, id);
         let variables = self.graph.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
         let variables = variables.iter().map(|&v| {
             let given = self.still.iter().position(|&own| own == v).and_then(|i| still.get(i));
             given.copied().unwrap_or_else(|| self.graph.leaf(Leaf::Variable(v)))
         });
         let arguments = coordinates.into_iter().chain(variables).collect();
-        Some(Outline { shape, arguments, read })
+        Some(Outline::new(shape, arguments, (read, true), None))
     }
 
     /// Whether a number changes with the point between its jumps.
-    fn moves(&self, number: NodeId) -> bool {
+    pub(super) fn moves(&self, number: NodeId) -> bool {
         let graph = &*self.graph;
         let mut open = vec![number];
         let mut seen = FxHashSet::default();
@@ -121,7 +146,10 @@ impl Builder<'_> {
     }
 
     /// The shape of a formula: one, wherever the first node that it stands for is.
-    fn outlined_as(&mut self, name: Option<Arc<str>>, value: NodeId, dimensions: u8, first: NodeId) -> ShapeId {
+    pub(super) fn outlined_as(&mut self, name: Option<Arc<str>>, value: NodeId, dimensions: u8, first: NodeId) -> ShapeId {
+        if let Some(&known) = self.outlined.get(&(value, dimensions)) {
+            return known;
+        }
         let (span, exactness) = (self.place(self.root, first), Exactness::Formula);
         let shape = Shape { name, dimensions, value, variables: [].into(), exactness, material: None, paints: [].into(), span };
         let shape = self.graph.add_shape(shape);

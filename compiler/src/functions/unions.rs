@@ -4,8 +4,10 @@
 
 use super::Functions;
 use crate::analysis::{Box3, Domain, Facts};
-use crate::graph::{Function, Graph, Node, NodeId, ShapeId};
+use crate::graph::interval::Interval;
 use crate::graph::joint::{Joint, MOST};
+use crate::graph::kernel::Op;
+use crate::graph::{FAR, Function, Graph, Node, NodeId, ShapeId};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 pub use crate::graph::joint::Of;
@@ -13,8 +15,14 @@ pub use crate::graph::joint::Of;
 /// A union of fewer operands is written out.
 pub const MANY: usize = 24;
 
+/// No table has more classes of copies, else its loop is a list of its own.
+pub const MOST_CLASSES: usize = 24;
+
+/// So many copies a class of a table has on average, at least: else the text is as short without it.
+pub const FEWEST_ROWS: usize = 4;
+
 /// An operand of more steps is better alone: it has hardly its like.
-const LONGEST: usize = 500;
+pub(super) const LONGEST: u32 = 500;
 
 /// So many calls within each other are followed.
 const DEEPEST: usize = 64;
@@ -35,6 +43,36 @@ pub struct Union {
     pub depth: usize,
     /// Another function of the shape that is the same; then nothing else is here.
     pub same: Option<Function>,
+}
+
+impl Union {
+    /// Of the fields of shapes, one after the other, all joined in one way that is no blend. `near`: where they are asked for, if it is no union.
+    pub(super) fn of(graph: &Graph, facts: &mut Facts, functions: &Functions, shapes: &[ShapeId], join: Join, near: &Box3) -> Self {
+        let mut operand = |shape| {
+            let of = (shape, Function::Field);
+            let region = if join == Join::Least { region_of(graph, facts, shape, 0.0) } else { *near };
+            Step::Operand(Operand { of, when: When::default(), steepness: steepness(graph, facts, functions, of), region }, join)
+        };
+        Self { steps: shapes.iter().map(|&shape| operand(shape)).collect(), ..Self::default() }
+    }
+
+    /// What is done where it is no union.
+    pub fn fold(&self) -> Option<Op> {
+        self.steps.iter().find_map(|step| match step {
+            Step::Operand(_, Join::Fold(op)) => Some(*op),
+            _ => None,
+        })
+    }
+
+    /// The value before anything is joined with it.
+    pub fn start(&self) -> f64 {
+        match self.fold() {
+            Some(Op::Add) => 0.0,
+            Some(Op::Mul) => 1.0,
+            Some(Op::Max) => -FAR,
+            _ => FAR,
+        }
+    }
 }
 
 /// A step of a [`Union`].
@@ -69,6 +107,8 @@ pub struct Operand {
 pub enum Join {
     /// The lesser of the two.
     Least,
+    /// Their sum, their product, or the greater of the two: what is no union, but is as long.
+    Fold(Op),
     /// A blend.
     Blend {
         /// The function whose formula does it.
@@ -89,8 +129,7 @@ pub fn find(graph: &Graph, facts: &mut Facts, functions: &Functions, asked: &[Of
     let mut finder = Finder { graph, functions, asked: FxHashSet::default(), joints: FxHashMap::default(), counts: FxHashMap::default(), below: FxHashMap::default() };
     finder.asked = asked.iter().map(|of| finder.passed_on(*of)).collect();
     // What is the same as another function of its shape is computed as that one.
-    let solid = |of: &Of| graph.shape(of.0).is_some_and(|s| s.dimensions == 3);
-    let own = |of: &Of| !matches!(of.1, Function::Gradient(_)) && solid(of) && finder.first(*of) == *of;
+    let own = |of: &Of| !matches!(of.1, Function::Gradient(_)) && finder.first(*of) == *of;
     let mut all: Vec<Of> = functions.formulas.keys().copied().filter(own).collect();
     all.sort_unstable();
     let joints: Vec<(Of, Joint)> = all.iter().filter_map(|&of| Some((of, finder.joint(of)?))).collect();
@@ -132,6 +171,23 @@ struct Finder<'a> {
     joints: FxHashMap<Of, Option<Joint>>,
     counts: FxHashMap<Of, usize>,
     below: FxHashMap<Of, Below>,
+}
+
+/// A Lipschitz constant of a function over all space; infinite where none is known.
+fn steepness(graph: &Graph, facts: &mut Facts, functions: &Functions, of: Of) -> f64 {
+    let Some(&formula) = functions.formulas.get(&of) else { return f64::INFINITY };
+    let plain = |id: &NodeId| !matches!(graph.node(*id), Node::Call(_, Function::Bound | Function::Distance | Function::Gradient(_), _));
+    if !graph.reachable(&[formula]).iter().all(plain) {
+        return f64::INFINITY;
+    }
+    facts.constant(graph, formula, &Domain::of(Box3::ALL), 1).lipschitz
+}
+
+/// A box that holds all points at which a shape is at most a level. A drawing has no depth.
+fn region_of(graph: &Graph, facts: &mut Facts, shape: ShapeId, level: f64) -> Box3 {
+    let Some(shape) = graph.shape(shape) else { return Box3::ALL };
+    let region = facts.rough_region_at(graph, shape.value, &Domain::of(Box3::ALL), level);
+    if shape.dimensions == 3 || region.is_empty() { region } else { region.with_axis(2, Interval::ZERO) }
 }
 
 /// What is below a function that is a joint, or an operand.
@@ -253,9 +309,8 @@ impl Finder<'_> {
                 continue;
             }
             let Some(joint) = self.joint(of) else {
-                let value = self.graph.shape(of.0).map(|s| s.value);
-                let region = value.map_or(Box3::ALL, |v| facts.rough_region(self.graph, v, &Domain::of(Box3::ALL)));
-                let long = self.formula(of).is_some_and(|f| facts.weight(self.graph, f) > LONGEST);
+                let region = region_of(self.graph, facts, of.0, 0.0);
+                let long = self.formula(of).is_some_and(|f| facts.weight(self.graph, f) > LONGEST as usize);
                 self.below.insert(of, Below { parted: long || !region.is_empty() && !region.is_finite(), region });
                 continue;
             };
@@ -303,7 +358,7 @@ impl Finder<'_> {
                 Task::Open(of, join, begins, when) => match (self.joint(of), begins) {
                     (None, _) => {
                         let region = self.below(of, facts).region;
-                        let operand = Operand { of, when, steepness: self.steepness(of, facts), region };
+                        let operand = Operand { of, when, steepness: steepness(self.graph, facts, self.functions, of), region };
                         union.steps.push(Step::Operand(operand, join));
                     }
                     (Some(Joint::Where(condition, inner)), _) => {
@@ -352,21 +407,9 @@ impl Finder<'_> {
             return;
         }
         for step in &mut union.steps {
-            if let Step::Operand(operand, _) = step
-                && let Some(shape) = self.graph.shape(operand.of.0)
-            {
-                operand.region = facts.rough_region_at(self.graph, shape.value, &Domain::of(Box3::ALL), level);
+            if let Step::Operand(operand, _) = step {
+                operand.region = region_of(self.graph, facts, operand.of.0, level);
             }
         }
-    }
-
-    fn steepness(&self, of: Of, facts: &mut Facts) -> f64 {
-        let Some(formula) = self.formula(of) else { return f64::INFINITY };
-        let nodes = self.graph.reachable(&[formula]);
-        let plain = |id: &NodeId| !matches!(self.graph.node(*id), Node::Call(_, Function::Bound | Function::Distance | Function::Gradient(_), _));
-        if !nodes.iter().all(plain) {
-            return f64::INFINITY;
-        }
-        facts.constant(self.graph, formula, &Domain::of(Box3::ALL), 1).lipschitz
     }
 }

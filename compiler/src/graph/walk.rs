@@ -169,9 +169,8 @@ impl Graph {
         self.rewrite(&order, roots, &[], replace)
     }
 
-    /// A formula with leaves in the places of some nodes. None where it reads the point, the normal or one of these leaves beside them, calls a shape,
-    /// or is not long.
-    pub fn abstracted(&mut self, root: NodeId, places: &[(NodeId, Leaf)]) -> Option<NodeId> {
+    /// The nodes of a formula that [`Graph::abstracted`] makes anew. None where it reads the point, the normal or one of the leaves beside the places, or calls a shape.
+    pub fn within_places(&self, root: NodeId, places: &[(NodeId, Leaf)]) -> Option<Vec<NodeId>> {
         let is_place = |id: NodeId| places.iter().any(|(place, _)| *place == id);
         let order = self.reachable_among(&[root], |id| !is_place(id));
         let outside = |id: &NodeId| match self.node(*id) {
@@ -179,11 +178,13 @@ impl Graph {
             Node::Leaf(leaf) => places.iter().any(|(_, other)| other == leaf),
             _ => false,
         };
-        if !self.is_long(order.iter().copied()) || is_place(root) || self.reads(root).shapes || order.iter().any(outside) {
-            return None;
-        }
+        (!is_place(root) && !self.reads(root).shapes && !order.iter().any(outside)).then_some(order)
+    }
+
+    /// A formula with leaves in the places of some nodes. `order` is [`Graph::within_places`] of it.
+    pub fn abstracted(&mut self, root: NodeId, order: &[NodeId], places: &[(NodeId, Leaf)]) -> NodeId {
         let places: Vec<(NodeId, NodeId)> = places.iter().map(|(place, leaf)| (*place, self.leaf(*leaf))).collect();
-        self.rewrite(&order, &[root], &places, |_| None).first().copied()
+        self.rewrite(order, &[root], &places, |_| None).first().copied().unwrap_or(root)
     }
 
     /// The roots with the nodes of `order` made anew, leaves replaced; of others those that `known` pairs with something else are that, the rest stay.

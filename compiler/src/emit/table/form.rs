@@ -115,7 +115,8 @@ impl<'a> Former<'a> {
         let first = if gradient { 0 } else { 3 };
         let older: Vec<u32> = (first..4).map(|i| self.push(Action::Older(i), &[], None)).collect();
         self.filled.form.results = match join {
-            Join::Least => self.least(&older, &newer)?,
+            Join::Least => self.chosen(Op::Min, &older, &newer)?,
+            Join::Fold(op) => self.folded(op, &older, &newer)?,
             Join::Blend { of, operands } => {
                 let mut known = FxHashMap::default();
                 for (of, steps) in operands.iter().zip([&older, &newer]) {
@@ -128,17 +129,35 @@ impl<'a> Former<'a> {
         Some(self.filled)
     }
 
-    /// The lesser of two values, and its gradient where they have one.
-    fn least(&mut self, older: &[u32], newer: &[u32]) -> Option<Vec<u32>> {
+    /// The lesser or the greater of two values, and its gradient where they have one.
+    fn chosen(&mut self, op: Op, older: &[u32], newer: &[u32]) -> Option<Vec<u32>> {
         let ((&a, slopes), (&b, others)) = (older.split_last()?, newer.split_last()?);
         let mut results = Vec::with_capacity(4);
         if !slopes.is_empty() {
-            let is_older = self.push(Action::Op(Op::Le), &[a, b], None);
+            let is_older = self.push(Action::Op(Op::Le), &if op == Op::Min { [a, b] } else { [b, a] }, None);
             for (&a, &b) in slopes.iter().zip(others) {
                 results.push(self.push(Action::Op(Op::Select), &[is_older, a, b], None));
             }
         }
-        results.push(self.push(Action::Op(Op::Min), &[a, b], None));
+        results.push(self.push(Action::Op(op), &[a, b], None));
+        Some(results)
+    }
+
+    /// Two values folded into one, and its gradient where they have one.
+    fn folded(&mut self, op: Op, older: &[u32], newer: &[u32]) -> Option<Vec<u32>> {
+        if matches!(op, Op::Min | Op::Max) {
+            return self.chosen(op, older, newer);
+        }
+        let ((&a, slopes), (&b, others)) = (older.split_last()?, newer.split_last()?);
+        let mut results = Vec::with_capacity(4);
+        for (&slope, &other) in slopes.iter().zip(others) {
+            let [slope, other] = match op {
+                Op::Mul => [(slope, b), (other, a)].map(|(slope, by)| self.push(Action::Op(op), &[slope, by], None)),
+                _ => [slope, other],
+            };
+            results.push(self.push(Action::Op(Op::Add), &[slope, other], None));
+        }
+        results.push(self.push(Action::Op(op), &[a, b], None));
         Some(results)
     }
 
@@ -172,10 +191,15 @@ impl<'a> Former<'a> {
                 FxHashMap::default()
             }
         };
-        let mut nodes = Vec::new();
-        self.graph.computed(&[root], &mut nodes);
-        for id in nodes {
+        // By the formula's own structure: the order of its nodes' numbers depends on what else the graph holds.
+        let mut open = vec![(root, false)];
+        while let Some((id, is_ready)) = open.pop() {
             if frame.contains_key(&id) {
+                continue;
+            }
+            if !is_ready {
+                open.push((id, true));
+                open.extend(self.graph.operands(id).iter().rev().map(|&operand| (operand, false)));
                 continue;
             }
             if self.filled.form.steps.len() > LONGEST {

@@ -62,8 +62,12 @@ impl Grid {
         let margin = (MARGIN * 2.0 * solid.iter().fold(0.0, |m: f64, s| m.max(*s))).max(1e-6);
         let half = solid.map(|s| s + margin);
         let cells = (CELLS * count).max((FINE_CELLS * count).min(FEW_CELLS)).clamp(64.0, MOST_CELLS);
-        let side = (8.0 * half.iter().product::<f64>() / cells).cbrt();
-        let counts = half.map(|h| (2.0 * h / side).ceil().clamp(1.0, MOST_ALONG) as usize);
+        // A drawing has one layer of them.
+        let is_flat = sides[2].0 == sides[2].1;
+        let [across, up, deep] = half.map(|h| 2.0 * h);
+        let side = if is_flat { (across * up / cells).sqrt() } else { (across * up * deep / cells).cbrt() };
+        let along = |width: f64| (width / side).ceil().clamp(1.0, MOST_ALONG) as usize;
+        let counts = [along(across), along(up), if is_flat { 1 } else { along(deep) }];
         Some(Self { center, half, counts, solid, bounded })
     }
 

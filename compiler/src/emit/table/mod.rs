@@ -5,8 +5,9 @@ mod grid;
 mod text;
 
 use crate::functions::Functions;
-use crate::functions::unions::{Join, Of, Operand, Step, Union};
+use crate::functions::unions::{FEWEST_ROWS, Join, MOST_CLASSES, Of, Operand, Step, Union};
 use crate::graph::interval::Interval;
+use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph};
 use form::{Filled, Former};
 use rustc_hash::FxHashMap;
@@ -25,10 +26,6 @@ pub const PUSH: u32 = 31;
 pub const BEGINS: u32 = 1 << 30;
 /// Of an entry that joins what was set aside once it has joined its operand.
 pub const ENDS: u32 = 1 << 31;
-/// No more classes, else the loop is a list of its own.
-const MOST_CLASSES: usize = 24;
-/// So many rows a class on average, at least: else the text is as short without the table.
-const FEWEST_ROWS: usize = 4;
 /// The row of what has no number of its own.
 const NO_ROW: u32 = 0;
 
@@ -75,6 +72,12 @@ pub struct Table {
     pub gradient: bool,
     /// How many values are set aside at once.
     pub depth: usize,
+    /// The value before anything is joined with it.
+    pub start: f64,
+    /// What is done where it is no union.
+    pub fold: Option<Op>,
+    /// How many coordinates a point has: two in a drawing.
+    pub dimensions: u8,
     /// An operand does not matter where another one is smaller by more.
     pub reach: f64,
     /// What each step joins; none where that is no operand.
@@ -143,6 +146,8 @@ impl Tables {
             // Copies whose factors differ are alike with the factors as numbers.
             let table = [false, true].into_iter().find_map(|fixed| tables.table(graph, functions, union, gradient, fixed));
             if let Some(mut table) = table {
+                table.dimensions = graph.shape(of.0).map_or(3, |shape| shape.dimensions);
+                table.region = tables.region_of(&table);
                 table.index = tables.tables.len() as u32;
                 tables.tables.insert(*of, table);
             }
@@ -203,12 +208,17 @@ impl Tables {
         };
         let entries = places.iter().map(entry).collect::<Option<Vec<u32>>>()?;
         let classes = classes.into_iter().map(|(class, _)| class).collect();
-        let region = Grid::around(&operands).filter(Grid::is_region).map(|grid| {
-            let row = self.rows.len() as u32;
-            self.rows.extend(grid.rows());
-            (grid, row)
-        });
-        Some(Table { classes, entries, gradient, depth: union.depth, reach: union.reach, operands, index: 0, region })
+        let (start, fold, reach, depth) = (union.start(), union.fold(), union.reach, union.depth);
+        Some(Table { classes, entries, gradient, depth, start, fold, dimensions: 3, reach, operands, index: 0, region: None })
+    }
+
+    /// Where the solid of a union of solids lies, and the row that says so.
+    fn region_of(&mut self, table: &Table) -> Option<(Grid, u32)> {
+        let is_solid = table.dimensions == 3 && table.fold.is_none();
+        let grid = Grid::around(&table.operands).filter(|grid| is_solid && grid.is_region())?;
+        let row = self.rows.len() as u32;
+        self.rows.extend(grid.rows());
+        Some((grid, row))
     }
 
     /// Adds the rows of a class and says where its numbers stand. The answer: its first piece, and the pieces of a row.
@@ -302,7 +312,7 @@ impl Union {
     /// The functions of which it is made.
     fn functions(&self) -> impl Iterator<Item = Of> + '_ {
         let joined = |join: &Join| match join {
-            Join::Least => None,
+            Join::Least | Join::Fold(_) => None,
             Join::Blend { of, .. } => Some(*of),
         };
         let of = move |step: &Step| match step {

@@ -4,7 +4,6 @@ use super::{Action, BEGINS, CLASS_SHIFT, Class, ENDS, Number, PUSH, Table, Table
 use crate::emit::EmitError;
 use crate::emit::body::{Body, Code, ExprId, Read};
 use crate::emit::write::{self, Context};
-use crate::graph::FAR;
 use crate::graph::kernel::{Op, Terms};
 use std::fmt::Write;
 
@@ -31,10 +30,10 @@ pub fn write(
     let mut operations = Vec::new();
     for (i, class) in table.classes.iter().enumerate() {
         let name = context.module.give(&format!("{name}_{}", i + 1));
-        let arguments = arguments(class, ty);
+        let arguments = arguments(class, table.dimensions, ty);
         let _ = writeln!(text, "\nfn {name}({}) -> {ty} {{", arguments.join(", "));
         body.clear();
-        let result = open(context, class, gradient, body)?;
+        let result = open(context, class, table.dimensions, gradient, body)?;
         let pieces = class.numbers.iter().filter_map(|n| Some(n.column()? / 4 + 1)).max().unwrap_or(0);
         let prefix = context.prefix;
         let mut words: Vec<String> = ["p", "d", "aside", "row"].map(str::to_owned).to_vec();
@@ -49,23 +48,25 @@ pub fn write(
         names.push(name);
     }
     let p = context.prefix;
-    let far = match gradient {
-        false => format!("{FAR:?}"),
-        true => format!("vec4f(0.0, 0.0, 0.0, {FAR:?})"),
+    let start = match gradient {
+        false => format!("{:?}", table.start),
+        true => format!("vec4f(0.0, 0.0, 0.0, {:?})", table.start),
     };
+    let point = write::vector_type(table.dimensions);
     context.helpers.need("span");
-    let span = format!("{p}span({}u, p)", HEAD * table.index);
-    let _ = write!(text, "\nfn {name}(p: vec3f) -> {ty} {{\n  let span = {span};\n  var d = {far};\n");
+    let place = if table.dimensions == 3 { "p" } else { "vec3f(p, 0.0)" };
+    let span = format!("{p}span({}u, {place})", HEAD * table.index);
+    let _ = write!(text, "\nfn {name}(p: {point}) -> {ty} {{\n  let span = {span};\n  var d = {start};\n");
     let join = table.join();
     // With one value aside at most and one way to join it, each entry is an operand.
     let (alone, stack) = (table.depth == 1 && join.is_some(), table.depth > 0);
     match alone {
-        true => _ = writeln!(text, "  var waiting = {far};"),
+        true => _ = writeln!(text, "  var waiting = {start};"),
         false if stack => _ = writeln!(text, "  var waiting: array<{ty}, {}>;\n  var top = 0u;", table.depth),
         false => {}
     }
     let (waiting, up, down) = if alone { ("waiting", "", "") } else { ("waiting[top]", "top += 1u;", "top -= 1u;") };
-    let begin = [format!("{waiting} = d;"), up.to_owned(), format!("d = {far};")];
+    let begin = [format!("{waiting} = d;"), up.to_owned(), format!("d = {start};")];
     let call = |i: usize| {
         let (class, name) = table.classes.get(i).zip(names.get(i))?;
         let row = if class.numbers.iter().any(|n| n.column().is_some()) { ", row" } else { "" };
@@ -113,12 +114,12 @@ pub fn write_region(context: &mut Context, table: &Table, field: &str, name: &st
     );
 }
 
-fn arguments(class: &Class, ty: &str) -> Vec<String> {
+fn arguments(class: &Class, dimensions: u8, ty: &str) -> Vec<String> {
     let mut arguments = Vec::new();
     if class.pops {
         arguments.extend([format!("d: {ty}"), format!("aside: {ty}")]);
     } else {
-        arguments.extend(["p: vec3f".to_owned(), format!("d: {ty}")]);
+        arguments.extend([format!("p: {}", write::vector_type(dimensions)), format!("d: {ty}")]);
     }
     if class.numbers.iter().any(|n| n.column().is_some()) {
         arguments.push("row: u32".to_owned());
@@ -127,7 +128,7 @@ fn arguments(class: &Class, ty: &str) -> Vec<String> {
 }
 
 /// The expressions of a class.
-fn open(context: &Context, class: &Class, gradient: bool, body: &mut Body) -> Result<ExprId, EmitError> {
+fn open(context: &Context, class: &Class, dimensions: u8, gradient: bool, body: &mut Body) -> Result<ExprId, EmitError> {
     let form = &class.filled.form;
     let whole = if gradient { 4 } else { 1 };
     // What is joined, or its component. In the value's own function there is none but the value.
@@ -157,10 +158,11 @@ fn open(context: &Context, class: &Class, gradient: bool, body: &mut Body) -> Re
                 Some(Number::Same(number)) => body.constant(*number),
                 None => body.constant(0.0),
             },
-            Action::Point(i) => {
-                let p = body.add(Code::Point(3), &[]);
+            Action::Point(i) if i < dimensions => {
+                let p = body.add(Code::Point(dimensions), &[]);
                 body.component(p, i)
             }
+            Action::Point(_) => body.constant(0.0),
             Action::Time => body.outside(&context.uniforms, Read::Time)?,
             Action::Parameter(i) => body.outside(&context.uniforms, Read::Parameter(i))?,
             Action::Factor(i) => body.outside(&context.uniforms, Read::Factor(i))?,
