@@ -4,6 +4,9 @@
 //! the least of all greatest values, by more than blends reach, does not matter there. Where it reads parameters or the time, its values are
 //! those over the parameters' ranges and at any time, so a list holds wherever a slider stands. Lists are found from those of the block
 //! around, so most of a thousand operands are looked at in few blocks. The field that a list gives is the field that the whole list gives.
+//!
+//! Of a fold that is no union a list leaves out what changes nothing: of the greatest of many what is surely less, and of a sum or a product what is nought or one all over the
+//! cell, by intervals.
 
 use crate::emit::table::{Action, CLASS_SHIFT, Class, Grid, HEAD, Number, PUSH, Table, Tables, narrow};
 use crate::graph::ANY_TIME;

@@ -26,19 +26,19 @@ pub(super) struct Folds {
     /// Whether that is a part of a larger tree.
     inner: Vec<bool>,
     /// What the shapes that stand for folds do, and with which others.
-    pub(super) shapes: FxHashMap<ShapeId, Fold>,
+    shapes: FxHashMap<ShapeId, Fold>,
 }
 
 /// A shape that is one operation over many others, all at its own point.
 #[derive(Debug)]
-pub(super) struct Fold {
+struct Fold {
     /// The operation: one that is the same in any order.
-    pub op: Op,
+    op: Op,
     /// The others.
-    pub operands: Vec<ShapeId>,
+    operands: Vec<ShapeId>,
 }
 
-/// An operation over many that may be a loop.
+/// Whether an operation over many may be a loop.
 fn folds(op: Op) -> bool {
     matches!(op, Op::Min | Op::Max | Op::Add | Op::Mul)
 }

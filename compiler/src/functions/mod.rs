@@ -69,14 +69,16 @@ pub struct Functions {
     pub absorbed: FxHashSet<(NodeId, NodeId)>,
     /// Boxes that hold all points at which nodes are at most zero, of nodes of which more is known than their formulas show.
     pub solids: FxHashMap<NodeId, Box3>,
-    /// What stands for claims of long formulas.
+    /// What stands for long formulas of a few numbers, and for folds of many.
     pub outlines: FxHashMap<NodeId, Outline>,
 }
 
 impl Functions {
-    /// How many operands the unions of many have that the bound looks at, all together.
+    /// How many operands the unions and folds of many have that the bound looks at, all together.
     pub fn operands(&self) -> usize {
-        let bounds = self.unions.iter().filter(|((_, function), _)| *function == Function::Bound);
+        // Of drawings and folds the field is the bound.
+        let is_bound = |of: &unions::Of| of.1 == Function::Bound || of.1 == Function::Field && !self.unions.contains_key(&(of.0, Function::Bound));
+        let bounds = self.unions.iter().filter(|(of, _)| is_bound(of));
         // One that is the same as another function's has its operands there.
         let steps = bounds.filter_map(|(&(shape, _), union)| match union.same {
             Some(function) => Some(&self.unions.get(&(shape, function))?.steps),
