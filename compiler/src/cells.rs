@@ -5,7 +5,7 @@
 //! those over the parameters' ranges and at any time, so a list holds wherever a slider stands. Lists are found from those of the block
 //! around, so most of a thousand operands are looked at in few blocks. The field that a list gives is the field that the whole list gives.
 //!
-//! Of a fold that is no union a list leaves out what changes nothing: of the greatest of many what is surely less, and of a sum or a product what is nought or one all over the
+//! Of a fold that is no union a list leaves out what changes nothing: of the least or the greatest of many what surely is neither, and of a sum or a product what is nought or one all over the
 //! cell, by intervals.
 
 use crate::emit::table::{Action, CLASS_SHIFT, Class, Grid, HEAD, Number, PUSH, Table, Tables, narrow};
@@ -148,8 +148,8 @@ impl Finder<'_, '_> {
         let slack = ROUNDING * reach;
         let kept = match self.table.fold {
             Some(Op::Max) => self.matter_to_greatest(steps, center, radius, slack),
-            Some(_) => self.evaluator.changing(steps, center, half.map(|h| 1.001 * h + slack)),
-            None => self.matter(steps, center, radius, slack),
+            Some(Op::Add | Op::Mul) => self.evaluator.changing(steps, center, half.map(|h| 1.001 * h + slack)),
+            _ => self.matter(steps, center, radius, slack),
         };
         let divisible = (0..3).zip(size).zip(half).filter(|((_, n), _)| *n > 1);
         match divisible.max_by(|(_, a), (_, b)| a.total_cmp(b)) {

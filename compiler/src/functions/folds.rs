@@ -3,7 +3,7 @@
 
 use super::Builder;
 use super::outlines::Outline;
-use super::unions::{FEWEST_ROWS, Join, LONGEST, MANY, Union};
+use super::unions::{FEWEST_ROWS, LONGEST, MANY, Union};
 use crate::analysis::Box3;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -117,9 +117,8 @@ impl Builder<'_> {
         let mut shapes: Vec<(&ShapeId, &Fold)> = self.folds.shapes.iter().collect();
         shapes.sort_unstable_by_key(|(shape, _)| **shape);
         for (&shape, Fold { op, operands }) in shapes {
-            let join = if *op == Op::Min { Join::Least } else { Join::Fold(*op) };
             let near = near.remove(&shape).unwrap_or(Box3::ALL);
-            let union = Union::of(self.graph, self.facts, &self.built, operands, join, &near);
+            let union = Union::of(self.graph, self.facts, &self.built, operands, *op, &near);
             self.built.unions.insert((shape, Function::Field), union);
         }
     }

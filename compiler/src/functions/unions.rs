@@ -46,12 +46,13 @@ pub struct Union {
 }
 
 impl Union {
-    /// Of the fields of shapes, one after the other, all joined in one way that is no blend. `near`: where they are asked for, if it is no union.
-    pub(super) fn of(graph: &Graph, facts: &mut Facts, functions: &Functions, shapes: &[ShapeId], join: Join, near: &Box3) -> Self {
+    /// Of an operation over the fields of shapes, one after the other. `near`: where they are asked for; the least of them is cut into cells where one of them is below zero.
+    pub(super) fn of(graph: &Graph, facts: &mut Facts, functions: &Functions, shapes: &[ShapeId], op: Op, near: &Box3) -> Self {
         let mut operand = |shape| {
             let of = (shape, Function::Field);
-            let region = if join == Join::Least { region_of(graph, facts, shape, 0.0) } else { *near };
-            Step::Operand(Operand { of, when: When::default(), steepness: steepness(graph, facts, functions, of), region }, join)
+            let region = if op == Op::Min { region_of(graph, facts, shape, 0.0) } else { *near };
+            let operand = Operand { of, when: When::default(), steepness: steepness(graph, facts, functions, of), region };
+            Step::Operand(operand, Join::Fold(op))
         };
         Self { steps: shapes.iter().map(|&shape| operand(shape)).collect(), ..Self::default() }
     }
@@ -69,8 +70,9 @@ impl Union {
         match self.fold() {
             Some(Op::Add) => 0.0,
             Some(Op::Mul) => 1.0,
-            Some(Op::Max) => -FAR,
-            _ => FAR,
+            Some(Op::Max) => f64::from(f32::MIN),
+            Some(_) => f64::from(f32::MAX),
+            None => FAR,
         }
     }
 }
@@ -107,7 +109,7 @@ pub struct Operand {
 pub enum Join {
     /// The lesser of the two.
     Least,
-    /// Their sum, their product, or the greater of the two: what is no union, but is as long.
+    /// Numbers: their sum, their product, the lesser or the greater of the two. What is no union, but is as long.
     Fold(Op),
     /// A blend.
     Blend {
