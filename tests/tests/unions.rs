@@ -102,6 +102,7 @@ fn folds_and_drawings_are_tables() {
         ("polygon", format!("scene = polygon({star}).extrude(0.3)"), 1.4, 2),
         ("ring", format!("scene = polygon({star}).translate(1.6, 0).revolve().rotate(x, 30deg)"), 2.8, 2),
         ("strokes", format!("scene = ({strokes}).round(0.02).extrude(0.3)"), 1.2, 1),
+        ("few strokes", format!("scene = ({}).round(0.02).extrude(0.3)", strokes.replace("30", "9")), 1.2, 1),
         ("gem", format!("field gem = (for i in 0..40 by max {{ {normal} dot(p, (r * cos(a), z, r * sin(a))) }}) - 1\nscene = gem"), 1.4, 1),
         ("balls", format!("field dots = for i in 0..40 by min {{ length(p - ({place})) - 0.1 - 0.1 * hash(i, 3) }}\nscene = dots"), 1.4, 1),
         ("hills", format!("field hills = p.y - ({hills})\nscene = hills.within(box((4, 2, 4)))"), 2.4, 1),

@@ -15,6 +15,11 @@ pub use crate::graph::joint::Of;
 /// A union of fewer operands is written out.
 pub const MANY: usize = 24;
 
+/// But for one of so many drawings, as the strokes of letters are, that are so many steps together: they are longer than they look, and drivers write out each of them several times.
+const STROKES: usize = 8;
+/// See [`STROKES`].
+const LONG_STROKES: usize = 1000;
+
 /// No table has more classes of copies, else its loop is a list of its own.
 pub const MOST_CLASSES: usize = 24;
 
@@ -125,7 +130,7 @@ pub enum Join {
 pub fn find(graph: &Graph, facts: &mut Facts, functions: &Functions, asked: &[Of]) -> FxHashMap<Of, Union> {
     let mut unions = FxHashMap::default();
     // Of a union of so many each join has a formula.
-    if functions.formulas.len() < MANY {
+    if functions.formulas.len() < STROKES {
         return unions;
     }
     let mut finder = Finder { graph, functions, asked: FxHashSet::default(), joints: FxHashMap::default(), counts: FxHashMap::default(), below: FxHashMap::default() };
@@ -139,7 +144,7 @@ pub fn find(graph: &Graph, facts: &mut Facts, functions: &Functions, asked: &[Of
     let inner: FxHashSet<Of> = operands.map(|of| finder.passed_on(*of)).collect();
     for (of, _) in joints.iter().filter(|(of, _)| !inner.contains(of)) {
         // Where the operands lie is asked only of those that are many.
-        if finder.count(*of) < MANY {
+        if !finder.is_many(*of, facts) {
             continue;
         }
         for root in finder.roots(*of, facts) {
@@ -304,6 +309,14 @@ impl Finder<'_> {
         self.counts.get(&root).copied().unwrap_or(1)
     }
 
+    /// Whether the operands below a function are so many, or so long, that a table is worth a try.
+    fn is_many(&mut self, of: Of, facts: &mut Facts) -> bool {
+        let count = self.count(of);
+        let is_drawing = |graph: &Graph| graph.shape(of.0).is_some_and(|shape| shape.dimensions == 2);
+        let is_long = |facts: &mut Facts| self.formula(of).is_some_and(|formula| facts.weight(self.graph, formula) >= LONG_STROKES);
+        count >= MANY || count >= STROKES && is_drawing(self.graph) && is_long(facts)
+    }
+
     fn below(&mut self, root: Of, facts: &mut Facts) -> Below {
         let mut stack = vec![(root, false)];
         while let Some((of, ready)) = stack.pop() {
@@ -335,7 +348,7 @@ impl Finder<'_> {
     /// The union whose last join is a function; none where it has few operands.
     fn union(&mut self, root: Of, facts: &mut Facts) -> Option<Union> {
         let total = self.count(root);
-        if !(MANY..=MOST).contains(&total) {
+        if total > MOST || !self.is_many(root, facts) {
             return None;
         }
         enum Task {
