@@ -123,6 +123,15 @@ fn folds_and_drawings_are_tables() {
     }
 }
 
+/// Thousands of corners are no warning: only a few of them are looked at.
+#[test]
+fn a_long_outline_is_not_costly() {
+    let text = "scene = polygon([for i in 0..2000 { (1 + 0.1 * sin(tau * i / 50)) * (cos(tau * i / 2000), sin(tau * i / 2000)) }]).extrude(0.3)";
+    let outcome = compile(&MemoryLoader::new().with("scene.sdf", text), "scene.sdf", &Options::default());
+    assert!(outcome.diagnostics.is_empty(), "{:?}", outcome.diagnostics);
+    assert!(outcome.compiled.unwrap().functions.operands() > 2000);
+}
+
 /// What is flatter than a distance stands out of a blend by many times its reach: the box about it holds all of that, so no step of the device's bound
 /// leads through the surface.
 #[test]

@@ -98,7 +98,7 @@ impl Builder<'_> {
         let operands: Vec<ShapeId> = values.iter().map(|&value| self.outlined_as(None, value, dimensions, id)).collect();
         let point = self.graph.point();
         let calls: Vec<NodeId> = operands.iter().map(|&shape| self.graph.field(shape, point)).collect();
-        let value = self.balanced(op, &calls)?;
+        let value = self.graph.balanced(op, &calls, 0.0);
         let name = self.graph.node_name(id).map(Into::into);
         let shape = self.outlined_as(name, value, dimensions, id);
         let read = (coordinates.len(), values.iter().any(|&value| self.moves(value)));
@@ -147,15 +147,6 @@ impl Builder<'_> {
             }
         }
         near
-    }
-
-    fn balanced(&mut self, op: Op, nodes: &[NodeId]) -> Option<NodeId> {
-        if let [one] = nodes {
-            return Some(*one);
-        }
-        let (left, right) = nodes.split_at_checked(nodes.len() / 2)?;
-        let sides = [self.balanced(op, left)?, self.balanced(op, right)?];
-        Some(self.graph.op(op, &sides))
     }
 
     /// Of the operands of a fold those that a table is worth it for: each is there once, has a few that are alike but for their numbers, is neither short nor long, and calls

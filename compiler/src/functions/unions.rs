@@ -312,9 +312,9 @@ impl Finder<'_> {
     /// Whether the operands below a function are so many, or so long, that a table is worth a try.
     fn is_many(&mut self, of: Of, facts: &mut Facts) -> bool {
         let count = self.count(of);
-        let is_drawing = |graph: &Graph| graph.shape(of.0).is_some_and(|shape| shape.dimensions == 2);
-        let is_long = |facts: &mut Facts| self.formula(of).is_some_and(|formula| facts.weight(self.graph, formula) >= LONG_STROKES);
-        count >= MANY || count >= STROKES && is_drawing(self.graph) && is_long(facts)
+        let is_drawing = self.graph.shape(of.0).is_some_and(|shape| shape.dimensions == 2);
+        let mut is_long = || self.formula(of).is_some_and(|formula| facts.weight(self.graph, formula) >= LONG_STROKES);
+        count >= MANY || count >= STROKES && is_drawing && is_long()
     }
 
     fn below(&mut self, root: Of, facts: &mut Facts) -> Below {

@@ -451,6 +451,19 @@ impl Graph {
         found.map_or_else(|| self.add(Node::Op(op, args.into())), NodeId)
     }
 
+    /// An associative operation over many nodes as a balanced tree; over none it is `neutral`.
+    pub fn balanced(&mut self, op: Op, nodes: &[NodeId], neutral: f64) -> NodeId {
+        match nodes {
+            [] => self.constant(neutral),
+            [one] => *one,
+            _ => {
+                let (left, right) = nodes.split_at(nodes.len() / 2);
+                let sides = [left, right].map(|side| self.balanced(op, side, neutral));
+                self.op(op, &sides)
+            }
+        }
+    }
+
     /// A function of a shape at a point. `args`: three coordinates, then the shape's variables in their order.
     pub fn call(&mut self, shape: ShapeId, function: Function, args: &[NodeId]) -> NodeId {
         self.intern(Node::Call(shape, function, args.into()))

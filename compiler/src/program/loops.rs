@@ -339,7 +339,7 @@ impl Elaborator<'_> {
                         None => number,
                     });
                 }
-                let node = self.balanced(Op::Min, &numbers, FAR);
+                let node = self.graph.balanced(Op::Min, &numbers, FAR);
                 Ok(Value::number(node))
             }
             Joined::By(fold) => {

@@ -117,22 +117,8 @@ impl Elaborator<'_> {
         let dimensions = shapes.first().map_or(3, |s| self.dimensions(*s));
         let point = self.graph.point();
         let fields: Vec<NodeId> = shapes.iter().map(|s| self.graph.field(*s, point)).collect();
-        let value = self.balanced(Op::Min, &fields, FAR);
+        let value = self.graph.balanced(Op::Min, &fields, FAR);
         self.make_shape(dimensions, value, span)
-    }
-
-    /// An associative operation over many nodes as a balanced tree.
-    pub fn balanced(&mut self, op: Op, nodes: &[NodeId], neutral: f64) -> NodeId {
-        match nodes {
-            [] => self.graph.constant(neutral),
-            [one] => *one,
-            _ => {
-                let (left, right) = nodes.split_at(nodes.len() / 2);
-                let left = self.balanced(op, left, neutral);
-                let right = self.balanced(op, right, neutral);
-                self.graph.op(op, &[left, right])
-            }
-        }
     }
 
     pub(super) fn binary(

@@ -190,7 +190,7 @@ impl Elaborator<'_> {
             }
             copies.push(self.call_with_index(body, q, variable, index));
         }
-        let nearest = self.balanced(Op::Min, &copies, FAR);
+        let nearest = self.graph.balanced(Op::Min, &copies, FAR);
         // What is not looked at lies behind a half plane through the axis, so many sectors away.
         let first = self.graph.constant(rings + 1.0 - half);
         let away = self.graph.op(Op::Abs, &[offset]);
@@ -251,7 +251,7 @@ impl Elaborator<'_> {
             let present = self.graph.op(Op::Lt, &[index, count]);
             copies.push(self.graph.op(Op::Select, &[present, copy, far]));
         }
-        let value = self.balanced(Op::Min, &copies, FAR);
+        let value = self.graph.balanced(Op::Min, &copies, FAR);
         Ok(self.make_shape(dimensions, value, span))
     }
 

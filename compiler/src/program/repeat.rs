@@ -269,7 +269,7 @@ impl Elaborator<'_> {
                 }
             }
         }
-        let nearest = self.balanced(Op::Min, &copies, FAR);
+        let nearest = self.graph.balanced(Op::Min, &copies, FAR);
         let value = match cap {
             Some(cap) => {
                 let cap = self.at_least_outside(cap, around, dimensions);
