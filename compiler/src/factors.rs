@@ -201,7 +201,7 @@ fn one(compiled: &Compiled, sources: &Sources, live: &Live, index: u32, factor: 
         product: 1.0,
         factor: factor.lipschitz,
         live: live.factor(&compiled.graph, index),
-        typical: search.filter(|s| matches!(s.target, Target::Value(_))).map_or(1.0, |s| s.quantile(&compiled.graph, TYPICAL, 0.5)),
+        typical: search.filter(|s| matches!(s.target, Target::Value(_))).map_or(1.0, |s| s.slope_near_zero(&compiled.graph, TYPICAL)),
         gentle: compiled.functions.gentle.contains(&index),
         proof: factor.proof,
         form: form(sources, &operation, &text, factor.lipschitz, corners, search.and_then(|s| s.domain.tube)),

@@ -50,6 +50,7 @@ impl Facts {
     /// The constant of a node as a whole.
     fn found(&mut self, graph: &Graph, node: NodeId, domain: &Domain, budget: usize) -> Constant {
         let tape = self.tape(graph, node);
+        let all = budget;
         let budget = match self.affordable(budget) {
             0 | 1 => 1,
             budget => budget.min((self.steps / self.weight(graph, node).max(1)).max(8)),
@@ -57,19 +58,26 @@ impl Facts {
         let search = |facts: &mut Self| match Polar::of(&tape, domain.point).filter(|_| budget > 1) {
             Some(polar) => {
                 let whole = facts.dual_of(graph, &tape, domain).0.norm;
-                let found = facts.supremum(graph, &polar.tape, &polar.domain(domain), Some(&polar), budget, |facts, d| {
+                let found = facts.supremum(graph, &polar.tape, &polar.domain(domain), Sought { polar: Some(&polar), ..Sought::within(budget) }, |facts, d, ()| {
                     let pinned = facts.pinned.clone();
                     let leaf = |leaf| polar.leaf(graph, &pinned, leaf, d);
                     let (dual, runs) = dual::hull_of_pieces(facts, graph, &polar.tape, &leaf);
                     facts.boxes += runs as u64;
-                    Norm { norm: dual.norm, jumps: dual.jumps != 0, runs }
+                    (Norm { norm: dual.norm, jumps: dual.jumps != 0, runs }, ())
                 });
-                Constant { lipschitz: found.lipschitz.min(whole), ..found }
+                Constant { lipschitz: found.constant.lipschitz.min(whole), ..found.constant }
             }
-            None => facts.supremum(graph, &tape, domain, None, budget, |facts, d| {
-                let (dual, runs) = facts.dual_of(graph, &tape, d);
-                Norm { norm: dual.norm, jumps: dual.jumps != 0, runs }
-            }),
+            None => {
+                let radial = if budget > 1 { facts.along_distance(graph, &tape, domain, Interval::ALL, budget) } else { None };
+                if let (Some(found), true) = (radial, domain.within.is_empty() && domain.tube.is_none()) {
+                    return found;
+                }
+                let found = facts.supremum(graph, &tape, domain, Sought::within(budget), |facts, d, ()| {
+                    let (dual, runs) = facts.dual_of(graph, &tape, d);
+                    (Norm { norm: dual.norm, jumps: dual.jumps != 0, runs }, ())
+                });
+                if budget <= 1 || found.is_close() { found.constant } else { facts.term_by_term(graph, node, domain, all, found.constant) }
+            }
         };
         if budget > 1 { self.remembered_constant(graph, &[node], domain, budget, search) } else { search(self) }
     }
@@ -130,7 +138,7 @@ impl Facts {
                 let whole = self.found(graph, node, domain, budget);
                 // Of a few terms the sums in between are looked at too; of many that would take the square of their number.
                 let all = terms(graph, node);
-                let parts = if all.len() > FEW_TERMS { all } else { vec![a, b] };
+                let parts = if all.len() > FEW_TERMS { all.into_iter().map(|(term, _)| term).collect() } else { vec![a, b] };
                 let parts: Vec<Constant> = parts.into_iter().map(|part| self.constant(graph, part, domain, budget)).collect();
                 let sum: f64 = parts.iter().map(|part| part.lipschitz).sum();
                 Some(Constant { lipschitz: sum.min(whole.lipschitz), jumps: parts.iter().any(|part| part.jumps) })
@@ -163,7 +171,7 @@ impl Facts {
             budget => budget.min((self.steps / tape.steps.len().max(1)).max(8)),
         };
         let search = |facts: &mut Self| {
-            facts.supremum(graph, &tape, domain, None, budget, |facts, d| {
+            let found = facts.supremum(graph, &tape, domain, Sought::within(budget), |facts, d, ()| {
                 let mut norm = Norm { norm: 0.0, jumps: false, runs: 0 };
                 let pinned = facts.pinned.clone();
                 let leaf = |leaf| leaf_dual(graph, &pinned, leaf, d);
@@ -173,7 +181,7 @@ impl Facts {
                     most = chain_norm(&tape, graph, &values, &rows);
                     if most <= 1.0 {
                         let jumps = rows.iter().any(|&r| values.get(r).is_some_and(|d| d.jumps != 0));
-                        return Norm { norm: most, jumps, runs: 1 };
+                        return (Norm { norm: most, jumps, runs: 1 }, ());
                     }
                 }
                 let runs = branches::each_piece(facts, graph, &tape, &leaf, &mut |duals, _| {
@@ -181,8 +189,9 @@ impl Facts {
                     norm.norm = norm.norm.max(map_norm(&tape, duals, &rows));
                 });
                 facts.boxes += runs as u64;
-                Norm { runs, norm: norm.norm.min(most), ..norm }
-            })
+                (Norm { runs, norm: norm.norm.min(most), ..norm }, ())
+            });
+            found.constant
         };
         let constant = if budget > 1 {
             self.remembered_constant(graph, point, domain, budget, search)
@@ -242,20 +251,21 @@ impl Facts {
         (a.is_finite() && !change.jumps).then(|| a / 2.0 + (1.0 + a * a / 4.0).sqrt())
     }
 
-    /// The largest of `norm` over a domain, the worst box split again and again. `polar`: where two of the domain's coordinates are
-    /// distance and angle.
-    fn supremum(
+    /// The largest of `norm` over a domain, the worst box split again and again. `norm` is told what is known of a box around its own, and says
+    /// what is known of that one.
+    pub(super) fn supremum<Known: Clone>(
         &mut self,
         graph: &Graph,
         tape: &Tape,
         domain: &Domain,
-        polar: Option<&Polar>,
-        budget: usize,
-        norm: impl Fn(&mut Self, &Domain) -> Norm,
-    ) -> Constant {
-        let first = norm(self, domain);
+        sought: Sought<'_, Known>,
+        norm: impl Fn(&mut Self, &Domain, &Known) -> (Norm, Known),
+    ) -> Found {
+        let Sought { polar, budget, known, reached } = sought;
+        let (first, known) = norm(self, domain, &known);
+        let as_a_whole = Found { constant: Constant { lipschitz: first.norm, jumps: first.jumps }, least: 0.0 };
         if budget <= 1 {
-            return Constant { lipschitz: first.norm, jumps: first.jumps };
+            return as_a_whole;
         }
         // What the formula does not read needs no splitting.
         let conditions: Vec<_> = domain.within.iter().map(|(node, level)| (self.tape(graph, *node), *level)).collect();
@@ -275,7 +285,7 @@ impl Facts {
         // Without end a formula is worth a search where it is not wild already: what is far away is one box.
         let endless = axes.iter().any(|&i| !domain.point.axis(i).is_finite());
         if axes.is_empty() || endless && !first.norm.is_finite() {
-            return Constant { lipschitz: first.norm, jumps: first.jumps };
+            return as_a_whole;
         }
         let mut used = first.runs;
         // An axis that does not matter for the whole box, or for a condition alone, is split later than the others.
@@ -287,7 +297,7 @@ impl Facts {
             }
             let flat = domain.point.with_axis(i, Interval::point(side.lo + 0.4837 * side.width()));
             let idle = !tape.reads(i) || first.norm.is_finite() && {
-                let without = norm(self, &domain.at(flat));
+                let (without, _) = norm(self, &domain.at(flat), &known);
                 used += without.runs;
                 without.norm >= 0.999 * first.norm
             };
@@ -295,9 +305,9 @@ impl Facts {
                 *weight = IDLE;
             }
         }
-        let mut least: f64 = 0.0;
+        let mut least = reached.unwrap_or(0.0);
         let before = self.ran;
-        let mut open = BinaryHeap::from([Part { norm: first.norm, jumps: first.jumps, region: domain.point }]);
+        let mut open = BinaryHeap::from([Part { norm: first.norm, jumps: first.jumps, region: domain.point, known }]);
         // No search alone may cost much more than what is left for all of them.
         let left = self.most_searched.saturating_sub(self.searched).max(self.steps as u64);
         let end = self.ran.saturating_add(left.min(STEPS_MORE * self.steps as u64));
@@ -311,11 +321,13 @@ impl Facts {
             let bent = |i: usize| polar.map_or(1.0, |polar| polar.weight(&worst.region, i));
             let width = |i: &usize| breadth(worst.region.axis(*i)) * bent(*i) * weights.get(*i).copied().unwrap_or(1.0);
             let Some(&widest) = axes.iter().max_by(|a, b| width(a).total_cmp(&width(b))) else { break };
-            // Not the middle itself, where what is symmetric has its kinks.
-            let inside = Box3(worst.region.0.map(|i| Interval::point(if i.is_finite() { i.lo + 0.4837 * i.width() } else { i.middle() })));
-            let at = norm(self, &domain.at(inside));
-            if at.norm.is_finite() && !beyond(self, &inside) {
-                least = least.max(at.norm);
+            if reached.is_none() {
+                // Not the middle itself, where what is symmetric has its kinks.
+                let inside = Box3(worst.region.0.map(|i| Interval::point(if i.is_finite() { i.lo + 0.4837 * i.width() } else { i.middle() })));
+                let (at, _) = norm(self, &domain.at(inside), &worst.known);
+                if at.norm.is_finite() && !beyond(self, &inside) {
+                    least = least.max(at.norm);
+                }
             }
             if worst.norm <= least * 1.02 || width(&widest) < 1e-9 {
                 open.push(worst);
@@ -328,25 +340,64 @@ impl Facts {
                 if beyond(self, &region) {
                     continue;
                 }
-                let found = norm(self, &domain.at(region));
+                let (found, known) = norm(self, &domain.at(region), &worst.known);
                 used += found.runs;
-                open.push(Part { norm: found.norm, jumps: found.jumps, region });
+                open.push(Part { norm: found.norm, jumps: found.jumps, region, known });
             }
         }
         self.searched += self.ran - before;
         let largest = open.peek().map_or(0.0, |p| p.norm);
         let jumps = first.jumps && open.iter().any(|p| p.jumps);
-        Constant { lipschitz: largest.min(first.norm), jumps }
+        Found { constant: Constant { lipschitz: largest.min(first.norm), jumps }, least }
     }
 }
 
-/// What a node adds and takes away, in any order.
-fn terms(graph: &Graph, node: NodeId) -> Vec<NodeId> {
-    let (mut open, mut terms) = (vec![node], Vec::new());
-    while let Some(node) = open.pop() {
+/// How a search is made.
+pub(super) struct Sought<'a, Known> {
+    /// Where two of the domain's coordinates are distance and angle.
+    pub polar: Option<&'a Polar>,
+    /// How often the formula may be run.
+    pub budget: usize,
+    /// What is known of the formula all over the domain.
+    pub known: Known,
+    /// How steep it is somewhere, if that need not be found.
+    pub reached: Option<f64>,
+}
+
+impl Sought<'_, ()> {
+    /// With nothing known of boxes but how steep the formula is there.
+    pub fn within(budget: usize) -> Self {
+        Self { polar: None, budget, known: (), reached: None }
+    }
+}
+
+/// What a search found.
+pub(super) struct Found {
+    /// The constant.
+    pub constant: Constant,
+    /// How steep it is at the steepest place that was met: no constant is smaller.
+    pub least: f64,
+}
+
+impl Found {
+    /// Whether a longer search would hardly find a smaller one.
+    pub fn is_close(&self) -> bool {
+        self.constant.lipschitz <= CLOSE * self.least
+    }
+}
+
+/// What is known to this multiple is found well enough.
+const CLOSE: f64 = 1.5;
+
+/// What a node adds and what it takes away (true), in any order.
+pub(super) fn terms(graph: &Graph, node: NodeId) -> Vec<(NodeId, bool)> {
+    let (mut open, mut terms) = (vec![(node, false)], Vec::new());
+    while let Some((node, taken)) = open.pop() {
         match graph.node(node) {
-            Node::Op(Op::Add | Op::Sub, args) if terms.len() + open.len() < MOST_TERMS => open.extend(args.iter()),
-            _ => terms.push(node),
+            Node::Op(op @ (Op::Add | Op::Sub), args) if terms.len() + open.len() < MOST_TERMS => {
+                open.extend(args.iter().enumerate().map(|(i, &arg)| (arg, taken != (*op == Op::Sub && i == 1))));
+            }
+            _ => terms.push((node, taken)),
         }
     }
     terms
@@ -375,37 +426,38 @@ fn breadth(side: Interval) -> f64 {
 }
 
 /// What one box tells.
-struct Norm {
+pub(super) struct Norm {
     /// A bound of the gradient's norm.
-    norm: f64,
+    pub norm: f64,
     /// Whether the formula may jump in it.
-    jumps: bool,
+    pub jumps: bool,
     /// How often the formula was run.
-    runs: usize,
+    pub runs: usize,
 }
 
 /// A box that waits to be split; the one with the largest norm comes first.
-struct Part {
+struct Part<Known> {
     norm: f64,
     jumps: bool,
     region: Box3,
+    known: Known,
 }
 
-impl PartialEq for Part {
+impl<Known> PartialEq for Part<Known> {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Part {}
+impl<Known> Eq for Part<Known> {}
 
-impl PartialOrd for Part {
+impl<Known> PartialOrd for Part<Known> {
     fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Part {
+impl<Known> Ord for Part<Known> {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         let corner = |p: &Self| p.region.0.map(|i| i.lo);
         // Ties by place, so that the order depends on nothing else.

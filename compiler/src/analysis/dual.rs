@@ -77,6 +77,15 @@ impl Dual {
         }
     }
 
+    /// With a gradient that is known to be within another one too.
+    fn within(mut self, gradient: [Interval; 3], norm: f64) -> Self {
+        for (own, other) in self.gradient.iter_mut().zip(gradient) {
+            let both = own.intersect(other);
+            *own = if both.is_empty() { other } else { both };
+        }
+        self.limited(norm)
+    }
+
     fn new(value: Interval, gradient: [Interval; 3], norm: f64, jumps: u8) -> Self {
         let norm = norm.min(Self::components_norm(&gradient));
         Self { value, gradient, norm: if norm.is_nan() { f64::INFINITY } else { norm }, jumps }
@@ -348,6 +357,9 @@ pub fn run(
             Step::Op(op, args) => {
                 let (of, n) = few(args);
                 let mut dual = algebra.op(*op, of.get(..n).unwrap_or(&of));
+                if *op == Op::Div && args.get(1).is_some_and(|&b| tape.vanishes_rarely(b)) {
+                    dual.value = dual.value.intersect(quotient_of_positive(of[0].value, of[1].value));
+                }
                 if dual.jumps != 0 && super::turns::is_same_after_turns(*op, args, tape, &values) {
                     dual.jumps = 0;
                 }
@@ -395,12 +407,25 @@ pub fn run(
                 }
             }
         };
+        let value = match tape.soft(i).and_then(|soft| soft.bound(tape, graph, &values)) {
+            Some((gradient, norm)) => value.within(gradient, norm),
+            None => value,
+        };
         values.push(match branches {
             Some(branches) => confined(value, branches.within(i))?,
             None => value,
         });
     }
     Some(values)
+}
+
+/// All quotients of numbers of one sign by what is hardly ever zero: that one over zero counts as zero is met by chance alone.
+fn quotient_of_positive(a: Interval, b: Interval) -> Interval {
+    let one_sign = a.lo > 0.0 || a.hi < 0.0;
+    if b.lo < 0.0 || !b.contains(0.0) || !one_sign {
+        return Interval::ALL;
+    }
+    a.div(Interval::new(f64::from_bits(1), b.hi))
 }
 
 /// What is left of a value that is known to be within an interval; none where nothing is. A level set of a formula whose gradient is

@@ -62,6 +62,22 @@ impl Search {
         slopes.get((slopes.len() as f64 * share) as usize).copied().unwrap_or(1.0)
     }
 
+    /// How steep it is at half of the places at most that are nearest to its surface by its value: a quarter of so many points, each at values of
+    /// the parameters and a time from their ranges.
+    pub fn slope_near_zero(&self, graph: &Graph, samples: usize) -> f64 {
+        let Target::Value(node) = self.target else { return 1.0 };
+        let size = |place: &[f64]| {
+            let (here, pinned) = self.here(place);
+            Facts::at(pinned).range(graph, node, &here).middle().abs()
+        };
+        let places = (0..samples).map(|i| self.place(graph, i));
+        let mut found: Vec<(f64, f64)> = places.map(|place| (size(&place), self.at(graph, &place))).filter(|(_, slope)| *slope > 0.0).collect();
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.truncate(found.len().div_ceil(4));
+        found.sort_by(|a, b| a.1.total_cmp(&b.1));
+        found.get(found.len() / 2).map_or(1.0, |(_, slope)| *slope)
+    }
+
     /// The `i`-th place that samples look at, as [`Search::at`] takes it.
     fn place(&self, graph: &Graph, i: usize) -> Vec<f64> {
         let (here, pinned) = spread(graph, &self.domain, &[], i);
@@ -71,11 +87,7 @@ impl Search {
 
     /// How steep it is at one place: the point, the variables, the parameters and the time. Nothing where no finite slope is known.
     fn at(&self, graph: &Graph, place: &[f64]) -> f64 {
-        let mut numbers = place.iter().copied();
-        let mut next = || Interval::point(numbers.next().unwrap_or(0.0));
-        let mut here = self.domain.at(Box3([next(), next(), next()]));
-        here.variables.iter_mut().for_each(|(_, range)| *range = next());
-        let pinned: Pinned = numbers.collect();
+        let (here, pinned) = self.here(place);
         let mut facts = Facts { pinned: pinned.clone(), ..Facts::default() };
         let beyond = |(node, level): &(NodeId, f64)| facts.range(graph, *node, &here).lo > *level;
         if self.domain.leaves_out(&here.point) || self.domain.within.iter().any(beyond) {
@@ -84,6 +96,15 @@ impl Search {
         let search = Search { target: self.target.clone(), domain: here, parameters: Vec::new() };
         let found = search.run(graph, pinned, 1);
         if found.is_finite() { found } else { 0.0 }
+    }
+
+    /// The numbers of a place: the point and the variables; and the parameters and the time.
+    fn here(&self, place: &[f64]) -> (Domain, Pinned) {
+        let mut numbers = place.iter().copied();
+        let mut next = || Interval::point(numbers.next().unwrap_or(0.0));
+        let mut here = self.domain.at(Box3([next(), next(), next()]));
+        here.variables.iter_mut().for_each(|(_, range)| *range = next());
+        (here, numbers.collect())
     }
 
     /// From a place uphill, along one coordinate at a time (a compass search: Kolda, Lewis and Torczon 2003).

@@ -8,6 +8,7 @@ use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
 
 use super::map::{Chain, Chains};
+use super::soft::Soft;
 
 /// Earlier steps that a step needs: a few.
 pub type Steps = SmallVec<[usize; 4]>;
@@ -39,6 +40,10 @@ pub struct Tape {
     kinks: OnceCell<Kinks>,
     /// What coordinates go through, by their steps.
     chains: RefCell<Chains>,
+    /// Whether the first coordinate is a distance, or its square, in the place of the point.
+    by_distance: bool,
+    /// The steps that are soft maxima or norms, in order.
+    softs: OnceCell<Rc<[(usize, Soft)]>>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -68,18 +73,83 @@ impl Tape {
             })
             .collect();
         let roots = roots.iter().map(at).collect();
-        Self { steps, nodes, roots, kinks: OnceCell::new(), chains: RefCell::default() }
+        Self { steps, nodes, roots, kinks: OnceCell::new(), chains: RefCell::default(), by_distance: false, softs: OnceCell::new() }
     }
 
     /// Steps in order, of which the last is the root, with their nodes.
     pub(super) fn of_steps(steps: Vec<Step>, nodes: Vec<NodeId>) -> Self {
         let roots = steps.len().checked_sub(1).into_iter().collect();
-        Self { steps, nodes, roots, kinks: OnceCell::new(), chains: RefCell::default() }
+        Self { steps, nodes, roots, kinks: OnceCell::new(), chains: RefCell::default(), by_distance: false, softs: OnceCell::new() }
+    }
+
+    /// The same tape, whose first coordinate is a distance, or the square of one.
+    pub(super) fn of_distance(self) -> Self {
+        Self { by_distance: true, ..self.unmirrored() }
     }
 
     /// What these coordinates go through; none where they are all that is to be known.
     pub fn chain(&self, graph: &Graph, rows: &[usize]) -> Option<Rc<Chain>> {
         self.chains.borrow_mut().under(graph, self, rows)
+    }
+
+    fn softs(&self) -> &[(usize, Soft)] {
+        self.softs.get_or_init(|| (0..self.steps.len()).filter_map(|i| Some((i, Soft::of(self, i)?))).collect())
+    }
+
+    /// What a step is put together of, where that is a soft maximum or a norm.
+    pub(super) fn soft(&self, step: usize) -> Option<&Soft> {
+        let softs = self.softs();
+        softs.binary_search_by_key(&step, |(i, _)| *i).ok().and_then(|i| softs.get(i)).map(|(_, soft)| soft)
+    }
+
+    /// Whether a step is never less than zero, and zero nowhere but at points and on curves, which are met by chance alone.
+    pub(super) fn vanishes_rarely(&self, step: usize) -> bool {
+        self.is_square(step) && self.vanishing(step).count_ones() > 1
+    }
+
+    /// Coordinates (a bit each) that all have one value wherever a step is zero: where more than one has, that is no surface.
+    fn vanishing(&self, step: usize) -> u8 {
+        let constant = |step: usize| matches!(self.steps.get(step), Some(Step::Constant(c)) if *c != 0.0);
+        let of = |args: &[usize], i: usize| args.get(i).map_or(0, |&a| self.vanishing(a));
+        match self.steps.get(step) {
+            Some(Step::Leaf(Leaf::P(0))) if self.by_distance => 0b111,
+            Some(Step::Leaf(Leaf::P(i))) => 1 << i,
+            Some(Step::Op(Op::Length2 | Op::Length3 | Op::Length4, args)) => args.iter().fold(0, |all, &a| all | self.vanishing(a)),
+            Some(Step::Op(Op::Square | Op::Abs | Op::Sqrt | Op::Neg, args)) => of(args, 0),
+            Some(Step::Op(Op::Mul, args)) => match *args.as_slice() {
+                [a, b] if constant(a) || constant(b) => self.vanishing(if constant(a) { b } else { a }),
+                // Zero where either is.
+                [a, b] => [self.vanishing(a), self.vanishing(b)].into_iter().min_by_key(|all| all.count_ones()).unwrap_or(0),
+                _ => 0,
+            },
+            Some(Step::Op(Op::Div, args)) if args.get(1).is_some_and(|&a| constant(a)) => of(args, 0),
+            Some(Step::Op(Op::Add | Op::Sub, args)) => match *args.as_slice() {
+                [a, b] if constant(a) || constant(b) => self.vanishing_moved(if constant(a) { b } else { a }),
+                // What is never less than zero adds up to zero only where all of it is zero.
+                [a, b] if self.is_square(a) && self.is_square(b) => self.vanishing(a) | self.vanishing(b),
+                _ => 0,
+            },
+            _ => 0,
+        }
+    }
+
+    /// The same of a step that something constant is added to: that of a coordinate.
+    fn vanishing_moved(&self, step: usize) -> u8 {
+        match self.steps.get(step) {
+            Some(Step::Leaf(Leaf::P(i))) if !self.by_distance => 1 << i,
+            _ => 0,
+        }
+    }
+
+    /// Whether a step is never less than zero by the way it is written.
+    fn is_square(&self, step: usize) -> bool {
+        match self.steps.get(step) {
+            Some(Step::Constant(c)) => *c >= 0.0,
+            Some(Step::Leaf(Leaf::P(0))) => self.by_distance,
+            Some(Step::Op(Op::Square | Op::Abs | Op::Sqrt | Op::Length2 | Op::Length3 | Op::Length4 | Op::Exp, _)) => true,
+            Some(Step::Op(Op::Add | Op::Mul, args)) => args.iter().all(|&a| self.is_square(a)),
+            _ => false,
+        }
     }
 
     fn kinks(&self) -> &Kinks {
@@ -124,11 +194,22 @@ impl Tape {
                 *slot = true;
             }
             for &a in args {
-                if let (Some(slot), Some(count)) = (states.get_mut(a), users.get_mut(a)) {
+                if let Some(count) = users.get_mut(a) {
                     *count += 1;
-                    if *slot < below {
-                        *slot = below;
-                    }
+                }
+            }
+            // Of a soft maximum it is what it is put together of that counts, and of that as under a plain one.
+            let soft = if state == State::Quiet { None } else { self.soft(i) };
+            let put_together = soft.map(Soft::steps);
+            let below = match soft {
+                Some(soft) if soft.is_share() => state,
+                _ => below,
+            };
+            for &a in put_together.as_deref().unwrap_or(args) {
+                if let Some(slot) = states.get_mut(a)
+                    && *slot < below
+                {
+                    *slot = below;
                 }
             }
         }

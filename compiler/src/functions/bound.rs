@@ -222,10 +222,10 @@ impl Builder<'_> {
 
     /// A formula over its constant, behind its region where it needs one.
     pub(super) fn normalised(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool) -> NodeId {
-        let treatment = match self.treatment(shape, node, domain, continuous) {
-            Some(treatment) => treatment,
+        let (node, treatment) = match self.treated(shape, node, domain, continuous) {
+            Some(treated) => treated,
             None => match self.measured(shape, node, domain) {
-                Some(treatment) => treatment,
+                Some(treatment) => (node, treatment),
                 None => return node,
             },
         };

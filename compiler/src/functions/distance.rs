@@ -129,7 +129,7 @@ impl Builder<'_> {
                 self.no_less_than_to(region, estimate)
             }
             _ => {
-                let Some(treatment) = self.treatment(shape, node, domain, true) else { return node };
+                let Some((node, treatment)) = self.treated(shape, node, domain, true) else { return node };
                 let near = treatment.region.map(|(region, reach)| domain.at(region.grow(reach)));
                 let around = near.as_ref().unwrap_or(domain);
                 let uneven = if around.point.is_finite() { self.uneven(node, around, treatment.constant) } else { None };

@@ -265,7 +265,12 @@ impl Builder<'_> {
             // Nearer to the tame operand it may be gentler still.
             let mut found: Option<Cut> = None;
             let mut least = 0.85 * whole.lipschitz.min(STEEPEST);
+            let farthest = self.facts.range(self.graph, tame, domain).hi;
             for level in [2.0 * reach, 0.5 * reach, 0.125 * reach].into_iter().take(levels) {
+                // What leaves nothing out says nothing.
+                if farthest <= level {
+                    continue;
+                }
                 let mut near = domain.clone();
                 near.within.push((tame, level));
                 let here = self.constant_within(wild, &near, longer);
@@ -287,14 +292,20 @@ impl Builder<'_> {
     /// A constant over a domain; where what is steep is left out by conditions, it takes more boxes to see it.
     pub(super) fn constant_within(&mut self, node: NodeId, domain: &Domain, longer: usize) -> Constant {
         let first = self.facts.constant(self.graph, node, domain, BUDGET);
-        if domain.within.is_empty() || first.lipschitz <= GENTLE {
+        // Such looks cost more than all else, and must not be the reason that the next formula gets no search at all.
+        if domain.within.is_empty() || first.lipschitz <= GENTLE || !self.facts.has_leisure() {
             return first;
         }
+        self.constant_of_more(node, domain, longer)
+    }
+
+    /// A constant over a domain that may cost so many times as many boxes as others.
+    pub(super) fn constant_of_more(&mut self, node: NodeId, domain: &Domain, longer: usize) -> Constant {
         let steps = self.facts.steps;
         self.facts.steps *= longer;
-        let second = self.facts.constant(self.graph, node, domain, BUDGET * longer);
+        let found = self.facts.constant(self.graph, node, domain, BUDGET * longer);
         self.facts.steps = steps;
-        second
+        found
     }
 
     /// The bound of what is wild, no longer than the way out of the part in which it holds: the distance to there is at least the level less

@@ -120,7 +120,7 @@ impl Builder<'_> {
             let mut known = || !matches!(self.distance_to_jump(site.op, &site.args, &near), Jump::Unknown);
             is_wall(site.op) && own.binary_search(&site.node).is_ok() && known()
         });
-        let Sides { other, nearest, across, .. } = self.sides(value, &sites, &near)?;
+        let Sides { other, nearest, across, .. } = self.sides(value, &sites, &near, true)?;
         let [narrow, wide] = NEAR.map(|times| times * hair(&near));
         let [zero, narrow, wide, steep] = [0.0, narrow, wide, 1.0 / narrow].map(|c| self.graph.constant(c));
         let size = self.graph.op(Op::Abs, &[value]);
@@ -326,6 +326,15 @@ mod tests {
         // Each axis by itself, and the shape is turned.
         let blocks = "field f = length(round(4 * p) / 4) - 1\nscene = f.within(box(4)).rotate(z, 90deg)";
         assert_near(seen(blocks, [0.1, 1.125 - 1e-6, 0.1]).0, [0.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_wall_is_near_where_it_is_and_not_where_it_might_be() {
+        // Far away what jumps changes a thousand times as fast as here, where the jump is far.
+        let rod = "fn g(q: vec2) = { let h = q.x * q.x * q.y + q.y * q.y * q.x - 9; sqrt(if h < 0 { q.y * q.y } else { 0.25 }) }\n\
+                   field f = length((g((2 * p.x, p.y)), p.z)) - 0.15\nscene = f";
+        let half = 0.5f64.sqrt();
+        assert_near(seen(rod, [0.1, 0.15 * half, 0.15 * half]).0, [0.0, half, half]);
     }
 
     #[test]

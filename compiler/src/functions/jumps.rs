@@ -94,7 +94,7 @@ impl Builder<'_> {
             match self.distance_to_jump(site.op, &site.args, &near) {
                 Jump::Nowhere => {}
                 Jump::Unknown => unknown = unknown.or(Some(at)),
-                Jump::From(_) if measured && self.is_loose(site, &near) => unknown = unknown.or(Some(at)),
+                Jump::From(_) if measured && self.gaps(site.op, &site.args, &near).into_iter().any(|(a, _)| self.is_loose(a, &near)) => unknown = unknown.or(Some(at)),
                 Jump::From(distance) => {
                     stops = stops.or(Some(at));
                     nearest = Some(match nearest {
@@ -229,12 +229,11 @@ impl Builder<'_> {
         least
     }
 
-    /// Whether what jumps changes so much slower at most places than it may that rays would spend all of their steps before it.
-    fn is_loose(&mut self, site: &Site, near: &Domain) -> bool {
-        self.gaps(site.op, &site.args, near).into_iter().any(|(a, _)| {
-            let usual = self.facts.sampled_slope(self.graph, a, near, LOOKS, 0.5);
-            self.facts.constant(self.graph, a, near, 16).lipschitz > LOOSE * usual
-        })
+    /// Whether a number by which something jumps changes so much slower at most places than it may that rays would spend all of their steps before
+    /// that.
+    fn is_loose(&mut self, number: NodeId, near: &Domain) -> bool {
+        let usual = self.facts.sampled_slope(self.graph, number, near, LOOKS, 0.5);
+        self.facts.constant(self.graph, number, near, 16).lipschitz > LOOSE * usual
     }
 
     /// The numbers by which an operation jumps, each with how much it changes before that.

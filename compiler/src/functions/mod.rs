@@ -7,6 +7,7 @@
 mod ahead;
 mod bodies;
 mod bound;
+mod capped;
 mod convex;
 mod distance;
 mod domains;
@@ -261,6 +262,7 @@ pub struct Builder<'a> {
     framed: bool,
     domains: FxHashMap<ShapeId, Domain>,
     treatments: FxHashMap<(ShapeId, NodeId, Key, bool), Option<Treatment>>,
+    capped: FxHashMap<(NodeId, Key), Option<(NodeId, Treatment)>>,
     regions: FxHashMap<(NodeId, Key, bool), Option<Narrowed>>,
     cuts: FxHashMap<(NodeId, Key), Option<Cut>>,
     /// What is left of an intersection of which one operand cuts nothing off.
@@ -341,6 +343,7 @@ pub fn build(
         framed: blocks.is_framed(),
         domains: with_room(shapes),
         treatments: FxHashMap::default(),
+        capped: FxHashMap::default(),
         regions: FxHashMap::default(),
         cuts: FxHashMap::default(),
         absorbed: FxHashMap::default(),

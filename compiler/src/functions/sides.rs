@@ -13,6 +13,8 @@ use std::f64::consts::TAU;
 
 /// Of more jumps only the distance is known.
 const MOST: usize = 6;
+/// What changes slower does not change.
+const LEAST: f64 = 1e-9;
 
 /// A formula beside its nearest jump.
 pub(super) struct Sides {
@@ -44,8 +46,8 @@ struct Side {
 
 impl Builder<'_> {
     /// The other side of the nearest of these jumps of a formula. None where one of them is not known well enough, is another shape's, or there
-    /// are many.
-    pub(super) fn sides(&mut self, node: NodeId, sites: &[Site], near: &Domain) -> Option<Sides> {
+    /// are many. `seen`: how near a jump is is estimated by how steep it is here, as light sees it, and may be less.
+    pub(super) fn sides(&mut self, node: NodeId, sites: &[Site], near: &Domain, seen: bool) -> Option<Sides> {
         // Those of other shapes stand in formulas of their own.
         let own = self.graph.reachable(&[node]);
         if !sites.iter().all(|s| own.binary_search(&s.node).is_ok()) {
@@ -53,7 +55,7 @@ impl Builder<'_> {
         }
         let mut all = Vec::new();
         for site in sites {
-            self.sides_of(site, near, &mut all)?;
+            self.sides_of(site, near, seen, &mut all)?;
         }
         let (first, rest) = all.split_first().filter(|_| all.len() <= MOST)?;
         let nearest = rest.iter().fold(first.nearest, |nearest, side| self.graph.op(Op::Min, &[nearest, side.nearest]));
@@ -99,7 +101,7 @@ impl Builder<'_> {
         Some(Sides { other, nearest, beyond, across, nested })
     }
 
-    fn sides_of(&mut self, site: &Site, near: &Domain, all: &mut Vec<Side>) -> Option<()> {
+    fn sides_of(&mut self, site: &Site, near: &Domain, seen: bool, all: &mut Vec<Side>) -> Option<()> {
         let [zero, one, half] = [0.0, 1.0, 0.5].map(|c| self.graph.constant(c));
         if let (Op::Atan2, Some(&argument)) = (site.op, site.args.first()) {
             // Across its cut an angle is a whole turn more or less.
@@ -113,7 +115,10 @@ impl Builder<'_> {
             return Some(());
         }
         for (argument, gap) in self.gaps(site.op, &site.args, near) {
-            let Jump::From(nearest) = self.way_across(gap, argument, near) else { return None };
+            let Jump::From(mut nearest) = self.way_across(gap, argument, near) else { return None };
+            if seen && let Some(way) = self.way_by_slope(gap, argument) {
+                nearest = way;
+            }
             let (rising, other, repeats) = match site.op {
                 Op::Floor | Op::Ceil | Op::Trunc => {
                     let whole = self.graph.op(Op::Round, &[argument]);
@@ -153,6 +158,18 @@ impl Builder<'_> {
         Some(())
     }
 
+    /// About how far it is to where a node has changed by `gap`, as fast as it changes here. None where it changes as fast everywhere.
+    fn way_by_slope(&mut self, gap: NodeId, node: NodeId) -> Option<NodeId> {
+        let gradient = self.gradient(node);
+        if gradient.iter().all(|&g| self.is_uniform(g)) {
+            return None;
+        }
+        let slope = self.graph.op(Op::Length3, &gradient);
+        let least = self.graph.constant(LEAST);
+        let slope = self.graph.op(Op::Max, &[slope, least]);
+        Some(self.graph.op(Op::Div, &[gap, slope]))
+    }
+
     /// 1 where a condition holds, else -1.
     fn toward(&mut self, condition: NodeId) -> NodeId {
         let [one, minus] = [1.0, -1.0].map(|c| self.graph.constant(c));
@@ -166,7 +183,7 @@ impl Builder<'_> {
         if sites.iter().any(|s| s.op == Op::Sign) {
             return None;
         }
-        let sides = self.sides(node, sites, near).filter(|sides| !sides.nested)?;
+        let sides = self.sides(node, sites, near, false).filter(|sides| !sides.nested)?;
         let all = match treatment.proof {
             Proof::Measured => treatment.constant,
             _ => self.constant_of_sides(node, sites, near)?.max(treatment.constant) * (1.0 + ROUNDING),

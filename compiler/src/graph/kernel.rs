@@ -631,21 +631,7 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
             }
             _ => None,
         },
-        // log(exp(u) + exp(v)) is max(u, v) + log(1 + exp(-|u - v|)), where nothing overflows and each slope is between 0 and 1.
-        Op::Log if graph.gathers() => {
-            let (Op::Add, &[x, y]) = graph.operation(a)? else { return None };
-            let (Op::Exp, &[u]) = graph.operation(x)? else { return None };
-            let (Op::Exp, &[v]) = graph.operation(y)? else { return None };
-            let larger = graph.op(Op::Max, &[u, v]);
-            let apart = graph.op(Op::Sub, &[u, v]);
-            let apart = graph.op(Op::Abs, &[apart]);
-            let apart = graph.op(Op::Neg, &[apart]);
-            let smaller = graph.op(Op::Exp, &[apart]);
-            let one = graph.constant(1.0);
-            let sum = graph.op(Op::Add, &[one, smaller]);
-            let rest = graph.op(Op::Log, &[sum]);
-            Some(graph.op(Op::Add, &[larger, rest]))
-        }
+        Op::Log if graph.gathers() => soft_maximum(graph, a),
         Op::Length2 | Op::Length3 | Op::Length4 => {
             // A component that is always zero does not count.
             if !args.iter().any(|&x| graph.as_constant(x) == Some(0.0)) {
@@ -692,6 +678,61 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
         },
         _ => None,
     }
+}
+
+/// The logarithm of a sum of powers of e, where nothing overflows and each slope is between 0 and 1: log(exp(u) + exp(v)) is
+/// max(u, v) + log(1 + exp(-|u - v|)), and of more than two it is m + log Σ exp(u - m) with m the largest. None of anything else.
+fn soft_maximum<T: Terms>(graph: &mut T, sum: T::Id) -> Option<T::Id> {
+    let (mut open, mut powers) = (vec![sum], Vec::new());
+    while let Some(term) = open.pop() {
+        match graph.operation(term)? {
+            (Op::Add, &[x, y]) if open.len() + powers.len() < MOST_POWERS => open.extend([y, x]),
+            (Op::Exp, &[u]) => powers.push(u),
+            _ => return None,
+        }
+    }
+    let one = graph.constant(1.0);
+    if let [u, v] = *powers {
+        let larger = graph.op(Op::Max, &[u, v]);
+        let apart = graph.op(Op::Sub, &[u, v]);
+        let apart = graph.op(Op::Abs, &[apart]);
+        let apart = graph.op(Op::Neg, &[apart]);
+        let smaller = graph.op(Op::Exp, &[apart]);
+        let sum = graph.op(Op::Add, &[one, smaller]);
+        let rest = graph.op(Op::Log, &[sum]);
+        return Some(graph.op(Op::Add, &[larger, rest]));
+    }
+    if powers.len() < 2 {
+        return None;
+    }
+    let largest = in_pairs(graph, Op::Max, powers.clone())?;
+    let less: Vec<T::Id> = powers
+        .iter()
+        .map(|&u| {
+            let less = graph.op(Op::Sub, &[u, largest]);
+            graph.op(Op::Exp, &[less])
+        })
+        .collect();
+    let sum = in_pairs(graph, Op::Add, less)?;
+    // The largest adds one.
+    let sum = graph.op(Op::Max, &[sum, one]);
+    let rest = graph.op(Op::Log, &[sum]);
+    Some(graph.op(Op::Add, &[largest, rest]))
+}
+
+/// Longer sums are left as they are.
+const MOST_POWERS: usize = 1000;
+
+/// A balanced tree of one operation over many operands; none of none.
+fn in_pairs<T: Terms>(graph: &mut T, op: Op, mut operands: Vec<T::Id>) -> Option<T::Id> {
+    while operands.len() > 1 {
+        let pair = |pair: &[T::Id]| match *pair {
+            [a, b] => Some(graph.op(op, &[a, b])),
+            _ => pair.first().copied(),
+        };
+        operands = operands.chunks(2).filter_map(pair).collect();
+    }
+    operands.pop()
 }
 
 /// Of `x cos t` and `y sin t`: x, y and t; and whether it is `-y sin t`.

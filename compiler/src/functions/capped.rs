@@ -1,0 +1,80 @@
+//! Formulas that are steep without a limit only where they are far from zero: around the poles of `1 - 1/r²`, or where a power grows.
+//!
+//! The surface of f is that of f cut off at a level v, min(max(f, -v), v), which is only as steep as f is where its magnitude is no more than v. So
+//! nobody has to write the `clamp`. Of a low level the slope is small, and so is all that the bound says far from the surface: of a few levels that
+//! one is taken by which the way is the longest in most places.
+
+use super::{BUDGET, Builder, STEEPEST, Treatment};
+use crate::analysis::search::spread;
+use crate::analysis::{Box3, Domain, Facts};
+use crate::graph::{NodeId, Proof, ShapeId};
+use crate::graph::kernel::Op;
+
+/// How many places say how large a formula is.
+const PLACES: usize = 65;
+/// Levels that are tried, as parts of the magnitude that half of all places have, and how many times as many boxes each may cost.
+const LEVELS: [f64; 4] = [0.0625, 0.25, 1.0, 4.0];
+const LONGER: usize = 8;
+
+impl Builder<'_> {
+    /// What a formula needs in order to be a bound, and the formula itself, cut off where that is the only way. None where nothing finite is known.
+    pub(super) fn treated(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool) -> Option<(NodeId, Treatment)> {
+        match self.treatment(shape, node, domain, continuous) {
+            Some(treatment) => Some((node, treatment)),
+            None => self.capped(node, domain),
+        }
+    }
+
+    /// A formula without a finite constant, cut off where it is far from zero; none where that is no help.
+    fn capped(&mut self, node: NodeId, domain: &Domain) -> Option<(NodeId, Treatment)> {
+        let key = (node, domain.key());
+        if let Some(known) = self.capped.get(&key) {
+            return *known;
+        }
+        let found = self.find_capped(node, domain);
+        self.capped.insert(key, found);
+        found
+    }
+
+    fn find_capped(&mut self, node: NodeId, domain: &Domain) -> Option<(NodeId, Treatment)> {
+        let (region, reach) = self.region_of(node, domain)?;
+        let near = domain.at(region.grow(reach).intersect(&Box3::cube(self.extent)));
+        let usual = self.magnitude(node, &near)?;
+        let mut best: Option<(f64, NodeId, f64)> = None;
+        for part in LEVELS {
+            let level = part * usual;
+            let capped = self.cut_off(node, level);
+            let constant = self.facts.constant(self.graph, capped, &near, BUDGET);
+            let constant = if constant.lipschitz > STEEPEST { self.constant_of_more(capped, &near, LONGER) } else { constant };
+            if constant.lipschitz > STEEPEST || constant.jumps {
+                break;
+            }
+            let way = level.min(usual) / constant.lipschitz.max(f64::MIN_POSITIVE);
+            if best.is_none_or(|(known, ..)| way > known) {
+                best = Some((way, capped, constant.lipschitz));
+            }
+        }
+        let (_, capped, lipschitz) = best?;
+        let treatment = Treatment { constant: lipschitz.max(1e-6), jumps: false, region: Some((region, reach)), proof: Proof::Derived, everywhere: false };
+        Some((capped, treatment))
+    }
+
+    fn cut_off(&mut self, node: NodeId, level: f64) -> NodeId {
+        let [low, high] = [-level, level].map(|level| self.graph.constant(level));
+        let capped = self.graph.op(Op::Max, &[node, low]);
+        self.graph.op(Op::Min, &[capped, high])
+    }
+
+    /// The magnitude that a formula has at half of the places of a domain at most.
+    fn magnitude(&self, node: NodeId, domain: &Domain) -> Option<f64> {
+        let at = |i: usize| {
+            let (here, pinned) = spread(self.graph, domain, &[], i);
+            let time = 0.37 * i as f64 % 20.0;
+            let value = Facts::at(pinned.iter().copied().chain([time]).collect()).range(self.graph, node, &here);
+            Some(value.middle().abs()).filter(|size| size.is_finite())
+        };
+        let mut sizes: Vec<f64> = (0..PLACES).filter_map(at).collect();
+        sizes.sort_by(f64::total_cmp);
+        sizes.get(sizes.len() / 2).copied().filter(|size| *size > 0.0)
+    }
+}
