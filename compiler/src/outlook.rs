@@ -267,7 +267,7 @@ mod tests {
             z = vec4(z.x*z.x - dot(z.yzw, z.yzw), 2*z.x*z.yzw) + (-0.2, 0.6, 0.2, 0.2), d = 2 * length(z) * d
           }; 0.5 * length(z) * log(length(z)) / d";
         assert_eq!(look(&format!("field julia = {{ {julia} }}\nscene = julia")), None);
-        let lost = look("field f = length(p) - 1 + 0.5 * fract(1000 * p.x * p.y)\nscene = f").unwrap();
+        let lost = look("field f = length(p) - 1 + 0.5 * fract(1000 * p.x * p.y) * p.x\nscene = f").unwrap();
         assert!(lost.code == Code::NothingSeen && lost.message.contains("steps"), "{lost:?}");
         assert_eq!(found("scene = nothing").map(|f| f.0), Some(Code::NothingSeen));
     }

@@ -78,7 +78,7 @@ impl Dual {
     }
 
     /// With a gradient that is known to be within another one too.
-    fn within(mut self, gradient: [Interval; 3], norm: f64) -> Self {
+    pub(super) fn within(mut self, gradient: [Interval; 3], norm: f64) -> Self {
         for (own, other) in self.gradient.iter_mut().zip(gradient) {
             let both = own.intersect(other);
             *own = if both.is_empty() { other } else { both };
@@ -305,6 +305,7 @@ pub fn run(
     let algebra = &mut Duals { pinned: facts.pinned.clone() };
     facts.ran += tape.steps.len() as u64;
     let mut values: Vec<Dual> = Vec::with_capacity(tape.steps.len());
+    let mut tight = tape.tight().iter().peekable();
     for (i, step) in tape.steps.iter().enumerate() {
         let gather = |args: &[usize]| -> SmallVec<[Dual; 4]> {
             args.iter().filter_map(|&a| values.get(a).copied()).collect()
@@ -406,6 +407,10 @@ pub fn run(
                     _ => dual,
                 }
             }
+        };
+        let value = match tight.next_if(|(step, _)| *step == i) {
+            Some((_, tight)) => tight.bound(value, &values),
+            None => value,
         };
         let value = match tape.soft(i).and_then(|soft| soft.bound(tape, graph, &values)) {
             Some((gradient, norm)) => value.within(gradient, norm),

@@ -24,11 +24,11 @@ pub mod search;
 mod soft;
 pub mod steep;
 mod sums;
+mod tight;
 pub mod tape;
 mod turned;
 mod turns;
 
-use crate::graph::algebra::Intervals;
 use crate::graph::interval::Interval;
 use crate::graph::kernel;
 use crate::graph::{ANY_TIME, Exactness, Graph, Leaf, Node, NodeId, NodeList, ShapeId, WORLD};
@@ -250,9 +250,8 @@ impl Facts {
         self.boxes += 1;
         self.ran += tape.steps.len() as u64;
         let pinned = self.pinned.clone();
-        tape.run(
+        tape.ranges(
             graph,
-            &mut Intervals,
             |_, leaf| leaf_range(graph, &pinned, leaf, domain),
             |_, shape, args| self.shape_range(graph, shape, args),
         )

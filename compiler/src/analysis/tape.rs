@@ -9,6 +9,9 @@ use std::rc::Rc;
 
 use super::map::{Chain, Chains};
 use super::soft::Soft;
+use super::tight::Tight;
+use crate::graph::interval::Interval;
+use crate::graph::algebra::Intervals;
 
 /// Earlier steps that a step needs: a few.
 pub type Steps = SmallVec<[usize; 4]>;
@@ -44,6 +47,8 @@ pub struct Tape {
     by_distance: bool,
     /// The steps that are soft maxima or norms, in order.
     softs: OnceCell<Rc<[(usize, Soft)]>>,
+    /// The steps of which more is known than follows step by step, in order.
+    tight: OnceCell<Rc<[(usize, Tight)]>>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -73,13 +78,13 @@ impl Tape {
             })
             .collect();
         let roots = roots.iter().map(at).collect();
-        Self { steps, nodes, roots, kinks: OnceCell::new(), chains: RefCell::default(), by_distance: false, softs: OnceCell::new() }
+        Self { steps, nodes, roots, kinks: OnceCell::new(), chains: RefCell::default(), by_distance: false, softs: OnceCell::new(), tight: OnceCell::new() }
     }
 
     /// Steps in order, of which the last is the root, with their nodes.
     pub(super) fn of_steps(steps: Vec<Step>, nodes: Vec<NodeId>) -> Self {
         let roots = steps.len().checked_sub(1).into_iter().collect();
-        Self { steps, nodes, roots, kinks: OnceCell::new(), chains: RefCell::default(), by_distance: false, softs: OnceCell::new() }
+        Self { steps, nodes, roots, kinks: OnceCell::new(), chains: RefCell::default(), by_distance: false, softs: OnceCell::new(), tight: OnceCell::new() }
     }
 
     /// The same tape, whose first coordinate is a distance, or the square of one.
@@ -100,6 +105,28 @@ impl Tape {
     pub(super) fn soft(&self, step: usize) -> Option<&Soft> {
         let softs = self.softs();
         softs.binary_search_by_key(&step, |(i, _)| *i).ok().and_then(|i| softs.get(i)).map(|(_, soft)| soft)
+    }
+
+    /// What more is known of steps than follows step by step, in order.
+    pub(super) fn tight(&self) -> &[(usize, Tight)] {
+        self.tight.get_or_init(|| Tight::of(self).into())
+    }
+
+    /// The range of every step.
+    pub(super) fn ranges(
+        &self,
+        graph: &Graph,
+        leaf: impl FnMut(&mut Intervals, Leaf) -> Interval,
+        call: impl FnMut(&mut Intervals, ShapeId, &[Interval]) -> Interval,
+    ) -> Vec<Interval> {
+        let mut tight = self.tight().iter().peekable();
+        self.run_closely(graph, &mut Intervals, leaf, call, |i, value, before: &[Interval]| match tight.next_if(|(step, _)| *step == i) {
+            Some((_, tight)) => {
+                let both = value.intersect(tight.values(|step| before.get(step).copied().unwrap_or(Interval::ALL)));
+                if both.is_empty() { value } else { both }
+            }
+            None => value,
+        })
     }
 
     /// Whether a step is never less than zero, and zero nowhere but at points and on curves, which are met by chance alone.
@@ -273,12 +300,24 @@ impl Tape {
         &self,
         graph: &Graph,
         algebra: &mut A,
+        leaf: impl FnMut(&mut A, Leaf) -> A::Value,
+        call: impl FnMut(&mut A, ShapeId, &[A::Value]) -> A::Value,
+    ) -> Vec<A::Value> {
+        self.run_closely(graph, algebra, leaf, call, |_, value, _| value)
+    }
+
+    /// The same, with a closer look at each value, of which those before it are told.
+    fn run_closely<A: Algebra>(
+        &self,
+        graph: &Graph,
+        algebra: &mut A,
         mut leaf: impl FnMut(&mut A, Leaf) -> A::Value,
         mut call: impl FnMut(&mut A, ShapeId, &[A::Value]) -> A::Value,
+        mut closer: impl FnMut(usize, A::Value, &[A::Value]) -> A::Value,
     ) -> Vec<A::Value> {
         let mut values: Vec<A::Value> = Vec::with_capacity(self.steps.len());
         let mut buffer: Vec<A::Value> = Vec::new();
-        for step in &self.steps {
+        for (i, step) in self.steps.iter().enumerate() {
             let mut gather = |args: &[usize], values: &[A::Value]| {
                 buffer.clear();
                 buffer.extend(args.iter().filter_map(|&a| values.get(a).cloned()));
@@ -302,6 +341,7 @@ impl Tape {
                     }
                 }
             };
+            let value = closer(i, value, &values);
             values.push(value);
         }
         values

@@ -174,7 +174,10 @@ impl Builder<'_> {
                     let known = sites.iter().any(|s| s.node == node);
                     if blame == Blame::All && op.row().jumps && moving && !decided && !known {
                         let args = args.iter().filter_map(|&a| tape.nodes.get(a).copied()).collect();
-                        sites.push(Site { node, op: *op, args });
+                        let site = Site { node, op: *op, args };
+                        if !self.is_seam(root, &site) {
+                            sites.push(site);
+                        }
                     }
                     (args.as_slice(), blame)
                 }

@@ -17,6 +17,7 @@ mod gradient;
 mod ground;
 mod jumps;
 mod outlines;
+mod seams;
 mod sides;
 mod stairs;
 mod surface;
