@@ -351,7 +351,10 @@ pub fn run(
                     }
                 };
                 match of {
-                    [_, a, b] if dual.jumps != 0 && tape.meets(i, &values) => Dual { jumps: a.jumps | b.jumps, ..dual },
+                    [_, a, b] if dual.jumps != 0 && let Some(compared) = tape.meets(i) => {
+                        let jumps = compared.iter().fold(a.jumps | b.jumps, |jumps, &side| jumps | values.get(side).map_or(JUMPS_HERE, |d| d.jumps));
+                        Dual { jumps, ..dual }
+                    }
                     _ => dual,
                 }
             }

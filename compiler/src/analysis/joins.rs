@@ -1,7 +1,6 @@
 //! Choices that come to the same where they change over: `if a < b { x } else { y }` with x - y a multiple of a - b, as in every fold that swaps
 //! coordinates. They kink there and do not jump.
 
-use super::dual::Dual;
 use super::tape::{Step, Tape};
 use crate::graph::kernel::Op;
 use smallvec::SmallVec;
@@ -17,29 +16,26 @@ const MOST_TERMS: usize = 32;
 const SAME: f64 = 1e-12;
 
 impl Tape {
-    /// Whether a choice between numbers is the same on both sides of where it changes over.
-    pub(super) fn meets(&self, step: usize, values: &[Dual]) -> bool {
-        let Some(Step::Op(Op::Select, args)) = self.steps.get(step) else { return false };
-        let &[condition, x, y] = args.as_slice() else { return false };
+    /// Of a choice between numbers that is the same on both sides of where it changes over, what is compared: where that jumps itself, the choice may
+    /// too.
+    pub fn meets(&self, step: usize) -> Option<[usize; 2]> {
+        let Some(Step::Op(Op::Select, args)) = self.steps.get(step) else { return None };
+        let &[condition, x, y] = args.as_slice() else { return None };
         let condition = match self.steps.get(condition) {
             Some(Step::Op(Op::Not, args)) => args.first().copied().unwrap_or(condition),
             _ => condition,
         };
-        let Some(Step::Op(Op::Lt | Op::Le, args)) = self.steps.get(condition) else { return false };
-        let &[a, b] = args.as_slice() else { return false };
-        // Where what is compared jumps itself, it need not be the same as it changes over.
-        let steady = |step: usize| values.get(step).is_some_and(|d| d.jumps == 0);
-        if !steady(a) || !steady(b) {
-            return false;
-        }
-        let (Some(compared), Some(chosen)) = (self.difference(a, b), self.difference(x, y)) else { return false };
+        let Some(Step::Op(Op::Lt | Op::Le, args)) = self.steps.get(condition) else { return None };
+        let &[a, b] = args.as_slice() else { return None };
+        let (compared, chosen) = (self.difference(a, b)?, self.difference(x, y)?);
         let of = |form: &Linear, step: usize| form.iter().find(|(s, _)| *s == step).map_or(0.0, |(_, f)| *f);
-        let Some(&(first, factor)) = compared.iter().find(|(step, factor)| *step != NONE && *factor != 0.0) else { return false };
+        let &(first, factor) = compared.iter().find(|(step, factor)| *step != NONE && *factor != 0.0)?;
         let times = of(&chosen, first) / factor;
-        compared.iter().chain(&chosen).all(|&(step, _)| {
+        let same = compared.iter().chain(&chosen).all(|&(step, _)| {
             let (is, should) = (of(&chosen, step), times * of(&compared, step));
             (is - should).abs() <= SAME * (is.abs() + should.abs())
-        })
+        });
+        same.then_some([a, b])
     }
 
     /// The difference of two steps as a sum of steps that are none. None where it is long.
@@ -76,6 +72,10 @@ impl Tape {
                         }
                         _ => (step, factor),
                     },
+                    (Op::Div, &[a, b]) if let Some(c) = constant(b).filter(|c| *c != 0.0) => {
+                        open.push((a, factor / c));
+                        continue;
+                    }
                     _ => (step, factor),
                 },
                 _ => (step, factor),
@@ -111,6 +111,8 @@ mod tests {
             "length(if !(p.x < 0.3 * p.y) { p } else { p - 2 * (p.x - 0.3 * p.y, 0, 0) }) - 1",
             "p.y + (if 2 * p.x <= 1 { 3 * p.x } else { p.x + 1 })",
             "p.y + (if p.x > 0 { p.x / 2 } else { 0 })",
+            // What is compared jumps itself, but the whole does not.
+            "p.y - { let t = fract(0.4 * p.x); let s = if t < 0.7 { t / 0.7 } else { (1 - t) / 0.3 }; s * s * (3 - 2 * s) }",
         ] {
             assert!(!jumps(meets), "{meets}");
         }

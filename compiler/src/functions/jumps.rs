@@ -35,6 +35,8 @@ enum Blame {
     Nothing,
     /// The shapes that it calls.
     Calls,
+    /// What it is made of, and not the step itself.
+    Inside,
     /// All that jumps.
     All,
 }
@@ -179,7 +181,15 @@ impl Builder<'_> {
                             sites.push(site);
                         }
                     }
-                    (args.as_slice(), blame)
+                    // Where a choice is the same on both sides it is not the change from one to the other that jumps.
+                    if blame == Blame::All && tape.meets(i).is_some()
+                        && let Some(slot) = args.first().and_then(|&condition| blamed.get_mut(condition))
+                        && *slot < Blame::Inside
+                    {
+                        *slot = Blame::Inside;
+                    }
+                    let chosen = if tape.meets(i).is_some() { args.get(1..).unwrap_or_default() } else { args.as_slice() };
+                    (chosen, if blame == Blame::Inside && *op != Op::Not { Blame::All } else { blame })
                 }
                 Step::Call(shape, args) => {
                     opened.extend(self.graph.shape(*shape).filter(|s| s.exactness != Exactness::Exact).map(|_| node));

@@ -115,7 +115,9 @@ impl Builder<'_> {
                 let whole = |a: &NodeId| wall.lattice.get(a).is_some_and(|more| more.fract() == 0.0);
                 let random = op == Op::Hash && args.iter().zip(&old).all(|(a, old)| a == old || whole(a));
                 let changes = old.iter().any(|a| !wall.still.contains(a));
-                if op.row().jumps && changes && !random {
+                let constants: Option<Vec<f64>> = args.iter().map(|&a| self.graph.as_constant(a)).collect();
+                let decided = constants.is_some_and(|constants| is_decided(op, &constants));
+                if op.row().jumps && changes && !random && !decided {
                     return *held.entry((id, args)).or_insert_with(|| {
                         let variable = self.graph.fresh_variable();
                         self.graph.leaf(Leaf::Variable(variable))
@@ -127,6 +129,18 @@ impl Builder<'_> {
             Node::Claim(..) => args.first().copied().unwrap_or(id),
             _ => id,
         }
+    }
+}
+
+/// Whether an operation that jumps does not do so at these numbers: what they are the limits of comes to the same.
+fn is_decided(op: Op, at: &[f64]) -> bool {
+    match (op, at) {
+        (Op::Lt | Op::Le | Op::Eq, [a, b]) => a != b,
+        (Op::Floor | Op::Ceil | Op::Trunc, [a]) => a.fract() != 0.0,
+        (Op::Round, [a]) => a.fract().abs() != 0.5,
+        (Op::Sign, [a]) => *a != 0.0,
+        (Op::And | Op::Or | Op::Not, _) => true,
+        _ => false,
     }
 }
 
@@ -171,6 +185,9 @@ mod tests {
         assert!(!jumps("", "p.y - abs(p.x - round(p.x))"));
         assert!(!jumps("", "p.y - { let f = fract(p.x); f * (1 - f) }"));
         assert!(jumps("", "p.y - 0.2 * floor(p.x)"));
+        // In the limit the fractional part is one, and its floor is not.
+        assert!(jumps("", "p.y - 0.2 * p.z * floor(1.5 * fract(p.x))"));
+        assert!(jumps("", "p.y - { let f = fract(p.x); if f < 1 { f * p.z } else { 0 } }"));
         assert!(jumps("", "p.y - 0.2 * (floor(p.x) - floor(p.x + 1) + floor(2 * p.x))"));
         assert!(jumps("", "p.y - 0.2 * hash(round(p.x))"));
         // Where a row of bricks ends, its bricks end too.
