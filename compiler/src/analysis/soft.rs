@@ -67,6 +67,9 @@ enum Weights {
 /// Longer sums are not looked at: what shares its parts may have endlessly many.
 const MOST_TERMS: usize = 1000;
 
+/// As deep a step is looked at as a power of another one, and norms within norms: what shares its parts may have endlessly many.
+const DEEPEST: u32 = 10;
+const INNER: u32 = 2;
 /// A rest of more steps than this is not looked at.
 const MOST_STEPS: usize = 32;
 /// Into how many parts the range of a live number is cut.
@@ -102,8 +105,8 @@ impl Soft {
                 soft.or_else(|| if *op == Op::Add { soft_maximum(tape, a, b).or_else(|| soft_maximum(tape, b, a)) } else { None })
             }
             Step::Op(Op::Pow | Op::Sqrt, _) => {
-                let (sum, exponent) = power(tape, step);
-                let (soft, raised) = norm_of(tape, sum)?;
+                let (sum, exponent) = power(tape, step, DEEPEST);
+                let (soft, raised) = norm_of(tape, sum, DEEPEST)?;
                 ((raised * exponent - 1.0).abs() < SAME).then_some(soft)
             }
             _ => None,
@@ -320,13 +323,14 @@ fn soft_maximum(tape: &Tape, most: usize, rest: usize) -> Option<Soft> {
 }
 
 /// The norm that a sum is a power of, and to what it is raised.
-fn norm_of(tape: &Tape, sum: usize) -> Option<(Soft, f64)> {
+fn norm_of(tape: &Tape, sum: usize, depth: u32) -> Option<(Soft, f64)> {
+    let depth = depth.checked_sub(1)?;
     let (terms, harmonic) = terms(tape, sum)?;
     let mut common: Option<f64> = None;
     let mut rows = Vec::new();
     for term in terms {
-        let (base, exponent) = power(tape, term);
-        let inner = matches!(tape.steps.get(base), Some(Step::Op(Op::Add, _))).then(|| norm_of(tape, base)).flatten();
+        let (base, exponent) = power(tape, term, DEEPEST);
+        let inner = matches!(tape.steps.get(base), Some(Step::Op(Op::Add, _))).then(|| norm_of(tape, base, depth.min(INNER))).flatten();
         let (row, k) = match inner {
             Some((soft, raised)) => (Operand::Inner(soft), raised * exponent),
             None => {
@@ -382,13 +386,14 @@ fn terms(tape: &Tape, sum: usize) -> Option<(Vec<usize>, bool)> {
 }
 
 /// A step as a power of another one: that, and the exponent.
-fn power(tape: &Tape, step: usize) -> (usize, f64) {
+fn power(tape: &Tape, step: usize, depth: u32) -> (usize, f64) {
+    let Some(depth) = depth.checked_sub(1) else { return (step, 1.0) };
     let Some(Step::Op(op, args)) = tape.steps.get(step) else { return (step, 1.0) };
     let constant = |i: usize| match tape.steps.get(*args.get(i)?) {
         Some(Step::Constant(c)) => Some(*c),
         _ => None,
     };
-    let of = |i: usize| args.get(i).map(|&a| power(tape, a));
+    let of = |i: usize| args.get(i).map(|&a| power(tape, a, depth));
     let found = match op {
         Op::Square => of(0).map(|(base, e)| (base, 2.0 * e)),
         Op::Sqrt => of(0).map(|(base, e)| (base, 0.5 * e)),

@@ -12,8 +12,9 @@ use crate::graph::kernel::Op;
 use crate::graph::{Graph, Node, NodeId};
 use std::rc::Rc;
 
-/// Fewer terms are looked at together.
+/// Fewer terms are looked at together, and so are more.
 const FEWEST: usize = 3;
+const MOST: usize = 512;
 /// A term is flat where it is this much less steep than the steepest, over the number of terms.
 const FLAT: f64 = 1e-3;
 /// How many places say how steep a sum is that has no limit.
@@ -55,7 +56,7 @@ impl Facts {
     pub(super) fn term_by_term(&mut self, graph: &Graph, node: NodeId, domain: &Domain, budget: usize, whole: Constant) -> Constant {
         let Sum { terms, within } = Sum::of(graph, node);
         // Such a look may cost as much as all else, and must not be the reason that the next formula gets no search at all.
-        if terms.len() < FEWEST || within.is_empty() || whole.jumps || !self.has_leisure() {
+        if !(FEWEST..=MOST).contains(&terms.len()) || within.is_empty() || whole.jumps || !self.has_leisure() {
             return whole;
         }
         let limits = self.limits(graph, &terms, within, domain, budget);

@@ -16,6 +16,9 @@ use crate::graph::algebra::Intervals;
 /// Earlier steps that a step needs: a few.
 pub type Steps = SmallVec<[usize; 4]>;
 
+/// As deep a step is looked into for where it is zero: what shares its parts may have endlessly many.
+const DEEPEST: u32 = 8;
+
 /// One step.
 #[derive(Clone, Debug)]
 pub enum Step {
@@ -131,29 +134,30 @@ impl Tape {
 
     /// Whether a step is never less than zero, and zero nowhere but at points and on curves, which are met by chance alone.
     pub(super) fn vanishes_rarely(&self, step: usize) -> bool {
-        self.is_square(step) && self.vanishing(step).count_ones() > 1
+        self.is_square(step, DEEPEST) && self.vanishing(step, DEEPEST).count_ones() > 1
     }
 
     /// Coordinates (a bit each) that all have one value wherever a step is zero: where more than one has, that is no surface.
-    fn vanishing(&self, step: usize) -> u8 {
+    fn vanishing(&self, step: usize, depth: u32) -> u8 {
+        let Some(depth) = depth.checked_sub(1) else { return 0 };
         let constant = |step: usize| matches!(self.steps.get(step), Some(Step::Constant(c)) if *c != 0.0);
-        let of = |args: &[usize], i: usize| args.get(i).map_or(0, |&a| self.vanishing(a));
+        let of = |args: &[usize], i: usize| args.get(i).map_or(0, |&a| self.vanishing(a, depth));
         match self.steps.get(step) {
             Some(Step::Leaf(Leaf::P(0))) if self.by_distance => 0b111,
             Some(Step::Leaf(Leaf::P(i))) => 1 << i,
-            Some(Step::Op(Op::Length2 | Op::Length3 | Op::Length4, args)) => args.iter().fold(0, |all, &a| all | self.vanishing(a)),
+            Some(Step::Op(Op::Length2 | Op::Length3 | Op::Length4, args)) => args.iter().fold(0, |all, &a| all | self.vanishing(a, depth)),
             Some(Step::Op(Op::Square | Op::Abs | Op::Sqrt | Op::Neg, args)) => of(args, 0),
             Some(Step::Op(Op::Mul, args)) => match *args.as_slice() {
-                [a, b] if constant(a) || constant(b) => self.vanishing(if constant(a) { b } else { a }),
+                [a, b] if constant(a) || constant(b) => self.vanishing(if constant(a) { b } else { a }, depth),
                 // Zero where either is.
-                [a, b] => [self.vanishing(a), self.vanishing(b)].into_iter().min_by_key(|all| all.count_ones()).unwrap_or(0),
+                [a, b] => [self.vanishing(a, depth), self.vanishing(b, depth)].into_iter().min_by_key(|all| all.count_ones()).unwrap_or(0),
                 _ => 0,
             },
             Some(Step::Op(Op::Div, args)) if args.get(1).is_some_and(|&a| constant(a)) => of(args, 0),
             Some(Step::Op(Op::Add | Op::Sub, args)) => match *args.as_slice() {
                 [a, b] if constant(a) || constant(b) => self.vanishing_moved(if constant(a) { b } else { a }),
                 // What is never less than zero adds up to zero only where all of it is zero.
-                [a, b] if self.is_square(a) && self.is_square(b) => self.vanishing(a) | self.vanishing(b),
+                [a, b] if self.is_square(a, depth) && self.is_square(b, depth) => self.vanishing(a, depth) | self.vanishing(b, depth),
                 _ => 0,
             },
             _ => 0,
@@ -169,12 +173,13 @@ impl Tape {
     }
 
     /// Whether a step is never less than zero by the way it is written.
-    fn is_square(&self, step: usize) -> bool {
+    fn is_square(&self, step: usize, depth: u32) -> bool {
+        let Some(depth) = depth.checked_sub(1) else { return false };
         match self.steps.get(step) {
             Some(Step::Constant(c)) => *c >= 0.0,
             Some(Step::Leaf(Leaf::P(0))) => self.by_distance,
             Some(Step::Op(Op::Square | Op::Abs | Op::Sqrt | Op::Length2 | Op::Length3 | Op::Length4 | Op::Exp, _)) => true,
-            Some(Step::Op(Op::Add | Op::Mul, args)) => args.iter().all(|&a| self.is_square(a)),
+            Some(Step::Op(Op::Add | Op::Mul, args)) => args.iter().all(|&a| self.is_square(a, depth)),
             _ => false,
         }
     }

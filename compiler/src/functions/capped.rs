@@ -6,7 +6,7 @@
 
 use super::{BUDGET, Builder, STEEPEST, Treatment};
 use crate::analysis::search::spread;
-use crate::analysis::{Box3, Domain, Facts};
+use crate::analysis::{Domain, Facts};
 use crate::graph::{NodeId, Proof, ShapeId};
 use crate::graph::kernel::Op;
 
@@ -38,7 +38,7 @@ impl Builder<'_> {
 
     fn find_capped(&mut self, node: NodeId, domain: &Domain) -> Option<(NodeId, Treatment)> {
         let (region, reach) = self.region_of(node, domain)?;
-        let near = domain.at(region.grow(reach).intersect(&Box3::cube(self.extent)));
+        let near = domain.at(region.grow(reach));
         let usual = self.magnitude(node, &near)?;
         let mut best: Option<(f64, NodeId, f64)> = None;
         for part in LEVELS {

@@ -177,7 +177,9 @@ impl Builder<'_> {
                     if blame == Blame::All && op.row().jumps && moving && !decided && !known {
                         let args = args.iter().filter_map(|&a| tape.nodes.get(a).copied()).collect();
                         let site = Site { node, op: *op, args };
-                        if !self.is_seam(root, &site) {
+                        // That, too, makes nodes.
+                        let has_room = self.graph.len() + MOST_OPENED / 2 < most;
+                        if !has_room || !self.is_seam(root, &site) {
                             sites.push(site);
                         }
                     }
