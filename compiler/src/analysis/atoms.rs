@@ -8,9 +8,8 @@ use super::branches::Branches;
 use super::dual::{Dual, side_of};
 use super::tape::{Step, Tape};
 use crate::analysis::branches::Side;
-use crate::graph::algebra::Intervals;
 use crate::graph::interval::Interval;
-use crate::graph::kernel::{self, Op};
+use crate::graph::kernel::Op;
 use crate::graph::Claim;
 
 /// What the norm of a step's gradient comes from.
@@ -138,7 +137,7 @@ fn partials(tape: &Tape, duals: &[Dual], branches: Option<&Branches>, i: usize) 
         });
     }
     let value = duals.get(i)?.value;
-    let mut slopes = kernel::partials(&mut Intervals, op, &values, value);
+    let mut slopes = super::dual::slopes(op, &values, value);
     if matches!(op, Op::Length2 | Op::Length3 | Op::Length4) {
         for slope in &mut slopes {
             *slope = slope.intersect(Interval::new(-1.0, 1.0));

@@ -267,8 +267,28 @@ pub fn claim_constant(graph: &Graph, pinned: &[f64], formula: NodeId, constants:
     })
 }
 
+/// The partial derivatives of an operation. What is cut off, a power of e at its greatest and a logarithm at its least, does not change there.
+pub(super) fn slopes(op: Op, values: &[Interval], value: Interval) -> [Interval; 4] {
+    let mut slopes = kernel::partials(&mut Intervals, op, values, value);
+    let a = values.first().copied().unwrap_or(Interval::ALL);
+    let is_cut = match op {
+        Op::Exp => a.hi >= kernel::EXP_LIMIT,
+        Op::Log => a.lo <= kernel::LOG_LEAST,
+        _ => false,
+    };
+    if let (Some(slope), true) = (slopes.first_mut(), is_cut) {
+        let a = a.intersect(Interval::new(kernel::LOG_LEAST, f64::INFINITY));
+        *slope = match op {
+            Op::Log if a.is_empty() => Interval::ZERO,
+            Op::Log => Interval::ONE.div(a).hull(Interval::ZERO),
+            _ => slope.hull(Interval::ZERO),
+        };
+    }
+    slopes
+}
+
 fn by_partials(op: Op, args: &[Dual], values: &[Interval], value: Interval, jumps: u8) -> Dual {
-    let partials = kernel::partials(&mut Intervals, op, values, value);
+    let partials = slopes(op, values, value);
     let mut gradient = [Interval::ZERO; 3];
     let (mut sum, mut squares) = (0.0, 0.0);
     let mut touched = [false; 3];
@@ -361,7 +381,7 @@ pub fn run(
             Step::Op(op, args) => {
                 let (of, n) = few(args);
                 let mut dual = algebra.op(*op, of.get(..n).unwrap_or(&of));
-                if *op == Op::Div && args.get(1).is_some_and(|&b| tape.vanishes_rarely(b)) {
+                if *op == Op::Div && graph.is_spread && args.get(1).is_some_and(|&b| tape.vanishes_rarely(b)) {
                     dual.value = dual.value.intersect(quotient_of_positive(of[0].value, of[1].value));
                 }
                 if dual.jumps != 0 && super::turns::is_same_after_turns(*op, args, tape, &values) {

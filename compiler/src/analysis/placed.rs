@@ -89,3 +89,11 @@ fn affine(graph: &Graph, node: NodeId, left: &mut usize) -> Option<[f64; 4]> {
     };
     known.iter().all(|c| c.is_finite()).then_some(known)
 }
+
+impl Graph {
+    /// Whether no shape is asked at one point of its own for all points of a region, as far as that is told at once: wherever one is called the point is
+    /// only moved and turned.
+    pub fn spreads(&self) -> bool {
+        self.calls().all(|args| Placed::of(self, args).is_some())
+    }
+}

@@ -61,7 +61,9 @@ impl Radial {
             same => Some(same.clone()),
         });
         let nodes = needed.iter().filter_map(|&step| tape.nodes.get(step).copied());
-        let tape = Tape::of_steps(steps.collect(), nodes.collect()).of_distance();
+        let rarely = tape.vanishes_rarely(waist);
+        let tape = Tape::of_steps(steps.collect(), nodes.collect()).unmirrored();
+        let tape = if rarely { tape.of_distance() } else { tape };
         (stretch.is_finite() && values.is_finite()).then_some(Self { tape, values, squared, stretch })
     }
 

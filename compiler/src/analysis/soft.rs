@@ -49,8 +49,8 @@ struct Slope {
 /// What is put together.
 #[derive(Clone, Debug)]
 enum Operand {
-    /// A step, which must be at least so much for the weights to be what is said of them.
-    Step { step: usize, least: f64 },
+    /// A step, which must be at least so much for the weights to be what is said of them; `rarely`: and must be zero rarely.
+    Step { step: usize, least: f64, rarely: bool },
     /// The norm of a power of its own, which is no step.
     Inner(Soft),
 }
@@ -60,6 +60,8 @@ enum Operand {
 enum Weights {
     /// They are at least zero and add up to at most so much.
     Share(f64),
+    /// Their magnitudes add up to at most one.
+    Size,
     /// Their squares add up to at most the square of this.
     Norm(f64),
 }
@@ -122,9 +124,9 @@ impl Soft {
         let mut plain: Option<SmallVec<[usize; 4]>> = Some(SmallVec::new());
         for row in &self.rows {
             match row {
-                Operand::Step { step, least } => {
+                Operand::Step { step, least, rarely } => {
                     let dual = values.get(*step)?;
-                    if dual.value.lo < *least {
+                    if dual.value.lo < *least || *rarely && !graph.is_spread {
                         return None;
                     }
                     rows.push((dual.gradient, dual.norm));
@@ -138,6 +140,7 @@ impl Soft {
         }
         let norm = match self.weights {
             Weights::Share(sum) => sum * rows.iter().map(|(_, norm)| *norm).fold(0.0, f64::max),
+            Weights::Size => rows.iter().map(|(_, norm)| *norm).fold(0.0, f64::max),
             Weights::Norm(most) => most * plain.map_or(f64::INFINITY, |plain| point_norm(tape, graph, values, &plain)).min(matrix_norm(&rows)),
         };
         // Each component by itself: what no row has, the whole has not.
@@ -149,8 +152,8 @@ impl Soft {
             *slot = match self.weights {
                 Weights::Share(sum) if self.turned => hull.mul(Interval::point(-sum)),
                 Weights::Share(sum) => hull.mul(Interval::point(sum)),
-                Weights::Norm(_) if hull == Interval::ZERO => hull,
-                Weights::Norm(_) => side,
+                Weights::Size | Weights::Norm(_) if hull == Interval::ZERO => hull,
+                Weights::Size | Weights::Norm(_) => side,
             };
         }
         Some((gradient, norm))
@@ -196,7 +199,7 @@ fn of_two(tape: &Tape, sharp: usize, rest: usize, taken: bool) -> Option<Soft> {
         return None;
     }
     let slope = (!settled).then_some(slope);
-    let row = |step: usize| Operand::Step { step, least: f64::NEG_INFINITY };
+    let row = |step: usize| Operand::Step { step, least: f64::NEG_INFINITY, rarely: false };
     let weights = Weights::Share(if op == Op::Add { 2.0 } else { 1.0 });
     Some(Soft { rows: vec![row(u), row(v)], weights, turned: false, slope })
 }
@@ -308,13 +311,14 @@ fn soft_maximum(tape: &Tape, most: usize, rest: usize) -> Option<Soft> {
     // m + log(max(Σ exp(aᵢ - m), 1)): the sum is never less than one.
     let &[first, second] = of(*of(rest, Op::Log)?.first()?, Op::Max)? else { return None };
     let sum = if one(second) { first } else if one(first) { second } else { return None };
-    let (mut open, mut rows) = (vec![sum], Vec::new());
+    // Who writes this need not take the largest for m: then the whole is the larger one of m and the logarithm.
+    let (mut open, mut rows) = (vec![sum], vec![Operand::Step { step: most, least: f64::NEG_INFINITY, rarely: false }]);
     while let Some(step) = open.pop() {
         match (of(step, Op::Add), of(step, Op::Exp)) {
             (Some(args), _) => open.extend(args),
             (_, Some(&[less])) => {
                 let step = *of(less, Op::Sub).filter(|args| args.get(1) == Some(&most))?.first()?;
-                rows.push(Operand::Step { step, least: f64::NEG_INFINITY });
+                rows.push(Operand::Step { step, least: f64::NEG_INFINITY, rarely: false });
             }
             _ => return None,
         }
@@ -340,8 +344,9 @@ fn norm_of(tape: &Tape, sum: usize, depth: u32) -> Option<(Soft, f64)> {
                     _ => (base, if exponent % 2.0 == 0.0 { f64::NEG_INFINITY } else { 0.0 }),
                 };
                 // One over zero counts as zero; where zero is met by chance alone, that is nothing.
-                let least = if exponent < 0.0 && !tape.vanishes_rarely(base) { f64::MIN_POSITIVE } else { least };
-                (Operand::Step { step, least }, exponent)
+                let rarely = exponent < 0.0 && tape.vanishes_rarely(base);
+                let least = if exponent < 0.0 && !rarely { f64::MIN_POSITIVE } else { least };
+                (Operand::Step { step, least, rarely }, exponent)
             }
         };
         let k = if harmonic { -k } else { k };
@@ -355,7 +360,7 @@ fn norm_of(tape: &Tape, sum: usize, depth: u32) -> Option<(Soft, f64)> {
     let n = rows.len() as f64;
     let plain = rows.iter().all(|row| matches!(row, Operand::Step { .. }));
     let weights = match k {
-        _ if k < 0.0 && plain => Weights::Share(1.0),
+        _ if k < 0.0 && plain => Weights::Size,
         _ if k >= 2.0 - SAME => Weights::Norm(1.0),
         _ if k > 1.0 => Weights::Norm(n.powf(1.0 / k - 0.5) * (1.0 + SAME)),
         _ => return None,
@@ -403,4 +408,62 @@ fn power(tape: &Tape, step: usize, depth: u32) -> (usize, f64) {
         _ => None,
     };
     found.unwrap_or((step, 1.0))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+mod tests {
+    use crate::diagnostic::Code;
+    use crate::{MemoryLoader, Options, compile};
+
+    /// The factor of a formula, and whether it is proven.
+    fn factor(text: &str) -> (f64, bool) {
+        let text = if text.contains("scene") { text.to_owned() } else { format!("field f = {text}\nscene = f.within(box(4))") };
+        let outcome = compile(&MemoryLoader::new().with("main.sdf", text.clone()), "main.sdf", &Options::default());
+        let proven = !outcome.diagnostics.iter().any(|d| d.code == Code::Unproven);
+        (outcome.compiled.unwrap_or_else(|| panic!("{text}: {:?}", outcome.diagnostics)).summary.factor, proven)
+    }
+
+    #[test]
+    fn soft_minima_are_as_steep_as_what_they_are_of() {
+        for formula in [
+            "{ let a = length(p) - 1; let b = p.y; let h = max(0.2 - abs(a - b), 0) / 0.2; min(a, b) - h * h * 0.2 / 4 }",
+            "{ let a = length(p) - 1; let b = p.y; let h = max(0.2 - abs(a - b), 0) / 0.2; max(a, b) + h * h * h * 0.2 / 6 }",
+            "{ let a = length(p) - 1; let b = p.y; 0.5 * (a + b - sqrt((a - b) * (a - b) + 0.04)) }",
+            "-log(exp(-8 * p.x) + exp(-8 * p.y) + exp(-8 * (length(p) - 1))) / 8",
+            "pow(pow(abs(p.x), 2.5) + pow(abs(p.y), 2.5) + pow(abs(p.z), 2.5), 1 / 2.5) - 1",
+            "pow(pow(length(p - x), -4) + pow(length(p + x), -4), -1 / 4) - 0.4",
+        ] {
+            let (found, proven) = factor(formula);
+            assert!(proven && found < 8.01, "{formula}: {found}");
+            assert!(formula.contains("log") || found < 1.0 + 1e-6, "{formula}: {found}");
+        }
+    }
+
+    #[test]
+    fn what_only_looks_like_one_is_not_taken_for_one() {
+        for (formula, steep) in [
+            // The number that is taken away is not the largest.
+            ("{ let m = 5 * p.x; m + log(max(exp(p.y - m) + exp(p.z - m), 1)) }", 5.0),
+            // Too much is taken away.
+            ("{ let h = max(0.2 - abs(p.x - p.y), 0) / 0.2; min(p.x, p.y) - 3 * h * h * 0.2 }", 5.0),
+            // By a size, whose sign does not count.
+            ("sqrt(p.x * p.x * (p.y * p.y) / (p.x * p.x + p.y * p.y)) - p.x + 0.2 * p.z", 2.0),
+            // A logarithm of less than nothing stays as it is.
+            ("log(p.x - 2.5) + 0.4 * p.x + 0.1 * p.y + 86", 0.41),
+        ] {
+            let (found, _) = factor(formula);
+            assert!(found >= steep * (1.0 - 1e-9), "{formula}: {found}");
+        }
+        // One over zero is zero all over a box.
+        for region in [
+            "{ let d = length(max(abs(p) - 0.5, 0)); 1 - 0.2 / d }",
+            "{ let d = dot(max(p, 0), max(p, 0)); 2 - min(1 / d, 4) }",
+            "field g = 1 - 0.2 / length(p)\nscene = g.elongate((0.5, 0.5, 0.5)).within(box(4))",
+        ] {
+            assert!(!factor(region).1, "{region}");
+        }
+        // At a point alone it is not met.
+        assert!(factor("1 - 0.2 / length(p - 0.3)").1);
+    }
 }

@@ -90,9 +90,9 @@ impl Tape {
         Self { steps, nodes, roots, kinks: OnceCell::new(), chains: RefCell::default(), by_distance: false, softs: OnceCell::new(), tight: OnceCell::new() }
     }
 
-    /// The same tape, whose first coordinate is a distance, or the square of one.
+    /// The same tape, whose first coordinate is a distance that is zero rarely, or the square of one.
     pub(super) fn of_distance(self) -> Self {
-        Self { by_distance: true, ..self.unmirrored() }
+        Self { by_distance: true, ..self }
     }
 
     /// What these coordinates go through; none where they are all that is to be known.
@@ -146,18 +146,20 @@ impl Tape {
             Some(Step::Leaf(Leaf::P(0))) if self.by_distance => 0b111,
             Some(Step::Leaf(Leaf::P(i))) => 1 << i,
             Some(Step::Op(Op::Length2 | Op::Length3 | Op::Length4, args)) => args.iter().fold(0, |all, &a| all | self.vanishing(a, depth)),
-            Some(Step::Op(Op::Square | Op::Abs | Op::Sqrt | Op::Neg, args)) => of(args, 0),
+            Some(Step::Op(Op::Square | Op::Abs | Op::Neg, args)) => of(args, 0),
+            // Below zero a root counts as zero.
+            Some(Step::Op(Op::Sqrt, args)) if args.first().is_some_and(|&a| self.is_square(a, depth)) => of(args, 0),
             Some(Step::Op(Op::Mul, args)) => match *args.as_slice() {
                 [a, b] if constant(a) || constant(b) => self.vanishing(if constant(a) { b } else { a }, depth),
                 // Zero where either is.
-                [a, b] => [self.vanishing(a, depth), self.vanishing(b, depth)].into_iter().min_by_key(|all| all.count_ones()).unwrap_or(0),
+                [a, b] => self.vanishing(a, depth) & self.vanishing(b, depth),
                 _ => 0,
             },
             Some(Step::Op(Op::Div, args)) if args.get(1).is_some_and(|&a| constant(a)) => of(args, 0),
-            Some(Step::Op(Op::Add | Op::Sub, args)) => match *args.as_slice() {
+            Some(Step::Op(op @ (Op::Add | Op::Sub), args)) => match *args.as_slice() {
                 [a, b] if constant(a) || constant(b) => self.vanishing_moved(if constant(a) { b } else { a }),
                 // What is never less than zero adds up to zero only where all of it is zero.
-                [a, b] if self.is_square(a, depth) && self.is_square(b, depth) => self.vanishing(a, depth) | self.vanishing(b, depth),
+                [a, b] if *op == Op::Add && self.is_square(a, depth) && self.is_square(b, depth) => self.vanishing(a, depth) | self.vanishing(b, depth),
                 _ => 0,
             },
             _ => 0,

@@ -370,6 +370,7 @@ pub fn build(
         dresses: FxHashMap::default(),
         looked: 0,
     };
+    builder.graph.is_spread = builder.graph.spreads();
     builder.find_domains();
     let mut functions = vec![
         (root, Function::Field),

@@ -117,7 +117,14 @@ impl Builder<'_> {
                 let changes = old.iter().any(|a| !wall.still.contains(a));
                 let constants: Option<Vec<f64>> = args.iter().map(|&a| self.graph.as_constant(a)).collect();
                 let decided = constants.is_some_and(|constants| is_decided(op, &constants));
-                if op.row().jumps && changes && !random && !decided {
+                let zero = |i: usize| args.get(i) != old.get(i) && args.get(i).is_some_and(|&a| self.graph.as_constant(a) == Some(0.0));
+                // One over zero counts as zero, and is no limit of anything.
+                let pole = match op {
+                    Op::Div => zero(1),
+                    Op::Pow | Op::Log | Op::Atan2 => zero(0) || zero(1),
+                    _ => false,
+                };
+                if pole || op.row().jumps && changes && !random && !decided {
                     return *held.entry((id, args)).or_insert_with(|| {
                         let variable = self.graph.fresh_variable();
                         self.graph.leaf(Leaf::Variable(variable))

@@ -111,7 +111,9 @@ fn either(surely: bool, never: bool) -> Interval {
 }
 
 /// Largest argument for which an exponential stays finite in 32 bits.
-const EXP_LIMIT: f64 = 88.0;
+pub const EXP_LIMIT: f64 = 88.0;
+/// What a logarithm is taken of is at least this.
+pub const LOG_LEAST: f64 = 1e-37;
 
 kernel! {
     Add "add" 2 false Number false 6 Rounded, "{0} + {1}",
@@ -150,7 +152,7 @@ kernel! {
         |[a, ..]| a.min(EXP_LIMIT).exp(),
         |[a, ..]| a.monotone(|a| a.min(EXP_LIMIT).exp()).max(I::ZERO), "e to the power `a` (which counts as at most 88).";
     Log "log" 1 true Number false 9 Inherited, "log(max({0}, 1e-37))",
-        |[a, ..]| a.max(1e-37).ln(), |[a, ..]| a.monotone(|a| a.max(1e-37).ln()), "The natural logarithm, of at least 1e-37.";
+        |[a, ..]| a.max(LOG_LEAST).ln(), |[a, ..]| a.monotone(|a| a.max(LOG_LEAST).ln()), "The natural logarithm, of at least 1e-37.";
     Pow "pow" 2 true Number false 9 Inherited, "sf_pow({0}, {1})",
         |[a, b, ..]| power(a, b), |[a, b, ..]| power_interval(a, b),
         "`a` to the power `b`; below zero `a` counts as zero, unless `b` is a constant whole number.";

@@ -340,6 +340,8 @@ pub struct Graph {
     pub parameters: Vec<ParameterComponent>,
     /// Factors, in the order in which they were met.
     pub factors: Vec<Factor>,
+    /// Whether no shape is asked at one point of its own for all points of a region.
+    pub is_spread: bool,
     next_variable: u32,
 }
 
@@ -348,6 +350,11 @@ impl Graph {
     pub fn new() -> Self {
         let (nodes, reads) = (Vec::with_capacity(ROOM), Vec::with_capacity(ROOM));
         Self { nodes, reads, index: Index::with_room(INDEXED), next_variable: FIRST_VARIABLE, ..Self::default() }
+    }
+
+    /// The arguments of all calls of shapes.
+    pub fn calls(&self) -> impl Iterator<Item = &[NodeId]> {
+        self.nodes.iter().filter_map(|node| if let Node::Call(_, _, args) = node { Some(args.as_ref()) } else { None })
     }
 
     /// Number of nodes.
