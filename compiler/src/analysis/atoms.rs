@@ -137,7 +137,7 @@ fn partials(tape: &Tape, duals: &[Dual], branches: Option<&Branches>, i: usize) 
         });
     }
     let value = duals.get(i)?.value;
-    let mut slopes = super::dual::slopes(op, &values, value);
+    let mut slopes = super::slopes::slopes(op, &values, value);
     if matches!(op, Op::Length2 | Op::Length3 | Op::Length4) {
         for slope in &mut slopes {
             *slope = slope.intersect(Interval::new(-1.0, 1.0));

@@ -6,6 +6,7 @@
 use super::branches::{self, Branches, Side};
 use super::map::{chain_norm, map_norm, point_norm};
 use super::matrix::{Rows, matrix_norm};
+use super::slopes::slopes;
 use super::tape::{Step, Tape};
 use super::{leaf_range, Box3, Domain, Facts, Pinned};
 use crate::graph::algebra::{Algebra, Intervals};
@@ -267,26 +268,6 @@ pub fn claim_constant(graph: &Graph, pinned: &[f64], formula: NodeId, constants:
     })
 }
 
-/// The partial derivatives of an operation. What is cut off, a power of e at its greatest and a logarithm at its least, does not change there.
-pub(super) fn slopes(op: Op, values: &[Interval], value: Interval) -> [Interval; 4] {
-    let mut slopes = kernel::partials(&mut Intervals, op, values, value);
-    let a = values.first().copied().unwrap_or(Interval::ALL);
-    let is_cut = match op {
-        Op::Exp => a.hi >= kernel::EXP_LIMIT,
-        Op::Log => a.lo <= kernel::LOG_LEAST,
-        _ => false,
-    };
-    if let (Some(slope), true) = (slopes.first_mut(), is_cut) {
-        let a = a.intersect(Interval::new(kernel::LOG_LEAST, f64::INFINITY));
-        *slope = match op {
-            Op::Log if a.is_empty() => Interval::ZERO,
-            Op::Log => Interval::ONE.div(a).hull(Interval::ZERO),
-            _ => slope.hull(Interval::ZERO),
-        };
-    }
-    slopes
-}
-
 fn by_partials(op: Op, args: &[Dual], values: &[Interval], value: Interval, jumps: u8) -> Dual {
     let partials = slopes(op, values, value);
     let mut gradient = [Interval::ZERO; 3];
@@ -382,7 +363,7 @@ pub fn run(
                 let (of, n) = few(args);
                 let mut dual = algebra.op(*op, of.get(..n).unwrap_or(&of));
                 if *op == Op::Div && graph.is_spread && args.get(1).is_some_and(|&b| tape.vanishes_rarely(b)) {
-                    dual.value = dual.value.intersect(quotient_of_positive(of[0].value, of[1].value));
+                    dual.value = dual.value.intersect(super::slopes::quotient_of_positive(of[0].value, of[1].value));
                 }
                 if dual.jumps != 0 && super::turns::is_same_after_turns(*op, args, tape, &values) {
                     dual.jumps = 0;
@@ -445,15 +426,6 @@ pub fn run(
         });
     }
     Some(values)
-}
-
-/// All quotients of numbers of one sign by what is hardly ever zero: that one over zero counts as zero is met by chance alone.
-fn quotient_of_positive(a: Interval, b: Interval) -> Interval {
-    let one_sign = a.lo > 0.0 || a.hi < 0.0;
-    if b.lo < 0.0 || !b.contains(0.0) || !one_sign {
-        return Interval::ALL;
-    }
-    a.div(Interval::new(f64::from_bits(1), b.hi))
 }
 
 /// What is left of a value that is known to be within an interval; none where nothing is. A level set of a formula whose gradient is

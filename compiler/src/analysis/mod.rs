@@ -21,6 +21,7 @@ mod polar;
 mod radial;
 pub mod region;
 pub mod search;
+mod slopes;
 mod soft;
 pub mod steep;
 mod sums;
