@@ -68,6 +68,25 @@ fn no_factor_is_below_a_sample_and_most_are_near_to_it() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// Searches share a budget: what is left of it for the later ones is the same where the earlier ones are remembered.
+#[test]
+fn what_is_remembered_does_not_change_what_is_searched() {
+    let bumps = |i: usize| {
+        let terms: Vec<String> = (0..6).map(|k| format!("exp(-{0} * dot(p - ({1}, {2}, {k}), p - ({1}, {2}, {k}))) * sin({0} * p.x)", 4 + i, i, k % 3)).collect();
+        format!("field f{i} = 0.4 - ({})\n", terms.join(" + "))
+    };
+    let fields: String = (0..9).map(bumps).collect();
+    let parts: Vec<String> = (0..9).map(|i| format!("f{i}.within(box(9) - box(0.{}))", i + 1)).collect();
+    let loader = MemoryLoader::new().with("main.sdf", format!("{fields}scene = {}\n", parts.join(" | ")));
+    let mut memory = Memory::default();
+    let mut factors = || {
+        let outcome = compile_remembering(&loader, "main.sdf", &Options::default(), &mut memory, &mut |_| {});
+        outcome.compiled.unwrap().graph.factors.iter().map(|f| f.lipschitz).collect::<Vec<f64>>()
+    };
+    let (first, second) = (factors(), factors());
+    assert!(!first.is_empty() && first == second, "{first:?}\n{second:?}");
+}
+
 /// In distance and angle a formula of an angle is searched with few boxes: in x and y a hundred times as many left more.
 #[test]
 fn formulas_of_an_angle_are_tight_within_an_edit() {

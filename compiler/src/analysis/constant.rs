@@ -50,7 +50,7 @@ impl Facts {
     /// The constant of a node as a whole.
     fn found(&mut self, graph: &Graph, node: NodeId, domain: &Domain, budget: usize) -> Constant {
         let tape = self.tape(graph, node);
-        let all = budget;
+        let asked = budget;
         let budget = match self.affordable(budget) {
             0 | 1 => 1,
             budget => budget.min((self.steps / self.weight(graph, node).max(1)).max(8)),
@@ -68,15 +68,16 @@ impl Facts {
                 Constant { lipschitz: found.constant.lipschitz.min(whole), ..found.constant }
             }
             None => {
-                let radial = if budget > 1 { facts.along_distance(graph, &tape, domain, Interval::ALL, budget) } else { None };
-                if let (Some(found), true) = (radial, domain.within.is_empty() && domain.tube.is_none()) {
+                // A condition on the point says nothing of a distance alone.
+                let free = domain.within.is_empty() && domain.tube.is_none();
+                if budget > 1 && free && let Some(found) = facts.along_distance(graph, &tape, domain, Interval::ALL, budget) {
                     return found;
                 }
                 let found = facts.supremum(graph, &tape, domain, Sought::within(budget), |facts, d, ()| {
                     let (dual, runs) = facts.dual_of(graph, &tape, d);
                     (Norm { norm: dual.norm, jumps: dual.jumps != 0, runs }, ())
                 });
-                if budget <= 1 || found.is_close() { found.constant } else { facts.term_by_term(graph, node, domain, all, found.constant) }
+                if budget <= 1 || found.is_close() { found.constant } else { facts.term_by_term(graph, node, domain, asked, found.constant) }
             }
         };
         if budget > 1 { self.remembered_constant(graph, &[node], domain, budget, search) } else { search(self) }

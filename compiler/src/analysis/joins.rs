@@ -27,7 +27,7 @@ impl Tape {
         };
         let Some(Step::Op(Op::Lt | Op::Le, args)) = self.steps.get(condition) else { return None };
         let &[a, b] = args.as_slice() else { return None };
-        let (compared, chosen) = (self.difference(a, b)?, self.difference(x, y)?);
+        let (compared, chosen) = (self.linear(&[(a, 1.0), (b, -1.0)])?, self.linear(&[(x, 1.0), (y, -1.0)])?);
         let of = |form: &Linear, step: usize| form.iter().find(|(s, _)| *s == step).map_or(0.0, |(_, f)| *f);
         let &(first, factor) = compared.iter().find(|(step, factor)| *step != NONE && *factor != 0.0)?;
         let times = of(&chosen, first) / factor;
@@ -38,17 +38,23 @@ impl Tape {
         same.then_some([a, b])
     }
 
-    /// The difference of two steps as a sum of steps that are none. None where it is long.
-    fn difference(&self, a: usize, b: usize) -> Option<Linear> {
+    /// Whether multiples of steps add up to zero, by the way they are written.
+    pub(super) fn cancels(&self, multiples: &[(usize, f64)]) -> bool {
+        let largest = |of: &[(usize, f64)]| Some(self.linear(of)?.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max));
+        // The terms by themselves tell what rounding may leave of their sum.
+        let terms = multiples.iter().map(|one| largest(std::slice::from_ref(one)));
+        let size = terms.reduce(|a, b| Some(f64::max(a?, b?))).flatten();
+        largest(multiples).zip(size).is_some_and(|(left, size)| left <= SAME * size)
+    }
+
+    /// Multiples of steps as a sum of multiples of steps that are none. None where it is long.
+    fn linear(&self, multiples: &[(usize, f64)]) -> Option<Linear> {
         let mut sum = Linear::new();
-        let mut open: SmallVec<[(usize, f64); 8]> = SmallVec::from_slice(&[(a, 1.0), (b, -1.0)]);
+        let mut open: SmallVec<[(usize, f64); 8]> = multiples.iter().copied().collect();
         let mut left = MOST_TERMS;
         while let Some((step, factor)) = open.pop() {
             left = left.checked_sub(1)?;
-            let constant = |a: usize| match self.steps.get(a) {
-                Some(Step::Constant(c)) => Some(*c),
-                _ => None,
-            };
+            let constant = |a: usize| self.constant(a);
             let known = self.steps.get(step)?;
             let (key, by) = match known {
                 Step::Constant(c) => (NONE, factor * c),

@@ -14,7 +14,8 @@ pub type Content = u128;
 /// Results of searches, by content, place and budget.
 #[derive(Clone, Debug, Default)]
 pub struct Memory {
-    constants: FxHashMap<Content, Constant>,
+    /// With what the search cost.
+    constants: FxHashMap<Content, (Constant, u64)>,
     regions: FxHashMap<Content, Box3>,
     /// Searches made since the memory began.
     pub searched: u64,
@@ -58,15 +59,18 @@ impl Facts {
             return search(self);
         }
         let contents: Vec<Content> = nodes.iter().map(|&n| self.content(graph, n)).collect();
-        let key = digest(&(contents, self.content_of_domain(graph, domain), budget, self.steps));
-        if let Some(known) = self.memory.constants.get(&key) {
+        let key = digest(&(contents, self.content_of_domain(graph, domain), budget, self.steps, self.has_leisure()));
+        if let Some(&(known, cost)) = self.memory.constants.get(&key) {
             self.memory.remembered += 1;
-            return *known;
+            // As if it had been searched: what is left for others must not depend on what is remembered.
+            self.searched += cost;
+            return known;
         }
+        let before = self.searched;
         let found = search(self);
         self.memory.searched += 1;
         self.memory.make_room();
-        self.memory.constants.insert(key, found);
+        self.memory.constants.insert(key, (found, self.searched - before));
         found
     }
 

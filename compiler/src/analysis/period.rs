@@ -53,10 +53,7 @@ fn period(tape: &Tape, axis: usize) -> Option<f64> {
     let mut frequencies: Vec<f64> = Vec::new();
     // The steps that turn with the coordinate, and how fast.
     let mut turning: Vec<(usize, f64)> = Vec::new();
-    let constant = |i: usize| match tape.steps.get(i) {
-        Some(Step::Constant(c)) => Some(*c),
-        _ => None,
-    };
+    let constant = |i: usize| tape.constant(i);
     for (i, step) in tape.steps.iter().enumerate() {
         let course = |i: usize| courses.get(i).copied().unwrap_or(Course::Other);
         let repeats = |args: &[usize]| {

@@ -65,17 +65,27 @@ impl Search {
     /// How steep it is at half of the places at most that are nearest to its surface by its value: a quarter of so many points, each at values of
     /// the parameters and a time from their ranges.
     pub fn slope_near_zero(&self, graph: &Graph, samples: usize) -> f64 {
-        let Target::Value(node) = self.target else { return 1.0 };
-        let size = |place: &[f64]| {
-            let (here, pinned) = self.here(place);
-            Facts::at(pinned).range(graph, node, &here).middle().abs()
-        };
         let places = (0..samples).map(|i| self.place(graph, i));
-        let mut found: Vec<(f64, f64)> = places.map(|place| (size(&place), self.at(graph, &place))).filter(|(_, slope)| *slope > 0.0).collect();
+        let mut found: Vec<(f64, f64)> =
+            places.map(|place| (self.size(graph, &place), self.at(graph, &place))).filter(|(_, slope)| *slope > 0.0).collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         found.truncate(found.len().div_ceil(4));
         found.sort_by(|a, b| a.1.total_cmp(&b.1));
         found.get(found.len() / 2).map_or(1.0, |(_, slope)| *slope)
+    }
+
+    /// The magnitude that a value has at half of so many places at most, of those where it is finite.
+    pub fn usual_size(&self, graph: &Graph, samples: usize) -> Option<f64> {
+        let mut sizes: Vec<f64> = (0..samples).map(|i| self.size(graph, &self.place(graph, i))).filter(|size| size.is_finite()).collect();
+        sizes.sort_by(f64::total_cmp);
+        sizes.get(sizes.len() / 2).copied()
+    }
+
+    /// The magnitude of a value at one place; without end for a map.
+    fn size(&self, graph: &Graph, place: &[f64]) -> f64 {
+        let Target::Value(node) = self.target else { return f64::INFINITY };
+        let (here, pinned) = self.here(place);
+        Facts::at(pinned).range(graph, node, &here).middle().abs()
     }
 
     /// The `i`-th place that samples look at, as [`Search::at`] takes it.

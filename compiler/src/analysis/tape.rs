@@ -132,6 +132,22 @@ impl Tape {
         })
     }
 
+    /// The value of a step that is a constant.
+    pub(super) fn constant(&self, step: usize) -> Option<f64> {
+        match self.steps.get(step)? {
+            Step::Constant(c) => Some(*c),
+            _ => None,
+        }
+    }
+
+    /// The operation that a step does, and its operands.
+    pub(super) fn operation(&self, step: usize) -> Option<(Op, &[usize])> {
+        match self.steps.get(step)? {
+            Step::Op(op, args) => Some((*op, args)),
+            _ => None,
+        }
+    }
+
     /// Whether a step is never less than zero, and zero nowhere but at points and on curves, which are met by chance alone.
     pub(super) fn vanishes_rarely(&self, step: usize) -> bool {
         self.is_square(step, DEEPEST) && self.vanishing(step, DEEPEST).count_ones() > 1
@@ -140,7 +156,7 @@ impl Tape {
     /// Coordinates (a bit each) that all have one value wherever a step is zero: where more than one has, that is no surface.
     fn vanishing(&self, step: usize, depth: u32) -> u8 {
         let Some(depth) = depth.checked_sub(1) else { return 0 };
-        let constant = |step: usize| matches!(self.steps.get(step), Some(Step::Constant(c)) if *c != 0.0);
+        let constant = |step: usize| self.constant(step).is_some_and(|c| c != 0.0);
         let of = |args: &[usize], i: usize| args.get(i).map_or(0, |&a| self.vanishing(a, depth));
         match self.steps.get(step) {
             Some(Step::Leaf(Leaf::P(0))) if self.by_distance => 0b111,

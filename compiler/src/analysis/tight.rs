@@ -129,13 +129,10 @@ fn part(tape: &Tape, args: &[usize]) -> Option<Tight> {
 
 /// `a (1 - t) + b t`, or `a + (b - a) t`.
 fn mean(tape: &Tape, args: &[usize]) -> Option<Tight> {
-    let of = |step: usize, op: Op| match tape.steps.get(step) {
-        Some(Step::Op(found, args)) if *found == op => <[usize; 2]>::try_from(args.as_slice()).ok(),
-        _ => None,
-    };
+    let of = |step: usize, op: Op| tape.operation(step).filter(|(found, _)| *found == op).and_then(|(_, args)| <[usize; 2]>::try_from(args).ok());
     let &[first, second] = args else { return None };
     let rest = |step: usize, t: usize| {
-        of(step, Op::Sub).is_some_and(|[one, taken]| taken == t && matches!(tape.steps.get(one), Some(Step::Constant(1.0))))
+        of(step, Op::Sub).is_some_and(|[one, taken]| taken == t && tape.constant(one) == Some(1.0))
     };
     for (a, b) in [(first, second), (second, first)] {
         if let (Some(a), Some(b)) = (of(a, Op::Mul), of(b, Op::Mul)) {
@@ -159,10 +156,7 @@ fn mean(tape: &Tape, args: &[usize]) -> Option<Tight> {
 }
 
 fn polynomial(tape: &Tape, op: Op, args: &[usize], written: &[Written]) -> Option<Written> {
-    let constant = |step: usize| match tape.steps.get(step) {
-        Some(Step::Constant(c)) => Some(*c),
-        _ => None,
-    };
+    let constant = |step: usize| tape.constant(step);
     let a = *args.first()?;
     let b = args.get(1).copied().unwrap_or(a);
     let plain = |step: usize| written.get(step);

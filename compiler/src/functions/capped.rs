@@ -5,8 +5,8 @@
 //! one is taken by which the way is the longest in most places.
 
 use super::{BUDGET, Builder, STEEPEST, Treatment};
-use crate::analysis::search::spread;
-use crate::analysis::{Domain, Facts};
+use crate::analysis::Domain;
+use crate::analysis::search::{Search, Target};
 use crate::graph::{NodeId, Proof, ShapeId};
 use crate::graph::kernel::Op;
 
@@ -39,7 +39,8 @@ impl Builder<'_> {
     fn find_capped(&mut self, node: NodeId, domain: &Domain) -> Option<(NodeId, Treatment)> {
         let (region, reach) = self.region_of(node, domain)?;
         let near = domain.at(region.grow(reach));
-        let usual = self.magnitude(node, &near)?;
+        let search = Search { target: Target::Value(node), domain: near.clone(), parameters: Vec::new() };
+        let usual = search.usual_size(self.graph, PLACES).filter(|size| *size > 0.0)?;
         let mut best: Option<(f64, NodeId, f64)> = None;
         for part in LEVELS {
             let level = part * usual;
@@ -63,18 +64,5 @@ impl Builder<'_> {
         let [low, high] = [-level, level].map(|level| self.graph.constant(level));
         let capped = self.graph.op(Op::Max, &[node, low]);
         self.graph.op(Op::Min, &[capped, high])
-    }
-
-    /// The magnitude that a formula has at half of the places of a domain at most.
-    fn magnitude(&self, node: NodeId, domain: &Domain) -> Option<f64> {
-        let at = |i: usize| {
-            let (here, pinned) = spread(self.graph, domain, &[], i);
-            let time = 0.37 * i as f64 % 20.0;
-            let value = Facts::at(pinned.iter().copied().chain([time]).collect()).range(self.graph, node, &here);
-            Some(value.middle().abs()).filter(|size| size.is_finite())
-        };
-        let mut sizes: Vec<f64> = (0..PLACES).filter_map(at).collect();
-        sizes.sort_by(f64::total_cmp);
-        sizes.get(sizes.len() / 2).copied().filter(|size| *size > 0.0)
     }
 }

@@ -2,7 +2,7 @@
 //! stands across a jump that is near enough to be met by a ray.
 
 use super::jumps::{Jump, hair};
-use super::sides::Sides;
+use super::sides::{Sides, Way};
 use super::outlines::Outline;
 use super::Builder;
 use crate::graph::kernel::Op;
@@ -120,7 +120,7 @@ impl Builder<'_> {
             let mut known = || !matches!(self.distance_to_jump(site.op, &site.args, &near), Jump::Unknown);
             is_wall(site.op) && own.binary_search(&site.node).is_ok() && known()
         });
-        let Sides { other, nearest, across, .. } = self.sides(value, &sites, &near, true)?;
+        let Sides { other, nearest, across, .. } = self.sides(value, &sites, &near, Way::About)?;
         let [narrow, wide] = NEAR.map(|times| times * hair(&near));
         let [zero, narrow, wide, steep] = [0.0, narrow, wide, 1.0 / narrow].map(|c| self.graph.constant(c));
         let size = self.graph.op(Op::Abs, &[value]);

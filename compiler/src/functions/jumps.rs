@@ -69,7 +69,7 @@ impl Builder<'_> {
         };
         let cells = |id: &NodeId| matches!(self.graph.node(*id), Node::Op(Op::Floor, _));
         (own.iter().any(cells) && own.iter().any(random)).then_some(
-            "noise of your own has a wall at each cell, as far as can be proven: `value_noise`, `perlin`, `simplex`, `cellular` and `fbm` have none, and their factors are known",
+            "noise of your own is not the same on both sides of its cells' walls, as far as can be proven: each corner of a cell must be the next cell's too; `value_noise`, `perlin`, `simplex`, `cellular` and `fbm` have no walls, and their factors are known",
         )
     }
 
@@ -184,13 +184,14 @@ impl Builder<'_> {
                         }
                     }
                     // Where a choice is the same on both sides it is not the change from one to the other that jumps.
-                    if blame == Blame::All && tape.meets(i).is_some()
+                    let meets = tape.meets(i).is_some();
+                    if blame == Blame::All && meets
                         && let Some(slot) = args.first().and_then(|&condition| blamed.get_mut(condition))
                         && *slot < Blame::Inside
                     {
                         *slot = Blame::Inside;
                     }
-                    let chosen = if tape.meets(i).is_some() { args.get(1..).unwrap_or_default() } else { args.as_slice() };
+                    let chosen = if meets { args.get(1..).unwrap_or_default() } else { args.as_slice() };
                     (chosen, if blame == Blame::Inside && *op != Op::Not { Blame::All } else { blame })
                 }
                 Step::Call(shape, args) => {

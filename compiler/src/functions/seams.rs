@@ -13,9 +13,6 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// Longer formulas are not looked at.
 const LONGEST: usize = 4000;
 
-/// What stands for what else jumps, by what that jumps by.
-type Held = FxHashMap<(NodeId, Vec<NodeId>), NodeId>;
-
 /// A formula on one side of where something in it jumps.
 struct Wall {
     /// The whole number.
@@ -24,6 +21,8 @@ struct Wall {
     lattice: FxHashMap<NodeId, f64>,
     /// Nodes of the formula that only change where something jumps.
     still: FxHashSet<NodeId>,
+    /// What stands for what else jumps, by what that jumps by.
+    held: FxHashMap<(NodeId, Vec<NodeId>), NodeId>,
 }
 
 impl Builder<'_> {
@@ -42,16 +41,15 @@ impl Builder<'_> {
         }
         let variable = self.graph.fresh_variable();
         let whole = self.graph.leaf(Leaf::Variable(variable));
-        let mut wall = Wall { whole, lattice: FxHashMap::default(), still: self.still(&order) };
+        let mut wall = Wall { whole, lattice: FxHashMap::default(), still: self.still(&order), held: FxHashMap::default() };
         wall.lattice.insert(whole, 0.0);
-        let mut held = Held::default();
         let [left, right] = sides.map(|side| {
             let mut new = FxHashMap::default();
             new.insert(argument, self.on_lattice(&mut wall, at));
             new.insert(site.node, self.on_lattice(&mut wall, side));
             for &id in &order {
                 if !new.contains_key(&id) {
-                    let made = self.on_wall(&mut wall, id, &new, &mut held);
+                    let made = self.on_wall(&mut wall, id, &new);
                     new.insert(id, made);
                 }
             }
@@ -91,7 +89,7 @@ impl Builder<'_> {
     }
 
     /// A node whose arguments are what they are at the wall.
-    fn on_wall(&mut self, wall: &mut Wall, id: NodeId, new: &FxHashMap<NodeId, NodeId>, held: &mut Held) -> NodeId {
+    fn on_wall(&mut self, wall: &mut Wall, id: NodeId, new: &FxHashMap<NodeId, NodeId>) -> NodeId {
         let old = self.graph.arguments(id).to_vec();
         let args: Vec<NodeId> = old.iter().map(|a| new.get(a).copied().unwrap_or(*a)).collect();
         if args == old {
@@ -125,7 +123,7 @@ impl Builder<'_> {
                     _ => false,
                 };
                 if pole || op.row().jumps && changes && !random && !decided {
-                    return *held.entry((id, args)).or_insert_with(|| {
+                    return *wall.held.entry((id, args)).or_insert_with(|| {
                         let variable = self.graph.fresh_variable();
                         self.graph.leaf(Leaf::Variable(variable))
                     });

@@ -16,6 +16,15 @@ const MOST: usize = 6;
 /// What changes slower does not change.
 const LEAST: f64 = 1e-9;
 
+/// What the way to a jump is asked for.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Way {
+    /// A ray: no jump is nearer.
+    AtLeast,
+    /// Light: about how near it is, by how steep what jumps is here.
+    About,
+}
+
 /// A formula beside its nearest jump.
 pub(super) struct Sides {
     /// The formula as it is on the other side.
@@ -46,8 +55,8 @@ struct Side {
 
 impl Builder<'_> {
     /// The other side of the nearest of these jumps of a formula. None where one of them is not known well enough, is another shape's, or there
-    /// are many. `seen`: how near a jump is is estimated by how steep it is here, as light sees it, and may be less.
-    pub(super) fn sides(&mut self, node: NodeId, sites: &[Site], near: &Domain, seen: bool) -> Option<Sides> {
+    /// are many.
+    pub(super) fn sides(&mut self, node: NodeId, sites: &[Site], near: &Domain, way: Way) -> Option<Sides> {
         // Those of other shapes stand in formulas of their own.
         let own = self.graph.reachable(&[node]);
         if !sites.iter().all(|s| own.binary_search(&s.node).is_ok()) {
@@ -55,7 +64,7 @@ impl Builder<'_> {
         }
         let mut all = Vec::new();
         for site in sites {
-            self.sides_of(site, near, seen, &mut all)?;
+            self.sides_of(site, near, way, &mut all)?;
         }
         let (first, rest) = all.split_first().filter(|_| all.len() <= MOST)?;
         let nearest = rest.iter().fold(first.nearest, |nearest, side| self.graph.op(Op::Min, &[nearest, side.nearest]));
@@ -101,7 +110,7 @@ impl Builder<'_> {
         Some(Sides { other, nearest, beyond, across, nested })
     }
 
-    fn sides_of(&mut self, site: &Site, near: &Domain, seen: bool, all: &mut Vec<Side>) -> Option<()> {
+    fn sides_of(&mut self, site: &Site, near: &Domain, way: Way, all: &mut Vec<Side>) -> Option<()> {
         let [zero, one, half] = [0.0, 1.0, 0.5].map(|c| self.graph.constant(c));
         if let (Op::Atan2, Some(&argument)) = (site.op, site.args.first()) {
             // Across its cut an angle is a whole turn more or less.
@@ -116,8 +125,8 @@ impl Builder<'_> {
         }
         for (argument, gap) in self.gaps(site.op, &site.args, near) {
             let Jump::From(mut nearest) = self.way_across(gap, argument, near) else { return None };
-            if seen && let Some(way) = self.way_by_slope(gap, argument) {
-                nearest = way;
+            if way == Way::About && let Some(about) = self.way_by_slope(gap, argument) {
+                nearest = about;
             }
             let (rising, other, repeats) = match site.op {
                 Op::Floor | Op::Ceil | Op::Trunc => {
@@ -183,7 +192,7 @@ impl Builder<'_> {
         if sites.iter().any(|s| s.op == Op::Sign) {
             return None;
         }
-        let sides = self.sides(node, sites, near, false).filter(|sides| !sides.nested)?;
+        let sides = self.sides(node, sites, near, Way::AtLeast).filter(|sides| !sides.nested)?;
         let all = match treatment.proof {
             Proof::Measured => treatment.constant,
             _ => self.constant_of_sides(node, sites, near)?.max(treatment.constant) * (1.0 + ROUNDING),

@@ -707,7 +707,7 @@ fn soft_maximum<T: Terms>(graph: &mut T, sum: T::Id) -> Option<T::Id> {
     if powers.len() < 2 {
         return None;
     }
-    let largest = in_pairs(graph, Op::Max, powers.clone())?;
+    let largest = balanced(graph, Op::Max, &powers)?;
     let less: Vec<T::Id> = powers
         .iter()
         .map(|&u| {
@@ -715,7 +715,7 @@ fn soft_maximum<T: Terms>(graph: &mut T, sum: T::Id) -> Option<T::Id> {
             graph.op(Op::Exp, &[less])
         })
         .collect();
-    let sum = in_pairs(graph, Op::Add, less)?;
+    let sum = balanced(graph, Op::Add, &less)?;
     // The largest adds one.
     let sum = graph.op(Op::Max, &[sum, one]);
     let rest = graph.op(Op::Log, &[sum]);
@@ -726,15 +726,13 @@ fn soft_maximum<T: Terms>(graph: &mut T, sum: T::Id) -> Option<T::Id> {
 const MOST_POWERS: usize = 1000;
 
 /// A balanced tree of one operation over many operands; none of none.
-fn in_pairs<T: Terms>(graph: &mut T, op: Op, mut operands: Vec<T::Id>) -> Option<T::Id> {
-    while operands.len() > 1 {
-        let pair = |pair: &[T::Id]| match *pair {
-            [a, b] => Some(graph.op(op, &[a, b])),
-            _ => pair.first().copied(),
-        };
-        operands = operands.chunks(2).filter_map(pair).collect();
+pub fn balanced<T: Terms>(graph: &mut T, op: Op, operands: &[T::Id]) -> Option<T::Id> {
+    if let [] | [_] = operands {
+        return operands.first().copied();
     }
-    operands.pop()
+    let (left, right) = operands.split_at(operands.len() / 2);
+    let sides = [balanced(graph, op, left)?, balanced(graph, op, right)?];
+    Some(graph.op(op, &sides))
 }
 
 /// Of `x cos t` and `y sin t`: x, y and t; and whether it is `-y sin t`.

@@ -341,7 +341,7 @@ pub struct Graph {
     /// Factors, in the order in which they were met.
     pub factors: Vec<Factor>,
     /// Whether no shape is asked at one point of its own for all points of a region.
-    pub is_spread: bool,
+    pub(crate) is_spread: bool,
     next_variable: u32,
 }
 
@@ -460,15 +460,7 @@ impl Graph {
 
     /// An associative operation over many nodes as a balanced tree; over none it is `neutral`.
     pub fn balanced(&mut self, op: Op, nodes: &[NodeId], neutral: f64) -> NodeId {
-        match nodes {
-            [] => self.constant(neutral),
-            [one] => *one,
-            _ => {
-                let (left, right) = nodes.split_at(nodes.len() / 2);
-                let sides = [left, right].map(|side| self.balanced(op, side, neutral));
-                self.op(op, &sides)
-            }
-        }
+        kernel::balanced(self, op, nodes).unwrap_or_else(|| self.constant(neutral))
     }
 
     /// A function of a shape at a point. `args`: three coordinates, then the shape's variables in their order.
