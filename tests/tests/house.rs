@@ -35,7 +35,6 @@ fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
 
 /// Files of more than 600 lines of which it was asked whether they are two rooms, and why they are one.
 const LONG: &[(&str, &str)] = &[
-    ("compiler/src/graph/kernel.rs", "a table of one row for each operation, and what walks it"),
     ("compiler/src/program/blocks.rs", "one function for each key of each block"),
 ];
 

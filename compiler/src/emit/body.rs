@@ -9,7 +9,8 @@ use super::plan::{Action, Plan, Plans, TargetId};
 use super::vector::{JoinedVectors, Part};
 use crate::graph::index::Index;
 use crate::graph::interval::Interval;
-use crate::graph::kernel::{self, Kind, Op, Terms};
+use crate::graph::kernel::{Kind, Op};
+use crate::graph::simplify::{self, Terms};
 use crate::graph::{Graph, Leaf, NodeId};
 use rustc_hash::FxHasher;
 pub use batch::Batch;
@@ -534,7 +535,7 @@ impl Terms for Body {
         self.add(Code::Constant(if value == 0.0 { 0 } else { value.to_bits() }), &[])
     }
     fn op(&mut self, op: Op, args: &[ExprId]) -> ExprId {
-        if let Some(simple) = kernel::simplify(self, op, args).or_else(|| self.computed(op, args)) {
+        if let Some(simple) = simplify::simplify(self, op, args).or_else(|| self.computed(op, args)) {
             return simple;
         }
         match op {

@@ -30,7 +30,7 @@ pub use translate::{Target, translate, validate};
 use crate::compiled::{Export, Live, Module, ModuleTables, Options, Parameter, SceneBlocks, UniformSource};
 use crate::functions::Functions;
 use crate::graph::interval::Interval;
-use crate::graph::kernel::Terms;
+use crate::graph::simplify::Terms;
 use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
 use crate::source::Sources;
 use body::{Body, Code, Space, world_count};

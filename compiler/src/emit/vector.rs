@@ -7,7 +7,8 @@ use super::body::{Body, Code, ExprId};
 use super::library::LEAST_DIVISOR;
 use super::write::FAR_OUT;
 use crate::graph::index::Index;
-use crate::graph::kernel::{Op, Terms};
+use crate::graph::kernel::Op;
+use crate::graph::simplify::Terms;
 use rustc_hash::FxHasher;
 use std::hash::Hasher;
 

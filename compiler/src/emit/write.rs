@@ -13,7 +13,8 @@ use super::table::Tables;
 use super::uniforms::Candidates;
 use crate::graph::Graph;
 use crate::graph::interval::Interval;
-use crate::graph::kernel::{Op, Terms};
+use crate::graph::kernel::Op;
+use crate::graph::simplify::Terms;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 

@@ -16,6 +16,7 @@ mod list;
 mod outside;
 pub mod print;
 mod reads;
+pub mod simplify;
 mod walk;
 
 use crate::images::ImageFile;
@@ -444,7 +445,7 @@ impl Graph {
 
     /// An operation, folded where its arguments are constant and simplified where that changes no value.
     pub fn op(&mut self, op: Op, args: &[NodeId]) -> NodeId {
-        if let Some(simple) = kernel::simplify(self, op, args) {
+        if let Some(simple) = simplify::simplify(self, op, args) {
             return simple;
         }
         if let (Op::Add | Op::Sub, &[a, b]) = (op, args)
@@ -460,7 +461,7 @@ impl Graph {
 
     /// An associative operation over many nodes as a balanced tree; over none it is `neutral`.
     pub fn balanced(&mut self, op: Op, nodes: &[NodeId], neutral: f64) -> NodeId {
-        kernel::balanced(self, op, nodes).unwrap_or_else(|| self.constant(neutral))
+        simplify::balanced(self, op, nodes).unwrap_or_else(|| self.constant(neutral))
     }
 
     /// A function of a shape at a point. `args`: three coordinates, then the shape's variables in their order.

@@ -4,7 +4,8 @@ use super::{Action, BEGINS, CLASS_SHIFT, Class, ENDS, Number, PUSH, Table, Table
 use crate::emit::EmitError;
 use crate::emit::body::{Body, Code, ExprId, Read};
 use crate::emit::write::{self, Context};
-use crate::graph::kernel::{Op, Terms};
+use crate::graph::kernel::Op;
+use crate::graph::simplify::Terms;
 use std::fmt::Write;
 
 /// Bytes of private variables that every implementation of WGSL takes ("Limits" in its specification).

@@ -1,0 +1,386 @@
+//! Simpler terms for terms: what an operation comes to when something is known of its arguments, as constants, squares, turns and lengths that are
+//! written out. The graph and the bodies of functions that are written share it through [`Terms`].
+
+use super::kernel::Op;
+use super::{FAR, Graph, Node, NodeId};
+
+/// Where operations are made and looked into: a graph, or what is made of one.
+pub trait Terms {
+    /// What stands for a term.
+    type Id: Copy + PartialEq;
+    /// The constant that a term is, if it is one.
+    fn as_constant(&self, id: Self::Id) -> Option<f64>;
+    /// The operation that a term is, if it is one.
+    fn operation(&self, id: Self::Id) -> Option<(Op, &[Self::Id])>;
+    /// A constant.
+    fn constant(&mut self, value: f64) -> Self::Id;
+    /// An operation, simplified.
+    fn op(&mut self, op: Op, args: &[Self::Id]) -> Self::Id;
+    /// Whether turns and lengths that are written out are gathered into the operations, of which more is known.
+    fn gathers(&self) -> bool;
+}
+
+impl Terms for Graph {
+    type Id = NodeId;
+    fn as_constant(&self, id: NodeId) -> Option<f64> {
+        Graph::as_constant(self, id)
+    }
+    fn operation(&self, id: NodeId) -> Option<(Op, &[NodeId])> {
+        match self.node(id) {
+            Node::Op(op, args) if !self.labels.stands_apart(id) => Some((*op, args)),
+            _ => None,
+        }
+    }
+    fn constant(&mut self, value: f64) -> NodeId {
+        Graph::constant(self, value)
+    }
+    fn op(&mut self, op: Op, args: &[NodeId]) -> NodeId {
+        Graph::op(self, op, args)
+    }
+    fn gathers(&self) -> bool {
+        true
+    }
+}
+
+/// A sine or cosine of a constant. Those of quarter turns are whole: what is left of pi is not meant.
+fn quarter(value: f64) -> f64 {
+    if (value - value.round()).abs() < 4.0 * f64::EPSILON { value.round() } else { value }
+}
+
+/// The largest whole exponent up to which a power is multiplied out.
+const MOST_MULTIPLIED: f64 = 16.0;
+
+/// A number to a constant whole power, which takes negative numbers too. None where that is a power of what has no sign.
+fn whole_power<T: Terms>(graph: &mut T, a: T::Id, n: f64) -> Option<T::Id> {
+    if n.abs() > MOST_MULTIPLIED {
+        let size = graph.op(Op::Abs, &[a]);
+        // What is its own size takes the power as it is: an absolute value, a length, a constant that is not negative.
+        if size == a {
+            return None;
+        }
+        let is_odd = n % 2.0 != 0.0;
+        let even = graph.constant(if is_odd { n - 1.0 } else { n });
+        let power = graph.op(Op::Pow, &[size, even]);
+        return Some(if is_odd { graph.op(Op::Mul, &[a, power]) } else { power });
+    }
+    let mut result = graph.constant(1.0);
+    let (mut square, mut left) = (a, n.abs() as u32);
+    while left > 0 {
+        if left & 1 == 1 {
+            result = graph.op(Op::Mul, &[result, square]);
+        }
+        left >>= 1;
+        if left > 0 {
+            square = graph.op(Op::Mul, &[square, square]);
+        }
+    }
+    if n < 0.0 {
+        let one = graph.constant(1.0);
+        result = graph.op(Op::Div, &[one, result]);
+    }
+    Some(result)
+}
+
+/// A simpler term of the same value (the rounding of a constant apart), or none.
+pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id> {
+    let mut constants = [0.0; 4];
+    let mut all = true;
+    for (slot, &arg) in constants.iter_mut().zip(args) {
+        match graph.as_constant(arg) {
+            Some(c) => *slot = c,
+            None => all = false,
+        }
+    }
+    if let (Op::Pow, &[a, b]) = (op, args)
+        && let Some(n) = graph.as_constant(b).filter(|n| n.fract() == 0.0)
+        && let Some(power) = whole_power(graph, a, n)
+    {
+        return Some(power);
+    }
+    if all {
+        let folded = (op.row().value)(constants);
+        let folded = if matches!(op, Op::Sin | Op::Cos) { quarter(folded) } else { folded };
+        return Some(graph.constant(folded));
+    }
+    let a = *args.first()?;
+    let b = args.get(1).copied().unwrap_or(a);
+    let (ca, cb) = (graph.as_constant(a), graph.as_constant(b));
+    let is = |c: Option<f64>, v: f64| c == Some(v);
+    match op {
+        Op::Add if is(ca, 0.0) => Some(b),
+        Op::Add | Op::Sub if is(cb, 0.0) => Some(a),
+        Op::Add => match turned(graph, a, b).or(turned(graph, b, a)) {
+            // v cos t + u sin t
+            Some(((v, u, t), false)) => Some(graph.op(Op::TurnV, &[u, v, t])),
+            // v cos t - u sin t
+            Some(((v, u, t), true)) => Some(graph.op(Op::TurnU, &[v, u, t])),
+            None => negated(graph, b).map(|n| graph.op(Op::Sub, &[a, n])),
+        },
+        Op::Sub if is(ca, 0.0) => Some(graph.op(Op::Neg, &[b])),
+        Op::Sub if a == b => Some(graph.constant(0.0)),
+        Op::Sub => match (turned(graph, a, b), turned(graph, b, a)) {
+            // u cos t - v sin t
+            (Some(((u, v, t), false)), _) => Some(graph.op(Op::TurnU, &[u, v, t])),
+            // u cos t + v sin t
+            (Some(((u, v, t), true)), _) => Some(graph.op(Op::TurnV, &[v, u, t])),
+            (None, Some(((v, u, t), negative))) => {
+                // u sin t - v cos t, or -u sin t - v cos t
+                let turned = if negative { graph.op(Op::TurnV, &[u, v, t]) } else { graph.op(Op::TurnU, &[v, u, t]) };
+                Some(graph.op(Op::Neg, &[turned]))
+            }
+            _ => negated(graph, b).map(|n| graph.op(Op::Add, &[a, n])),
+        },
+        Op::Mul if is(ca, 0.0) || is(cb, 0.0) => Some(graph.constant(0.0)),
+        // The square of one interval is not the product of two.
+        Op::Mul if a == b => Some(graph.op(Op::Square, &[a])),
+        // `-x * x` and `2 * x * x` are products of a multiple and `x`.
+        Op::Mul if let Some((by, x)) = multiple_of_other(graph, a, b) => {
+            let square = graph.op(Op::Square, &[x]);
+            let by = graph.constant(by);
+            Some(graph.op(Op::Mul, &[by, square]))
+        }
+        // ((x x) x) x
+        Op::Mul if fourth(graph, a, b).is_some() => fourth(graph, a, b).map(|square| graph.op(Op::Square, &[square])),
+        Op::Mul if is(ca, 1.0) => Some(b),
+        Op::Mul if is(cb, 1.0) => Some(a),
+        Op::Mul if is(ca, -1.0) => Some(graph.op(Op::Neg, &[b])),
+        Op::Mul if is(cb, -1.0) => Some(graph.op(Op::Neg, &[a])),
+        Op::Mul => {
+            // c * (x * d) is (c * d) * x.
+            let (c, other) = ca.map(|c| (c, b)).or(cb.map(|c| (c, a)))?;
+            let (inner, &[x, y]) = graph.operation(other)? else { return None };
+            let (cx, cy) = (graph.as_constant(x), graph.as_constant(y));
+            let (d, x) = cx.map(|d| (d, y)).or(cy.map(|d| (d, x))).filter(|_| inner == Op::Mul)?;
+            let factor = if (c * d - 1.0).abs() < 1e-15 { 1.0 } else { c * d };
+            let factor = graph.constant(factor);
+            Some(graph.op(Op::Mul, &[factor, x]))
+        }
+        Op::Div if is(cb, 1.0) => Some(a),
+        Op::Div if is(ca, 0.0) => Some(graph.constant(0.0)),
+        Op::Div => {
+            // Dividing by a power of two is multiplying, exactly.
+            let c = cb.filter(|c| c.is_normal() && c.to_bits().trailing_zeros() >= 52)?;
+            let inverse = graph.constant(1.0 / c);
+            Some(graph.op(Op::Mul, &[a, inverse]))
+        }
+        Op::Neg => match graph.operation(a)? {
+            (Op::Neg, &[x]) => Some(x),
+            (Op::Sub, &[x, y]) => Some(graph.op(Op::Sub, &[y, x])),
+            _ => None,
+        },
+        Op::Min if a == b => Some(a),
+        Op::Min if is(ca, FAR) => Some(b),
+        Op::Min if is(cb, FAR) => Some(a),
+        Op::Max if a == b => Some(a),
+        Op::Max if is(ca, -FAR) => Some(b),
+        Op::Max if is(cb, -FAR) => Some(a),
+        Op::Max if is(ca, FAR) || is(cb, FAR) => Some(graph.constant(FAR)),
+        Op::Min if is(ca, -FAR) || is(cb, -FAR) => Some(graph.constant(-FAR)),
+        Op::Abs => match graph.operation(a)? {
+            (Op::Neg, &[x]) => Some(graph.op(Op::Abs, &[x])),
+            (Op::Abs | Op::Sqrt | Op::Square | Op::Length2 | Op::Length3 | Op::Length4, _) => Some(a),
+            _ => None,
+        },
+        // Of roots of sums of squares more is known.
+        Op::Pow if is(cb, 0.5) => Some(graph.op(Op::Sqrt, &[a])),
+        Op::Pow if is(cb, 0.25) => {
+            let root = graph.op(Op::Sqrt, &[a]);
+            Some(graph.op(Op::Sqrt, &[root]))
+        }
+        Op::Sqrt => match graph.operation(a)? {
+            // sqrt(x²) is |x|, whatever the sign.
+            (Op::Square, &[x]) => Some(graph.op(Op::Abs, &[x])),
+            // The root of a sum of squares is a length, whose gradient never exceeds one.
+            (Op::Add, &[x, y]) if graph.gathers() => {
+                let of = sides(graph, x, y)?;
+                let op = match of.len() {
+                    2 => Op::Length2,
+                    3 => Op::Length3,
+                    4 => Op::Length4,
+                    _ => return None,
+                };
+                Some(graph.op(op, &of))
+            }
+            // The root grows, so it can be taken on each side.
+            (Op::Min, &[x, y]) => {
+                let (x, y) = (graph.op(Op::Sqrt, &[x]), graph.op(Op::Sqrt, &[y]));
+                Some(graph.op(Op::Min, &[x, y]))
+            }
+            _ => None,
+        },
+        Op::Log if graph.gathers() => soft_maximum(graph, a),
+        Op::Length2 | Op::Length3 | Op::Length4 => {
+            // A component that is always zero does not count.
+            if !args.iter().any(|&x| graph.as_constant(x) == Some(0.0)) {
+                return None;
+            }
+            let rest: Vec<T::Id> =
+                args.iter().copied().filter(|&x| graph.as_constant(x) != Some(0.0)).collect();
+            Some(match *rest {
+                [] => graph.constant(0.0),
+                [x] => graph.op(Op::Abs, &[x]),
+                [_, _] => graph.op(Op::Length2, &rest),
+                _ => graph.op(Op::Length3, &rest),
+            })
+        }
+        Op::TurnU | Op::TurnV => {
+            // By whole quarter turns.
+            let angle = graph.as_constant(*args.get(2)?)?;
+            let (cos, sin) = (quarter(angle.cos()), quarter(angle.sin()));
+            if cos != 0.0 && sin != 0.0 {
+                return None;
+            }
+            let u = op == Op::TurnU;
+            let of_first = if u { cos } else { sin };
+            let of_second = if u { -sin } else { cos };
+            let (term, times) = if of_first != 0.0 { (a, of_first) } else { (b, of_second) };
+            Some(if times > 0.0 { term } else { graph.op(Op::Neg, &[term]) })
+        }
+        Op::Select => {
+            let c = *args.get(2)?;
+            if b == c {
+                return Some(b);
+            }
+            ca.map(|condition| if condition != 0.0 { b } else { c })
+        }
+        Op::And if is(ca, 1.0) => Some(b),
+        Op::And if is(cb, 1.0) => Some(a),
+        Op::And if is(ca, 0.0) || is(cb, 0.0) => Some(graph.constant(0.0)),
+        Op::Or if is(ca, 0.0) => Some(b),
+        Op::Or if is(cb, 0.0) => Some(a),
+        Op::Or if is(ca, 1.0) || is(cb, 1.0) => Some(graph.constant(1.0)),
+        Op::Not => match graph.operation(a)? {
+            (Op::Not, &[x]) => Some(x),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// The logarithm of a sum of powers of e, where nothing overflows and each slope is between 0 and 1: log(exp(u) + exp(v)) is
+/// max(u, v) + log(1 + exp(-|u - v|)), and of more than two it is m + log Σ exp(u - m) with m the largest. None of anything else.
+fn soft_maximum<T: Terms>(graph: &mut T, sum: T::Id) -> Option<T::Id> {
+    let (mut open, mut powers) = (vec![sum], Vec::new());
+    while let Some(term) = open.pop() {
+        match graph.operation(term)? {
+            (Op::Add, &[x, y]) if open.len() + powers.len() < MOST_POWERS => open.extend([y, x]),
+            (Op::Exp, &[u]) => powers.push(u),
+            _ => return None,
+        }
+    }
+    let one = graph.constant(1.0);
+    if let [u, v] = *powers {
+        let larger = graph.op(Op::Max, &[u, v]);
+        let apart = graph.op(Op::Sub, &[u, v]);
+        let apart = graph.op(Op::Abs, &[apart]);
+        let apart = graph.op(Op::Neg, &[apart]);
+        let smaller = graph.op(Op::Exp, &[apart]);
+        let sum = graph.op(Op::Add, &[one, smaller]);
+        let rest = graph.op(Op::Log, &[sum]);
+        return Some(graph.op(Op::Add, &[larger, rest]));
+    }
+    if powers.len() < 2 {
+        return None;
+    }
+    let largest = balanced(graph, Op::Max, &powers)?;
+    let less: Vec<T::Id> = powers
+        .iter()
+        .map(|&u| {
+            let less = graph.op(Op::Sub, &[u, largest]);
+            graph.op(Op::Exp, &[less])
+        })
+        .collect();
+    let sum = balanced(graph, Op::Add, &less)?;
+    // The largest adds one.
+    let sum = graph.op(Op::Max, &[sum, one]);
+    let rest = graph.op(Op::Log, &[sum]);
+    Some(graph.op(Op::Add, &[largest, rest]))
+}
+
+/// Longer sums are left as they are.
+const MOST_POWERS: usize = 1000;
+
+/// A balanced tree of one operation over many operands; none of none.
+pub fn balanced<T: Terms>(graph: &mut T, op: Op, operands: &[T::Id]) -> Option<T::Id> {
+    if let [] | [_] = operands {
+        return operands.first().copied();
+    }
+    let (left, right) = operands.split_at(operands.len() / 2);
+    let sides = [balanced(graph, op, left)?, balanced(graph, op, right)?];
+    Some(graph.op(op, &sides))
+}
+
+/// Of `x cos t` and `y sin t`: x, y and t; and whether it is `-y sin t`.
+type Turned<Id> = ((Id, Id, Id), bool);
+
+fn turned<T: Terms>(graph: &T, a: T::Id, b: T::Id) -> Option<Turned<T::Id>> {
+    if !graph.gathers() {
+        return None;
+    }
+    let product = |id: T::Id| match graph.operation(id)? {
+        (Op::Mul, &[x, y]) => Some([(x, y), (y, x)]),
+        _ => None,
+    };
+    let angle = |id: T::Id, op: Op| match graph.operation(id)? {
+        (found, &[t]) if found == op => Some(t),
+        _ => None,
+    };
+    let (c, x) = product(a)?.into_iter().find(|(c, _)| angle(*c, Op::Cos).is_some())?;
+    let t = angle(c, Op::Cos)?;
+    let (b, outside) = negated(graph, b).map_or((b, false), |b| (b, true));
+    let positive = |id: T::Id| negated(graph, id).map_or((id, false), |id| (id, true));
+    product(b)?.into_iter().find_map(|(s, y)| {
+        let ((s, first), (y, second)) = (positive(s), positive(y));
+        (angle(s, Op::Sin) == Some(t)).then_some(((x, y, t), outside ^ first ^ second))
+    })
+}
+
+/// The square of `x`, where `a` is its cube and `b` is `x`.
+fn fourth<T: Terms>(graph: &T, a: T::Id, b: T::Id) -> Option<T::Id> {
+    let (Op::Mul, &[square, x]) = graph.operation(a)? else { return None };
+    let squared = matches!(graph.operation(square)?, (Op::Square, &[y]) if y == b);
+    (x == b && squared).then_some(square)
+}
+
+/// What is squared in the terms of a sum, two to four of them; a constant counts as the square of its root.
+fn sides<T: Terms>(graph: &mut T, a: T::Id, b: T::Id) -> Option<Vec<T::Id>> {
+    let mut open = vec![b, a];
+    let mut found = Vec::new();
+    let mut constant = 0.0;
+    while let Some(term) = open.pop() {
+        if let Some(c) = graph.as_constant(term).filter(|c| *c >= 0.0) {
+            constant += c;
+            continue;
+        }
+        match graph.operation(term)? {
+            (Op::Square, &[x]) => found.push(x),
+            (Op::Add, &[x, y]) => open.extend([y, x]),
+            _ => return None,
+        }
+        if found.len() + open.len() > 4 {
+            return None;
+        }
+    }
+    if constant > 0.0 {
+        found.push(graph.constant(constant.sqrt()));
+    }
+    Some(found)
+}
+
+fn negated<T: Terms>(graph: &T, id: T::Id) -> Option<T::Id> {
+    match graph.operation(id)? {
+        (Op::Neg, &[x]) => Some(x),
+        _ => None,
+    }
+}
+
+/// Where one of two nodes is a multiple of the other: by how much, and that other one.
+fn multiple_of_other<T: Terms>(graph: &T, a: T::Id, b: T::Id) -> Option<(f64, T::Id)> {
+    let multiple = |of: T::Id, x: T::Id| match graph.operation(of)? {
+        (Op::Neg, &[y]) if y == x => Some(-1.0),
+        (Op::Mul, &[y, z]) if z == x => graph.as_constant(y),
+        (Op::Mul, &[y, z]) if y == x => graph.as_constant(z),
+        _ => None,
+    };
+    multiple(a, b).map(|by| (by, b)).or_else(|| multiple(b, a).map(|by| (by, a)))
+}
