@@ -1,7 +1,7 @@
 //! Lipschitz constants: the largest norm of a gradient over a domain, the worst box split again and again.
 
 use super::map::{chain_norm, map_norm};
-use super::tape::Tape;
+use super::tape::{Step, Tape};
 use super::region::shift_along;
 use super::polar::Polar;
 use super::dual::Dual;
@@ -77,10 +77,19 @@ impl Facts {
                     let (dual, runs) = facts.dual_of(graph, &tape, d);
                     (Norm { norm: dual.norm, jumps: dual.jumps != 0, runs }, ())
                 });
-                if budget <= 1 || found.is_close() { found.constant } else { facts.term_by_term(graph, node, domain, asked, found.constant) }
+                // Where a number may be anything in a range, the steepest place that was met is one for all of them.
+                let is_met = found.is_close() && !facts.is_ranging(graph, node, domain);
+                if budget <= 1 || is_met { found.constant } else { facts.term_by_term(graph, node, domain, asked, found.constant) }
             }
         };
         if budget > 1 { self.remembered_constant(graph, &[node], domain, budget, search) } else { search(self) }
+    }
+
+    /// Whether a formula reads a number that may be anything in a range.
+    pub(super) fn is_ranging(&mut self, graph: &Graph, node: NodeId, domain: &Domain) -> bool {
+        let tape = self.tape(graph, node);
+        let ranges = |leaf: &Leaf| !matches!(leaf, Leaf::P(_)) && leaf_range(graph, &self.pinned, *leaf, domain).width() > 0.0;
+        tape.steps.iter().any(|step| matches!(step, Step::Leaf(leaf) if ranges(leaf)))
     }
 
     /// How many boxes a search may still have: one, where a scene has cost too much already.
@@ -391,7 +400,7 @@ impl Found {
 const CLOSE: f64 = 1.5;
 
 /// What a node adds and what it takes away (true), in any order.
-pub(super) fn terms(graph: &Graph, node: NodeId) -> Vec<(NodeId, bool)> {
+pub(crate) fn terms(graph: &Graph, node: NodeId) -> Vec<(NodeId, bool)> {
     let (mut open, mut terms) = (vec![(node, false)], Vec::new());
     while let Some((node, taken)) = open.pop() {
         match graph.node(node) {

@@ -6,14 +6,16 @@
 
 use super::constant::{Norm, Sought, terms};
 use super::dual::{self, Dual};
+use super::tape::Tape;
 use super::{Constant, Domain, Facts, leaf_dual};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Graph, Node, NodeId};
 use std::rc::Rc;
 
-/// Fewer terms are looked at together, and so are more.
+/// Fewer terms are looked at together, and so are more; where a number may be anything in a range two are enough, since no box is ever small.
 const FEWEST: usize = 3;
+const FEWEST_RANGING: usize = 2;
 const MOST: usize = 512;
 /// A term is flat where it is this much less steep than the steepest, over the number of terms.
 const FLAT: f64 = 1e-3;
@@ -55,8 +57,9 @@ impl Facts {
     /// The constant of a node that was not found closely as a whole: `whole`, or a smaller one where it is a sum of terms.
     pub(super) fn term_by_term(&mut self, graph: &Graph, node: NodeId, domain: &Domain, budget: usize, whole: Constant) -> Constant {
         let Sum { terms, within } = Sum::of(graph, node);
+        let fewest = if self.is_ranging(graph, node, domain) { FEWEST_RANGING } else { FEWEST };
         // Such a look may cost as much as all else, and must not be the reason that the next formula gets no search at all.
-        if !(FEWEST..=MOST).contains(&terms.len()) || within.is_empty() || whole.jumps || !self.has_leisure() {
+        if !(fewest..=MOST).contains(&terms.len()) || within.is_empty() || whole.jumps || !self.has_leisure() {
             return whole;
         }
         let limits = self.limits(graph, &terms, within, domain, budget);
@@ -70,6 +73,7 @@ impl Facts {
         let flat = if usual.is_finite() { FLAT * usual / terms.len() as f64 } else { 0.0 };
         let tapes: Vec<_> = terms.iter().map(|&(term, _)| self.tape(graph, term)).collect();
         let tape = self.tape(graph, node);
+        let domain = &self.without_steady(graph, &tapes, within, domain);
         let known = Active { terms: (0..terms.len()).collect(), values: Interval::ZERO, steep: 0.0 };
         let sought = Sought { polar: None, budget: usize::MAX, known, reached };
         let found = self.supremum(graph, &tape, domain, sought, |facts, d, around| {
@@ -101,6 +105,25 @@ impl Facts {
             (norm, Active { terms: active.into(), values, steep })
         });
         Constant { lipschitz: found.constant.lipschitz.min(whole.lipschitz), ..whole }
+    }
+
+    /// The domain with a point in place of each side along which all terms are planes: how steep they are is the same all over it.
+    fn without_steady(&mut self, graph: &Graph, tapes: &[Rc<Tape>], within: Interval, domain: &Domain) -> Domain {
+        let mut left = domain.clone();
+        if within != Interval::ALL || !domain.within.is_empty() || domain.tube.is_some() {
+            return left;
+        }
+        let bent: Vec<&Rc<Tape>> = tapes
+            .iter()
+            .filter(|tape| {
+                let (dual, _) = self.dual_of(graph, tape, domain);
+                dual.jumps != 0 || dual.gradient.iter().any(|slope| !slope.is_point())
+            })
+            .collect();
+        for i in (0..3).filter(|&i| domain.point.axis(i).is_finite() && !bent.iter().any(|tape| tape.reads(i))) {
+            left.point = left.point.with_axis(i, Interval::point(domain.point.axis(i).middle()));
+        }
+        left
     }
 
     /// How steep each term of a sum is where the sum is within an interval: there no term can be more than that leaves it beside all others.

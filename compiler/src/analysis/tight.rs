@@ -16,8 +16,8 @@ type Coefficients = SmallVec<[f64; 8]>;
 /// What more is known of a step.
 #[derive(Clone, Debug)]
 pub(super) enum Tight {
-    /// It is a fractional part.
-    Part,
+    /// It is a fractional part, or what is left of a division.
+    Part(Interval),
     /// It is a mean of two steps, by the share of the second.
     Mean { of: [usize; 2], share: usize },
     /// It is a polynomial of an earlier step.
@@ -28,6 +28,8 @@ pub(super) enum Tight {
 const HIGHEST: usize = 7;
 /// Into how many parts a range is cut for the slope.
 const PARTS: usize = 4;
+/// So many operations are looked through for whole numbers.
+const DEEPEST: usize = 6;
 /// What rounding may lead beyond.
 const SLACK: f64 = 1e-12;
 /// The rounding of all the steps to a Bernstein coefficient, against the size of what is added up.
@@ -68,7 +70,7 @@ impl Tight {
     /// A step's values, of those of all steps before it.
     pub(super) fn values(&self, value: impl Fn(usize) -> Interval) -> Interval {
         match self {
-            Tight::Part => Interval::new(0.0, 1.0),
+            Tight::Part(values) => *values,
             Tight::Mean { of: [a, b], share } if is_share(value(*share)) => widened(value(*a).hull(value(*b))),
             Tight::Mean { .. } => Interval::ALL,
             Tight::Polynomial { of, coefficients } => bernstein(coefficients, value(*of)),
@@ -82,7 +84,7 @@ impl Tight {
         let both = dual.value.intersect(known);
         let dual = if both.is_empty() { dual } else { Dual { value: both, ..dual } };
         match self {
-            Tight::Part => dual,
+            Tight::Part(_) => dual,
             Tight::Mean { of: [a, b], share } if is_share(of(*share).value) => {
                 // (1 - t) ∇a + t ∇b + (b - a) ∇t
                 let (a, b, share) = (of(*a), of(*b), of(*share));
@@ -121,10 +123,46 @@ fn widened(value: Interval) -> Interval {
     value.grow(SLACK * value.magnitude().min(1e30))
 }
 
-/// `x - ⌊x⌋`.
+/// `x - ⌊x⌋`, and `x - m ⌊x / m⌋`, which is a whole number where both are.
 fn part(tape: &Tape, args: &[usize]) -> Option<Tight> {
-    let &[x, whole] = args else { return None };
-    matches!(tape.steps.get(whole)?, Step::Op(Op::Floor, of) if of.first() == Some(&x)).then_some(Tight::Part)
+    let &[x, taken] = args else { return None };
+    let (mut size, mut step) = (1.0, taken);
+    if let (Op::Mul, &[a, b]) = tape.operation(taken)? {
+        (size, step) = tape.constant(a).map(|m| (m, b)).or(tape.constant(b).map(|m| (m, a)))?;
+    }
+    let (rounds @ (Op::Floor | Op::Ceil | Op::Round), &[of]) = tape.operation(step)? else { return None };
+    let share = match tape.operation(of) {
+        _ if of == x => 1.0,
+        Some((Op::Mul, &[a, b])) if b == x => tape.constant(a)?,
+        Some((Op::Mul, &[a, b])) if a == x => tape.constant(b)?,
+        Some((Op::Div, &[a, b])) if a == x => 1.0 / tape.constant(b)?,
+        _ => return None,
+    };
+    if size <= 0.0 || (size * share - 1.0).abs() > SLACK {
+        return None;
+    }
+    // Only by powers of two is a device sure to divide exactly.
+    let least = if size.log2().fract() == 0.0 && size >= 1.0 && is_whole(tape, x, DEEPEST) { 1.0 } else { 0.0 };
+    let values = match rounds {
+        Op::Floor => Interval::new(0.0, size - least),
+        Op::Ceil => Interval::new(least - size, 0.0),
+        _ => Interval::new(-0.5 * size, 0.5 * size),
+    };
+    Some(Tight::Part(if size == 1.0 { values } else { widened(values) }))
+}
+
+/// Whether a step is always a whole number.
+fn is_whole(tape: &Tape, step: usize, deep: usize) -> bool {
+    if let Some(c) = tape.constant(step) {
+        return c.fract() == 0.0;
+    }
+    match tape.operation(step) {
+        Some((Op::Floor | Op::Ceil | Op::Round | Op::Trunc | Op::Sign, _)) => true,
+        Some((Op::Add | Op::Sub | Op::Mul | Op::Neg | Op::Abs | Op::Min | Op::Max, args)) if deep > 0 => {
+            args.iter().all(|&arg| is_whole(tape, arg, deep - 1))
+        }
+        _ => false,
+    }
 }
 
 /// `a (1 - t) + b t`, or `a + (b - a) t`.

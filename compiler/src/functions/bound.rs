@@ -26,6 +26,10 @@ impl Builder<'_> {
         }
         match self.graph.node(node).clone() {
             Node::Constant(_) => node,
+            // What jumps by itself, and hardly beside the others, is a group.
+            Node::Op(Op::Min | Op::Max, _) if !continuous && self.meets_at_walls(node, domain) => {
+                self.normalised(shape, node, domain, continuous)
+            }
             Node::Op(Op::Max, _) if let Some(left) = self.without_absorbed(node, domain) => self.bound(shape, left, domain, continuous),
             Node::Op(op @ (Op::Min | Op::Max), args) => {
                 let near = if op == Op::Max { self.narrowed(node, domain) } else { None };
@@ -245,10 +249,12 @@ impl Builder<'_> {
                 Proof::Derived if at.point.is_finite() => self.uneven(node, &at, treatment.constant).filter(|u| !u.is_unknown()),
                 _ => None,
             };
+            let cell = if treatment.in_a_cell { self.one_cell(node, &at) } else { None };
+            let (sought, at) = cell.map_or((node, at), |cell| (cell.0, cell.1.clone()));
             let known = Known {
                 lipschitz: treatment.constant,
                 proof: treatment.proof,
-                search: (treatment.proof != Proof::Measured).then_some((Target::Value(node), at)),
+                search: (treatment.proof != Proof::Measured).then_some((Target::Value(sought), at)),
             };
             let factor = self.factor(known, node, shape);
             let way = self.times(node, factor);
@@ -280,7 +286,7 @@ impl Builder<'_> {
         };
         let Some((region, reach)) = region else {
             let region = Some((Box3::EMPTY, 0.0));
-            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, everywhere: false });
+            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, everywhere: false, in_a_cell: false });
         };
         let near = domain.at(region.grow(reach).intersect(&Box3::cube(self.extent)));
         let steepest = self.facts.sampled_constant(self.graph, node, &near, SAMPLES);
@@ -304,6 +310,7 @@ impl Builder<'_> {
             region: Some((region, reach)),
             proof: Proof::Measured,
             everywhere: false,
+            in_a_cell: false,
         })
     }
 
@@ -322,11 +329,11 @@ impl Builder<'_> {
         continuous: bool,
     ) -> Option<Treatment> {
         let key = (shape, node, domain.key(), continuous);
-        if let Some(known) = self.treatments.get(&key) {
+        if let Some(known) = self.found.treatments.get(&key) {
             return *known;
         }
         let found = self.find_treatment(shape, node, domain, continuous);
-        self.treatments.insert(key, found);
+        self.found.treatments.insert(key, found);
         found
     }
 
@@ -344,7 +351,7 @@ impl Builder<'_> {
         }
         if all.lipschitz == 0.0 {
             // The same everywhere: any step is right, and so is this.
-            return Some(Treatment { constant: 1.0, jumps: all.jumps, region: None, proof: Proof::Proven, everywhere: true });
+            return Some(Treatment { constant: 1.0, jumps: all.jumps, region: None, proof: Proof::Proven, everywhere: true, in_a_cell: false });
         }
         let claimed = matches!(self.graph.node(node), Node::Claim(_, Claim::Lipschitz(..)));
         let mut by_rule = if claimed { Proof::Claimed } else { Proof::Proven };
@@ -356,21 +363,23 @@ impl Builder<'_> {
         }
         let gentle = all.lipschitz <= GENTLE || all.lipschitz <= 4.0 && self.facts.weight(self.graph, node) > LONG;
         if plain && gentle {
-            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true });
+            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true, in_a_cell: false });
         }
         // A region of its own: tighter, or the only way.
         let Some((region, reach)) = self.region_of(node, domain) else {
             // Nothing solid in the extent.
             let region = Some((Box3::EMPTY, 0.0));
-            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, everywhere: false });
+            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, everywhere: false, in_a_cell: false });
         };
         let bounded = region != domain.point;
         let near = domain.at(region.grow(reach));
         // With what a condition leaves out, less is found at once than there is; where it is mild already, a search in the background will do.
         let constant = self.facts.constant(self.graph, node, &near, BUDGET);
         let constant = if constant.lipschitz > STEEP { self.constant_within(node, &near, LONGER) } else { constant };
+        let of_a_cell = self.constant_of_a_cell(node, &near, &constant);
+        let (constant, in_a_cell) = of_a_cell.map_or((constant, false), |of_a_cell| (of_a_cell, true));
         if plain && all.lipschitz <= STEEPEST && (!bounded || constant.lipschitz > 0.85 * all.lipschitz) {
-            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true });
+            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true, in_a_cell: false });
         }
         if constant.lipschitz > STEEPEST_OF_ALL || constant.lipschitz.is_nan() {
             return None;
@@ -390,6 +399,7 @@ impl Builder<'_> {
             region: needed.then_some((region, reach)),
             proof: Proof::Derived,
             everywhere: false,
+            in_a_cell,
         })
     }
 

@@ -28,11 +28,11 @@ impl Builder<'_> {
     /// A formula without a finite constant, cut off where it is far from zero; none where that is no help.
     fn capped(&mut self, node: NodeId, domain: &Domain) -> Option<(NodeId, Treatment)> {
         let key = (node, domain.key());
-        if let Some(known) = self.capped.get(&key) {
+        if let Some(known) = self.found.capped.get(&key) {
             return *known;
         }
         let found = self.find_capped(node, domain);
-        self.capped.insert(key, found);
+        self.found.capped.insert(key, found);
         found
     }
 
@@ -56,7 +56,7 @@ impl Builder<'_> {
             }
         }
         let (_, capped, lipschitz) = best?;
-        let treatment = Treatment { constant: lipschitz.max(1e-6), jumps: false, region: Some((region, reach)), proof: Proof::Derived, everywhere: false };
+        let treatment = Treatment { constant: lipschitz.max(1e-6), jumps: false, region: Some((region, reach)), proof: Proof::Derived, everywhere: false, in_a_cell: false };
         Some((capped, treatment))
     }
 

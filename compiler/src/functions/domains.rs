@@ -110,7 +110,7 @@ impl Builder<'_> {
     /// need not look at it; the field is another away from it, and stays.
     pub(super) fn without_absorbed(&mut self, node: NodeId, domain: &Domain) -> Option<NodeId> {
         let key = (node, domain.key());
-        if let Some(known) = self.absorbed.get(&key) {
+        if let Some(known) = self.found.absorbed.get(&key) {
             return *known;
         }
         let Node::Op(Op::Max, args) = self.graph.node(node) else { return None };
@@ -120,7 +120,7 @@ impl Builder<'_> {
             self.built.absorbed.insert((node, other));
         }
         let left = left.map(|(left, _)| left);
-        self.absorbed.insert(key, left);
+        self.found.absorbed.insert(key, left);
         left
     }
 
@@ -142,11 +142,11 @@ impl Builder<'_> {
     /// that its parts then need. None where it needs no region.
     pub(super) fn narrowed(&mut self, node: NodeId, domain: &Domain) -> Option<Narrowed> {
         let key = (node, domain.key(), domain.narrowed);
-        if let Some(known) = self.regions.get(&key) {
+        if let Some(known) = self.found.regions.get(&key) {
             return known.clone();
         }
         let found = self.find_narrowed(node, domain);
-        self.regions.insert(key, found.clone());
+        self.found.regions.insert(key, found.clone());
         found
     }
 
@@ -176,7 +176,7 @@ impl Builder<'_> {
     /// A constant over all space that follows from those of the parts: found at once, and no smaller than what a look at the whole finds.
     fn rough_constant(&mut self, node: NodeId, everywhere: &Domain) -> f64 {
         let key = (node, everywhere.key());
-        if let Some(known) = self.rough.get(&key) {
+        if let Some(known) = self.found.rough.get(&key) {
             return *known;
         }
         let found = match self.graph.node(node).clone() {
@@ -191,7 +191,7 @@ impl Builder<'_> {
             }),
             _ => self.facts.constant(self.graph, node, everywhere, 1).lipschitz,
         };
-        self.rough.insert(key, found);
+        self.found.rough.insert(key, found);
         found
     }
 
@@ -211,11 +211,11 @@ impl Builder<'_> {
     /// steep by much. Unlike a box the tame one may leave out an axis, or a hole.
     pub(super) fn cut(&mut self, node: NodeId, domain: &Domain) -> Option<Cut> {
         let key = (node, domain.key());
-        if let Some(known) = self.cuts.get(&key) {
+        if let Some(known) = self.found.cuts.get(&key) {
             return known.clone();
         }
         let found = self.find_cut(node, domain);
-        self.cuts.insert(key, found.clone());
+        self.found.cuts.insert(key, found.clone());
         found
     }
 

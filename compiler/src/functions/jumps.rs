@@ -179,7 +179,7 @@ impl Builder<'_> {
                         let site = Site { node, op: *op, args };
                         // That, too, makes nodes.
                         let has_room = self.graph.len() + MOST_OPENED / 2 < most;
-                        if !has_room || !self.is_seam(root, &site) {
+                        if !has_room || self.jump_height(root, &site, near) > 0.0 {
                             sites.push(site);
                         }
                     }

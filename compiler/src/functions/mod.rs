@@ -8,13 +8,16 @@ mod ahead;
 mod bodies;
 mod bound;
 mod capped;
+mod cell;
 mod convex;
 mod distance;
 mod domains;
 mod dress;
 mod folds;
+mod found;
 mod gradient;
 mod ground;
+mod heights;
 mod jumps;
 mod outlines;
 mod seams;
@@ -31,7 +34,7 @@ pub use outlines::Outline;
 use ahead::AMPLE;
 use crate::analysis::region::WORLD_SIDE;
 use crate::analysis::search::{Search, Target};
-use crate::analysis::{Box3, Domain, Facts, Key, call_domain};
+use crate::analysis::{Box3, Domain, Facts, call_domain};
 use crate::compiled::SceneBlocks;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::interval::Interval;
@@ -229,6 +232,8 @@ struct Treatment {
     proof: Proof,
     /// Whether the constant is that of all space.
     everywhere: bool,
+    /// Whether it was found in one cell of what goes by cells.
+    in_a_cell: bool,
 }
 
 /// A constant, how it is known, and of what over which domain.
@@ -262,14 +267,7 @@ pub struct Builder<'a> {
     /// Whether there is a camera that frames what is solid.
     framed: bool,
     domains: FxHashMap<ShapeId, Domain>,
-    treatments: FxHashMap<(ShapeId, NodeId, Key, bool), Option<Treatment>>,
-    capped: FxHashMap<(NodeId, Key), Option<(NodeId, Treatment)>>,
-    regions: FxHashMap<(NodeId, Key, bool), Option<Narrowed>>,
-    cuts: FxHashMap<(NodeId, Key), Option<Cut>>,
-    /// What is left of an intersection of which one operand cuts nothing off.
-    absorbed: FxHashMap<(NodeId, Key), Option<NodeId>>,
-    rough: FxHashMap<(NodeId, Key), f64>,
-    unevens: FxHashMap<(NodeId, Key), Option<Rc<uneven::Uneven>>>,
+    found: found::Found,
     /// Whether the scene has so many parts that they may be a union of many; found when it is first asked for.
     crowded: Option<bool>,
     built: Functions,
@@ -343,13 +341,7 @@ pub fn build(
         says_extent: blocks.says_extent,
         framed: blocks.is_framed(),
         domains: with_room(shapes),
-        treatments: FxHashMap::default(),
-        capped: FxHashMap::default(),
-        regions: FxHashMap::default(),
-        cuts: FxHashMap::default(),
-        absorbed: FxHashMap::default(),
-        rough: FxHashMap::default(),
-        unevens: FxHashMap::default(),
+        found: found::Found::default(),
         crowded: None,
         built: Functions { searches, formulas: with_room(6 * shapes), ..Functions::default() },
         diagnostics: Vec::new(),

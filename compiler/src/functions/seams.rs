@@ -7,14 +7,31 @@
 use super::Builder;
 use super::jumps::Site;
 use crate::graph::kernel::Op;
+use crate::analysis::Domain;
 use crate::graph::{Leaf, Node, NodeId};
 use rustc_hash::{FxHashMap, FxHashSet};
+use smallvec::{SmallVec, smallvec};
 
 /// Longer formulas are not looked at.
 const LONGEST: usize = 4000;
+/// Nor sums of more terms.
+const MOST_TERMS: usize = 256;
+/// Nor are products of more factors multiplied out.
+const MOST_FACTORS: usize = 12;
+
+/// A product of nodes, in their order.
+type Product = SmallVec<[NodeId; 4]>;
+
+/// Multiples of products, in their order; of none the constant.
+type Sum = Vec<(Product, f64)>;
 
 /// A formula on one side of where something in it jumps.
+#[derive(Default)]
 struct Wall {
+    /// Whether products of sums are multiplied out: then more is seen to be the same, and less is known of what is not.
+    multiplies: bool,
+    /// Nodes as sums.
+    sums: FxHashMap<NodeId, Option<Sum>>,
     /// The whole number.
     whole: NodeId,
     /// Nodes that are the whole number and so much more.
@@ -26,40 +43,66 @@ struct Wall {
 }
 
 impl Builder<'_> {
-    /// Whether a formula comes to the same on both sides of where this operation of it jumps.
-    pub(super) fn is_seam(&mut self, root: NodeId, site: &Site) -> bool {
+    /// How high a formula jumps where this operation of it does: zero where it comes to the same on both sides, without end where nothing is known.
+    pub(super) fn jump_height(&mut self, root: NodeId, site: &Site, near: &Domain) -> f64 {
+        let key = (root, site.node, near.key());
+        if let Some(known) = self.found.heights.get(&key) {
+            return *known;
+        }
+        let found = self.find_height(root, site, near).unwrap_or(f64::INFINITY);
+        self.found.heights.insert(key, found);
+        found
+    }
+
+    fn find_height(&mut self, root: NodeId, site: &Site, near: &Domain) -> Option<f64> {
         let (at, sides) = match site.op {
             Op::Floor => (0.0, [-1.0, 0.0]),
             Op::Ceil => (0.0, [0.0, 1.0]),
             Op::Round => (0.5, [0.0, 1.0]),
-            _ => return false,
+            _ => return None,
         };
-        let Some(&argument) = site.args.first() else { return false };
+        let argument = *site.args.first()?;
         let order = self.graph.reachable(&[root]);
         if order.len() > LONGEST {
-            return false;
+            return None;
         }
-        let variable = self.graph.fresh_variable();
-        let whole = self.graph.leaf(Leaf::Variable(variable));
-        let mut wall = Wall { whole, lattice: FxHashMap::default(), still: self.still(&order), held: FxHashMap::default() };
-        wall.lattice.insert(whole, 0.0);
-        let [left, right] = sides.map(|side| {
-            let mut new = FxHashMap::default();
-            new.insert(argument, self.on_lattice(&mut wall, at));
-            new.insert(site.node, self.on_lattice(&mut wall, side));
-            for &id in &order {
-                if !new.contains_key(&id) {
-                    let made = self.on_wall(&mut wall, id, &new);
-                    new.insert(id, made);
+        let along = self.along_axis(argument);
+        let still = self.still(&order);
+        let mut least = f64::INFINITY;
+        for multiplies in [false, true] {
+            let mut beside = near.clone();
+            let values = self.facts.range(self.graph, argument, near).grow(1.0);
+            let whole = beside.free_number(self.graph, values);
+            let mut wall = Wall { whole, multiplies, still: still.clone(), ..Wall::default() };
+            wall.lattice.insert(whole, 0.0);
+            let [left, right] = sides.map(|side| {
+                let mut new = FxHashMap::default();
+                let here = self.on_lattice(&mut wall, at);
+                new.insert(argument, here);
+                if let Some((axis, times, more)) = along {
+                    let coordinate = self.canonical(&mut wall, here, 1.0 / times, -more / times);
+                    let leaf = self.graph.leaf(Leaf::P(axis));
+                    new.insert(leaf, coordinate);
                 }
+                new.insert(site.node, self.on_lattice(&mut wall, side));
+                for &id in &order {
+                    if !new.contains_key(&id) {
+                        let made = self.on_wall(&mut wall, id, &new);
+                        new.insert(id, made);
+                    }
+                }
+                new.get(&root).copied()
+            });
+            least = least.min(self.most_apart(left?, right?, &beside));
+            if least == 0.0 {
+                break;
             }
-            new.get(&root).copied()
-        });
-        left.is_some() && left == right
+        }
+        Some(least)
     }
 
     /// Those of some nodes, in order, that only change where something jumps.
-    fn still(&self, order: &[NodeId]) -> FxHashSet<NodeId> {
+    pub(super) fn still(&self, order: &[NodeId]) -> FxHashSet<NodeId> {
         let mut still = FxHashSet::default();
         for &id in order {
             let is_still = match self.graph.node(id) {
@@ -88,6 +131,159 @@ impl Builder<'_> {
         node
     }
 
+    /// The axis along which a number rises evenly, how fast, and what it is at zero. None where it does so along more than one, or otherwise.
+    fn along_axis(&mut self, number: NodeId) -> Option<(u8, f64, f64)> {
+        let sum = self.sum(&mut Wall::default(), number)?;
+        let (product, times, more) = match sum.as_slice() {
+            [(product, times)] => (product, *times, 0.0),
+            [(none, more), (product, times)] if none.is_empty() => (product, *times, *more),
+            _ => return None,
+        };
+        match product.as_slice() {
+            &[leaf] if let Node::Leaf(Leaf::P(axis)) = self.graph.node(leaf) => Some((*axis, times, more)),
+            _ => None,
+        }
+    }
+
+    /// A formula as a sum of multiples, in the order of their nodes, and a constant; of products of sums where that is asked for. A fractional part is
+    /// one node. None of a long one.
+    fn sum(&self, wall: &mut Wall, node: NodeId) -> Option<Sum> {
+        if let Some(known) = wall.sums.get(&node) {
+            return known.clone();
+        }
+        let found = self.find_sum(wall, node).filter(|sum| sum.len() <= MOST_TERMS);
+        wall.sums.insert(node, found.clone());
+        found
+    }
+
+    fn find_sum(&self, wall: &mut Wall, node: NodeId) -> Option<Sum> {
+        if let Some(c) = self.graph.as_constant(node) {
+            return Some(vec![(Product::new(), c)]);
+        }
+        let atom = || Some(vec![(smallvec![node], 1.0)]);
+        let Node::Op(op, args) = self.graph.node(node) else { return atom() };
+        let by = |i: usize| args.get(i).and_then(|&arg| self.graph.as_constant(arg));
+        let scaled = |sum: Option<Sum>, by: f64| sum.map(|sum| sum.into_iter().map(|(product, times)| (product, times * by)).collect());
+        match (op, args.as_ref()) {
+            (Op::Add | Op::Sub, &[a, b]) if !self.is_part(args) => {
+                let (Some(mut sum), Some(more)) = (self.sum(wall, a), self.sum(wall, b)) else { return None };
+                let sign = if *op == Op::Sub { -1.0 } else { 1.0 };
+                sum.extend(more.into_iter().map(|(product, times)| (product, sign * times)));
+                Some(collected(sum))
+            }
+            (Op::Neg, &[a]) => scaled(self.sum(wall, a), -1.0),
+            (Op::Mul, &[a, b]) => match (by(0), by(1)) {
+                (Some(c), _) => scaled(self.sum(wall, b), c),
+                (_, Some(c)) => scaled(self.sum(wall, a), c),
+                _ if wall.multiplies => {
+                    let (Some(a), Some(b)) = (self.sum(wall, a), self.sum(wall, b)) else { return atom() };
+                    let longest = a.iter().chain(&b).map(|(product, _)| product.len()).max().unwrap_or(0);
+                    if a.len() * b.len() > MOST_TERMS || longest > MOST_FACTORS {
+                        return atom();
+                    }
+                    let times = |x: &(Product, f64), y: &(Product, f64)| {
+                        let mut product: Product = x.0.iter().chain(&y.0).copied().collect();
+                        product.sort();
+                        (product, x.1 * y.1)
+                    };
+                    Some(collected(a.iter().flat_map(|x| b.iter().map(move |y| times(x, y))).collect()))
+                }
+                _ => atom(),
+            },
+            (Op::Div, &[a, _]) => match by(1).filter(|c| *c != 0.0) {
+                Some(c) => scaled(self.sum(wall, a), 1.0 / c),
+                None => atom(),
+            },
+            _ => atom(),
+        }
+    }
+
+    /// `x - ⌊x⌋`, of which more is known than of either.
+    fn is_part(&self, args: &[NodeId]) -> bool {
+        let &[of, whole] = args else { return false };
+        matches!(self.graph.node(whole), Node::Op(Op::Floor | Op::Ceil | Op::Round, args) if args.first() == Some(&of))
+    }
+
+    /// So many times a formula and so much more, written in the one way in which all that come to the same are.
+    fn canonical(&mut self, wall: &mut Wall, node: NodeId, times: f64, more: f64) -> NodeId {
+        match self.sum(wall, node) {
+            Some(mut sum) => {
+                sum.iter_mut().for_each(|(_, by)| *by *= times);
+                sum.push((Product::new(), more));
+                self.written(wall, &collected(sum))
+            }
+            None => {
+                let [times, more] = [times, more].map(|c| self.graph.constant(c));
+                let product = self.graph.op(Op::Mul, &[times, node]);
+                self.graph.op(Op::Add, &[product, more])
+            }
+        }
+    }
+
+    /// A formula or what it is times -1, whichever comes first.
+    fn without_sign(&mut self, wall: &mut Wall, node: NodeId) -> NodeId {
+        let Some(mut sum) = self.sum(wall, node) else { return node };
+        let sign = sum.iter().find(|(product, _)| !product.is_empty()).or(sum.first()).map_or(1.0, |(_, by)| by.signum());
+        sum.iter_mut().for_each(|(_, by)| *by *= sign);
+        self.written(wall, &sum)
+    }
+
+    fn written(&mut self, wall: &mut Wall, sum: &[(Product, f64)]) -> NodeId {
+        let sum = &self.with_parts(wall, sum);
+        let (mut written, mut constant): (Option<NodeId>, _) = (None, 0.0);
+        for (product, times) in sum {
+            let Some((&first, rest)) = product.split_first() else {
+                constant += times;
+                continue;
+            };
+            let product = rest.iter().fold(first, |product, &factor| self.graph.op(Op::Mul, &[product, factor]));
+            let by = self.graph.constant(times.abs());
+            let term = self.graph.op(Op::Mul, &[by, product]);
+            written = Some(match written {
+                None if *times < 0.0 => self.graph.op(Op::Neg, &[term]),
+                None => term,
+                Some(sum) => self.graph.op(if *times < 0.0 { Op::Sub } else { Op::Add }, &[sum, term]),
+            });
+        }
+        let constant = self.graph.constant(constant);
+        written.map_or(constant, |sum| self.graph.op(Op::Add, &[sum, constant]))
+    }
+
+    /// A sum in which a number and its whole part are one term, the fractional part.
+    fn with_parts(&mut self, wall: &mut Wall, sum: &[(Product, f64)]) -> Sum {
+        let mut sum = sum.to_vec();
+        for (product, times) in sum.clone() {
+            let &[whole] = product.as_slice() else { continue };
+            let Node::Op(Op::Floor | Op::Ceil | Op::Round, args) = self.graph.node(whole) else { continue };
+            let Some(&of) = args.first() else { continue };
+            let Some(number) = self.sum(wall, of) else { continue };
+            // Without the part there is less left than there was.
+            let mut rest = sum.clone();
+            rest.extend(number.into_iter().map(|(product, by)| (product, times * by)));
+            rest.push((product, -times));
+            let rest = collected(rest);
+            let terms = |sum: &Sum| sum.iter().filter(|(product, _)| !product.is_empty()).count();
+            if terms(&rest) + 1 < terms(&sum) {
+                sum = rest;
+                let part = self.graph.op(Op::Sub, &[of, whole]);
+                sum.push((smallvec![part], -times));
+                sum = collected(sum);
+            }
+        }
+        sum
+    }
+
+    /// How much more a formula is than the whole number; none where it is another one.
+    fn more_than_whole(&self, wall: &mut Wall, node: NodeId) -> Option<f64> {
+        let whole = wall.whole;
+        let sum = self.sum(wall, node)?;
+        match sum.as_slice() {
+            [(product, 1.0)] if product.as_slice() == [whole] => Some(0.0),
+            [(none, more), (product, 1.0)] if none.is_empty() && product.as_slice() == [whole] => Some(*more),
+            _ => None,
+        }
+    }
+
     /// A node whose arguments are what they are at the wall.
     fn on_wall(&mut self, wall: &mut Wall, id: NodeId, new: &FxHashMap<NodeId, NodeId>) -> NodeId {
         let old = self.graph.arguments(id).to_vec();
@@ -97,17 +293,20 @@ impl Builder<'_> {
         }
         match self.graph.node(id).clone() {
             Node::Op(op, _) => {
-                let more = |i: usize| args.get(i).and_then(|a| wall.lattice.get(a)).copied();
-                let constant = |i: usize| args.get(i).and_then(|&a| self.graph.as_constant(a));
-                let sign = if op == Op::Sub { -1.0 } else { 1.0 };
-                let sum = match (op, more(0), more(1), constant(0), constant(1)) {
-                    (Op::Add | Op::Sub, Some(a), None, _, Some(c)) => Some(a + sign * c),
-                    (Op::Add, None, Some(b), Some(c), _) => Some(b + c),
-                    (Op::Sub, Some(a), Some(b), ..) => return self.graph.constant(a - b),
-                    _ => None,
-                };
-                if let Some(more) = sum {
-                    return self.on_lattice(wall, more);
+                if matches!(op, Op::Add | Op::Sub | Op::Neg | Op::Mul | Op::Div) {
+                    let made = self.graph.op(op, &args);
+                    let made = self.canonical(wall, made, 1.0, 0.0);
+                    // By zero it may have been divided.
+                    if op != Op::Div || self.graph.as_constant(*args.get(1).unwrap_or(&made)).is_some_and(|c| c != 0.0) {
+                        if let Some(more) = self.more_than_whole(wall, made) {
+                            wall.lattice.insert(made, more);
+                        }
+                        return made;
+                    }
+                }
+                if matches!(op, Op::Length2 | Op::Length3 | Op::Length4 | Op::Abs | Op::Square) {
+                    let args: Vec<NodeId> = args.iter().map(|&a| self.without_sign(wall, a)).collect();
+                    return self.graph.op(op, &args);
                 }
                 // A random number of whole numbers is the same for the same numbers.
                 let whole = |a: &NodeId| wall.lattice.get(a).is_some_and(|more| more.fract() == 0.0);
@@ -135,6 +334,27 @@ impl Builder<'_> {
             _ => id,
         }
     }
+}
+
+/// Constants are taken for the same that differ by no more than rounding does.
+fn rounded(value: f64) -> f64 {
+    const FINEST: f64 = (1u64 << 40) as f64;
+    if value.abs() < 1e6 { (value * FINEST).round() / FINEST } else { value }
+}
+
+/// Each product once, in their order.
+fn collected(mut sum: Sum) -> Sum {
+    sum.sort_by(|a, b| a.0.cmp(&b.0));
+    sum.dedup_by(|(product, times), (kept, all)| {
+        let same = product == kept;
+        if same {
+            *all += *times;
+        }
+        same
+    });
+    sum.iter_mut().for_each(|(_, times)| *times = rounded(*times));
+    sum.retain(|(_, times)| *times != 0.0);
+    sum
 }
 
 /// Whether an operation that jumps does not do so at these numbers: what they are the limits of comes to the same.

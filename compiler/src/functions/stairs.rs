@@ -1,4 +1,9 @@
-//! Formulas of steps, seen from far away. Whatever `floor` does, it takes away from its argument something between 0 and 1; with that as a free
+//! Formulas of steps, seen from far away.
+//!
+//! Where it is known how high a formula jumps at most, and that its argument rises evenly so that no wall is met twice, a straight way s passes no more
+//! than A s + 1 walls, A how fast the argument rises. With pieces no steeper than L and jumps no higher than h it changes by (L + A h) s + h.
+//!
+//! Else: whatever `floor` does, it takes away from its argument something between 0 and 1; with that as a free
 //! number u the formula jumps no more. If it is no steeper than A for each u, and changes by no more than B over all of them, then on a way s it
 //! changes by no more than A s + B, so that a ray may go (|f| - B) / A, over as many jumps as there are.
 
@@ -24,6 +29,36 @@ impl Builder<'_> {
         if sites.is_empty() || sites.len() > MOST {
             return None;
         }
+        let free = self.over_free(node, sites, domain, constant);
+        let (change, steep) = match (self.over_low(node, sites, domain, constant), free) {
+            (Some(low), Some(free)) => if low.0 < free.0 { low } else { free },
+            (low, free) => low.or(free)?,
+        };
+        let size = self.graph.op(Op::Abs, &[node]);
+        let [change, share] = [change, 1.0 / (steep * (1.0 + ROUNDING))].map(|c| self.graph.constant(c));
+        let rest = self.graph.op(Op::Sub, &[size, change]);
+        Some(self.graph.op(Op::Mul, &[rest, share]))
+    }
+
+    /// By how much a formula changes at its jumps on any way, and on top of that for each unit of the way; by how high they are.
+    fn over_low(&mut self, node: NodeId, sites: &[Site], domain: &Domain, constant: f64) -> Option<(f64, f64)> {
+        let own = self.graph.reachable(&[node]);
+        let (mut change, mut steep) = (0.0, constant);
+        for site in sites {
+            let &[argument] = site.args.as_slice() else { return None };
+            let rises = self.gradient(argument).iter().all(|&slope| self.is_uniform(slope));
+            if !rises || own.binary_search(&site.node).is_err() {
+                return None;
+            }
+            let height = self.jump_height(node, site, domain) * (1.0 + ROUNDING);
+            change += height;
+            steep += height * self.facts.constant(self.graph, argument, domain, 1).lipschitz;
+        }
+        (change.is_finite() && steep <= STEEPEST).then_some((change, steep))
+    }
+
+    /// The same, with free numbers in place of what jumps.
+    fn over_free(&mut self, node: NodeId, sites: &[Site], domain: &Domain, constant: f64) -> Option<(f64, f64)> {
         let mut free = domain.clone();
         let smooth = self.without_jumps(node, sites, &mut free)?;
         let all = self.facts.constant(self.graph, smooth, &free, BUDGET);
@@ -36,10 +71,7 @@ impl Builder<'_> {
         if !change.is_finite() {
             return None;
         }
-        let size = self.graph.op(Op::Abs, &[node]);
-        let [change, share] = [change, 1.0 / (all.lipschitz.max(constant) * (1.0 + ROUNDING))].map(|c| self.graph.constant(c));
-        let rest = self.graph.op(Op::Sub, &[size, change]);
-        Some(self.graph.op(Op::Mul, &[rest, share]))
+        Some((change, all.lipschitz.max(constant)))
     }
 
     /// The formula with a free number in place of what each of its jumps adds to an argument; `free` is told of the numbers and their ranges.

@@ -67,11 +67,11 @@ impl Builder<'_> {
             return None;
         }
         let key = (node, domain.key());
-        if let Some(known) = self.unevens.get(&key) {
+        if let Some(known) = self.found.unevens.get(&key) {
             return known.clone();
         }
         let found = self.find_uneven(node, domain, constant).map(Rc::new);
-        self.unevens.insert(key, found.clone());
+        self.found.unevens.insert(key, found.clone());
         found
     }
 

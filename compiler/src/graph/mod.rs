@@ -393,7 +393,13 @@ impl Graph {
                     let of = self.reads(arg);
                     all.point |= of.point;
                     all.shapes |= of.shapes;
+                    all.rounds |= of.rounds;
                     all.variables = self.sets.union(all.variables, of.variables);
+                }
+                match node {
+                    Node::Op(Op::Floor | Op::Ceil | Op::Round, _) => all.rounds = all.point,
+                    Node::Claim(_, Claim::Continuous) => all.rounds = false,
+                    _ => {}
                 }
                 all
             }

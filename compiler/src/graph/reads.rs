@@ -10,6 +10,8 @@ pub struct Reads {
     pub point: bool,
     /// Whether it calls a shape.
     pub shapes: bool,
+    /// Whether it rounds what reads the point, beyond what is claimed to be continuous.
+    pub rounds: bool,
     /// The variables that it reads: a number of [`Sets`].
     pub variables: u32,
 }

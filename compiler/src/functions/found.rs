@@ -1,0 +1,27 @@
+//! What was found of formulas over domains, so that each is looked for once.
+
+use super::uneven::Uneven;
+use super::{Cut, Narrowed, Treatment};
+use crate::analysis::{Domain, domain::Key};
+use crate::graph::{NodeId, ShapeId};
+use rustc_hash::FxHashMap;
+use std::rc::Rc;
+
+/// By formula and domain.
+#[derive(Default)]
+pub(super) struct Found {
+    pub treatments: FxHashMap<(ShapeId, NodeId, Key, bool), Option<Treatment>>,
+    pub capped: FxHashMap<(NodeId, Key), Option<(NodeId, Treatment)>>,
+    pub regions: FxHashMap<(NodeId, Key, bool), Option<Narrowed>>,
+    pub cuts: FxHashMap<(NodeId, Key), Option<Cut>>,
+    /// A formula of cells in one of them.
+    pub cells: FxHashMap<(NodeId, Key), Option<Rc<(NodeId, Domain)>>>,
+    /// What is left of an intersection of which one operand cuts nothing off.
+    pub absorbed: FxHashMap<(NodeId, Key), Option<NodeId>>,
+    pub rough: FxHashMap<(NodeId, Key), f64>,
+    pub unevens: FxHashMap<(NodeId, Key), Option<Rc<Uneven>>>,
+    /// How high a formula jumps by an operation.
+    pub heights: FxHashMap<(NodeId, NodeId, Key), f64>,
+    /// How many minima jump as their operands do.
+    pub apart_at_walls: usize,
+}
