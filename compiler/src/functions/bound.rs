@@ -182,7 +182,10 @@ impl Builder<'_> {
         }) {
             return self.normalised(shape, node, domain, continuous);
         }
-        let all = self.facts.map_constant(self.graph, point, &everywhere, 1);
+        let mut all = self.facts.map_constant(self.graph, point, &everywhere, 1);
+        if all.lipschitz > GENTLE {
+            all = self.map_by_counts(point, &everywhere, 1, all);
+        }
         if all.jumps && !continuous {
             return self.normalised(shape, node, domain, continuous);
         }
@@ -210,6 +213,7 @@ impl Builder<'_> {
         let tube_and_reach = tube.map(|(axis, radius)| (axis, radius + reach));
         let near = Domain { tube: tube_and_reach, ..domain.at(region.grow(reach)) };
         let constant = self.facts.map_constant(self.graph, point, &near, BUDGET);
+        let constant = if constant.lipschitz > GENTLE { self.map_by_counts(point, &near, BUDGET, constant) } else { constant };
         if constant.lipschitz > STEEPEST {
             return self.normalised(shape, node, domain, continuous);
         }
@@ -359,6 +363,9 @@ impl Builder<'_> {
         if plain && all.lipschitz > UNIT && !claimed {
             // What repeats, and what is a sum, can be searched over all space.
             all = self.facts.constant(self.graph, node, &everywhere, BUDGET);
+            if all.lipschitz > GENTLE {
+                all = self.constant_by_counts(node, &everywhere, BUDGET, all);
+            }
             by_rule = Proof::Derived;
         }
         let gentle = all.lipschitz <= GENTLE || all.lipschitz <= 4.0 && self.facts.weight(self.graph, node) > LONG;
@@ -376,6 +383,7 @@ impl Builder<'_> {
         // With what a condition leaves out, less is found at once than there is; where it is mild already, a search in the background will do.
         let constant = self.facts.constant(self.graph, node, &near, BUDGET);
         let constant = if constant.lipschitz > STEEP { self.constant_within(node, &near, LONGER) } else { constant };
+        let constant = if constant.lipschitz > GENTLE { self.constant_by_counts(node, &near, BUDGET, constant) } else { constant };
         let of_a_cell = self.constant_of_a_cell(node, &near, &constant);
         let (constant, in_a_cell) = of_a_cell.map_or((constant, false), |of_a_cell| (of_a_cell, true));
         if plain && all.lipschitz <= STEEPEST && (!bounded || constant.lipschitz > 0.85 * all.lipschitz) {

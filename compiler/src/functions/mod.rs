@@ -10,6 +10,7 @@ mod bound;
 mod capped;
 mod cell;
 mod convex;
+mod counts;
 mod distance;
 mod domains;
 mod dress;

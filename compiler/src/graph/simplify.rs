@@ -208,6 +208,12 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
             }
             _ => None,
         },
+        // A logarithm grows, so a least sum can be asked for on either side.
+        Op::Log if graph.gathers() && let Some((sum, least)) = at_least(graph, a) => {
+            let soft = soft_maximum(graph, sum)?;
+            let least = graph.constant(least.ln());
+            Some(graph.op(Op::Max, &[soft, least]))
+        }
         Op::Log if graph.gathers() => soft_maximum(graph, a),
         Op::Length2 | Op::Length3 | Op::Length4 => {
             // A component that is always zero does not count.
@@ -295,6 +301,13 @@ fn soft_maximum<T: Terms>(graph: &mut T, sum: T::Id) -> Option<T::Id> {
     let sum = graph.op(Op::Max, &[sum, one]);
     let rest = graph.op(Op::Log, &[sum]);
     Some(graph.op(Op::Add, &[largest, rest]))
+}
+
+/// Of `max(x, c)` with a positive constant below one, which is what a soft maximum itself asks for: x and c.
+fn at_least<T: Terms>(graph: &T, a: T::Id) -> Option<(T::Id, f64)> {
+    let (Op::Max, &[x, y]) = graph.operation(a)? else { return None };
+    let (x, c) = graph.as_constant(y).map(|c| (x, c)).or(graph.as_constant(x).map(|c| (y, c)))?;
+    (c > 0.0 && c < 1.0).then_some((x, c))
 }
 
 /// Longer sums are left as they are.

@@ -1,0 +1,98 @@
+//! Formulas that a number chooses, the same at all points: a loop to a live end takes as many turns as the end says.
+//!
+//! Written out, each turn asks by itself whether it is taken, so that in one turn the point may be scaled and the divisor not: a product over all turns.
+//! No place sees more than one count, so the constant is the largest of those of each count by itself.
+
+use super::Builder;
+use crate::analysis::{Constant, Domain};
+use crate::graph::kernel::Op;
+use crate::graph::{Node, NodeId};
+use rustc_hash::FxHashMap;
+
+/// Of more counts nothing is looked for, nor in longer formulas.
+const MOST: usize = 64;
+const LONGEST: usize = 4000;
+/// As few questions may be those of a loop.
+const FEWEST: usize = 2;
+
+impl Builder<'_> {
+    /// A constant of a formula, or a smaller one that is found count by count where it is counted.
+    pub(super) fn constant_by_counts(&mut self, node: NodeId, domain: &Domain, budget: usize, known: Constant) -> Constant {
+        let Some(counts) = self.counts(&[node]) else { return known };
+        let mut most = Constant { lipschitz: 0.0, jumps: false };
+        for of_count in counts.iter().flatten() {
+            let found = self.facts.constant(self.graph, *of_count, domain, budget);
+            most = Constant { lipschitz: most.lipschitz.max(found.lipschitz), jumps: most.jumps || found.jumps };
+            if most.lipschitz >= known.lipschitz {
+                return known;
+            }
+        }
+        Constant { jumps: most.jumps && known.jumps, ..most }
+    }
+
+    /// The same for a map of points.
+    pub(super) fn map_by_counts(&mut self, point: &[NodeId], domain: &Domain, budget: usize, known: Constant) -> Constant {
+        let Some(counts) = self.counts(point) else { return known };
+        let mut most = Constant { lipschitz: 0.0, jumps: false };
+        for of_count in &counts {
+            let found = self.facts.map_constant(self.graph, of_count, domain, budget);
+            most = Constant { lipschitz: most.lipschitz.max(found.lipschitz), jumps: most.jumps || found.jumps };
+            if most.lipschitz >= known.lipschitz {
+                return known;
+            }
+        }
+        Constant { jumps: most.jumps && known.jumps, ..most }
+    }
+
+    /// What formulas are for each count of the number that most of their conditions compare with constants. None where there is no such number.
+    fn counts(&mut self, nodes: &[NodeId]) -> Option<Vec<Vec<NodeId>>> {
+        let order = self.graph.reachable(nodes);
+        if order.len() > LONGEST {
+            return None;
+        }
+        let mut asked: FxHashMap<NodeId, Vec<(NodeId, f64)>> = FxHashMap::default();
+        for &id in &order {
+            let Node::Op(Op::Lt | Op::Le, args) = self.graph.node(id) else { continue };
+            let &[a, b] = args.as_ref() else { continue };
+            let compared = match (self.graph.as_constant(a), self.graph.as_constant(b)) {
+                (Some(c), None) => Some((b, c)),
+                (None, Some(c)) => Some((a, c)),
+                _ => None,
+            };
+            if let Some((number, c)) = compared.filter(|(number, _)| self.is_uniform(*number)) {
+                asked.entry(number).or_default().push((id, c));
+            }
+        }
+        let (&number, conditions) = asked.iter().max_by_key(|(number, conditions)| (conditions.len(), **number))?;
+        if !(FEWEST..=MOST).contains(&conditions.len()) {
+            return None;
+        }
+        let range = self.facts.live_range(self.graph, number);
+        // At each of the constants, and once in between two of them.
+        let mut places: Vec<f64> = conditions.iter().map(|(_, c)| *c).filter(|c| range.contains(*c)).chain([range.lo, range.hi]).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let between: Vec<f64> = places.windows(2).filter_map(|pair| if let [a, b] = pair { Some(0.5 * (a + b)) } else { None }).collect();
+        places.extend(between.into_iter().filter(|place| place.is_finite()));
+        let conditions: Vec<NodeId> = conditions.iter().map(|(id, _)| *id).collect();
+        let mut counts = Vec::new();
+        for place in places.into_iter().filter(|place| place.is_finite()) {
+            let place = self.graph.constant(place);
+            let mut made = Vec::new();
+            for &node in nodes {
+                made.push(self.rebuilt(node, &mut |builder, id, _| {
+                    if !conditions.contains(&id) {
+                        return Some(None);
+                    }
+                    let Node::Op(op, args) = builder.graph.node(id).clone() else { return Some(None) };
+                    let args: Vec<NodeId> = args.iter().map(|&arg| if arg == number { place } else { arg }).collect();
+                    Some(Some(builder.graph.op(op, &args)))
+                })?);
+            }
+            if !counts.contains(&made) {
+                counts.push(made);
+            }
+        }
+        Some(counts)
+    }
+}
