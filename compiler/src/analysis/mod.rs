@@ -15,6 +15,7 @@ mod joins;
 mod map;
 mod matrix;
 pub mod memory;
+mod multilinear;
 pub mod period;
 mod placed;
 mod polar;

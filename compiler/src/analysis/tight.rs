@@ -5,6 +5,7 @@
 //! slope.
 
 use super::dual::Dual;
+use super::multilinear::Multilinear;
 use super::tape::{Step, Tape};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -22,6 +23,8 @@ pub(super) enum Tight {
     Mean { of: [usize; 2], share: usize },
     /// It is a polynomial of an earlier step.
     Polynomial { of: usize, coefficients: Coefficients },
+    /// It is a sum of products in which no number is multiplied by itself.
+    Multilinear(Multilinear),
 }
 
 /// Polynomials of a higher degree are not looked at.
@@ -64,6 +67,14 @@ impl Tight {
             tight.extend(known.map(|known| (i, known)));
             written.push(found.unwrap_or_else(|| Written { of: i, coefficients: smallvec![0.0, 1.0], again: false }));
         }
+        if has_products_of_sums(tape) {
+            let known = |step: usize| tight.binary_search_by_key(&step, |(step, _)| *step).ok().and_then(|i| tight.get(i));
+            let mut sums = Multilinear::of(tape, |step| known(step).is_some_and(|(_, known)| !matches!(known, Tight::Mean { .. })));
+            // A mean says as much of itself.
+            sums.retain(|(step, _)| known(*step).is_none());
+            tight.extend(sums.into_iter().map(|(step, sum)| (step, Tight::Multilinear(sum))));
+            tight.sort_by_key(|(step, _)| *step);
+        }
         tight
     }
 
@@ -74,12 +85,16 @@ impl Tight {
             Tight::Mean { of: [a, b], share } if is_share(value(*share)) => widened(value(*a).hull(value(*b))),
             Tight::Mean { .. } => Interval::ALL,
             Tight::Polynomial { of, coefficients } => bernstein(coefficients, value(*of)),
+            Tight::Multilinear(sum) => sum.values(value),
         }
     }
 
     /// A step with what more is known of it.
     pub(super) fn bound(&self, dual: Dual, values: &[Dual]) -> Dual {
         let of = |step: usize| values.get(step).copied().unwrap_or(Dual::unknown(Interval::ALL));
+        if let Tight::Multilinear(sum) = self {
+            return sum.bound(dual, of);
+        }
         let known = self.values(|step| of(step).value);
         let both = dual.value.intersect(known);
         let dual = if both.is_empty() { dual } else { Dual { value: both, ..dual } };
@@ -98,7 +113,7 @@ impl Tight {
                 let norm = (a.norm.max(b.norm) + across) * (1.0 + SLACK);
                 dual.within(gradient, norm.min(Dual::components_norm(&gradient)))
             }
-            Tight::Mean { .. } => dual,
+            Tight::Mean { .. } | Tight::Multilinear(_) => dual,
             Tight::Polynomial { of: base, coefficients } => {
                 let base = of(*base);
                 if base.norm == 0.0 || !base.value.is_finite() {
@@ -112,6 +127,15 @@ impl Tight {
             }
         }
     }
+}
+
+/// Whether there is a product with a sum in it, both of which change.
+fn has_products_of_sums(tape: &Tape) -> bool {
+    let sum = |&step: &usize| matches!(tape.operation(step), Some((Op::Add | Op::Sub, _)));
+    tape.steps.iter().any(|step| match step {
+        Step::Op(Op::Mul, args) => args.iter().any(sum) && args.iter().all(|&arg| tape.constant(arg).is_none()),
+        _ => false,
+    })
 }
 
 /// Whether all of it is between zero and one, but for rounding.

@@ -69,7 +69,7 @@ impl Builder<'_> {
         };
         let cells = |id: &NodeId| matches!(self.graph.node(*id), Node::Op(Op::Floor, _));
         (own.iter().any(cells) && own.iter().any(random)).then_some(
-            "noise of your own is not the same on both sides of its cells' walls, as far as can be proven: each corner of a cell must be the next cell's too; `value_noise`, `perlin`, `simplex`, `cellular` and `fbm` have no walls, and their factors are known",
+            "what is random in cells is not the same on both sides of their walls, as far as can be proven: of noise each corner of a cell must be the next cell's too, and in a loop over neighbouring cells what is in the farthest of them must be farther than what is in the nearest; `value_noise`, `perlin`, `simplex`, `cellular` and `fbm` have no walls, and their factors are known",
         )
     }
 

@@ -81,6 +81,16 @@ impl Elaborator<'_> {
         for (_, first) in &l.bindings {
             values.push(self.expression(first, env)?);
         }
+        let again = turns.updates.iter().enumerate().find(|(i, (name, _))| turns.updates.iter().take(*i).any(|(earlier, _)| earlier.text == name.text));
+        if let Some((_, (name, _))) = again {
+            let name = (&name.text, name.span);
+            return Err(self.error(
+                Code::TwiceDeclared,
+                name.1,
+                format!("`{}` is given two new values in one turn, and all of them are made of the old ones", name.0),
+                format!("give what is in between a name of its own, after the `{{`: `let folded = abs({0}); {0} = 2 * folded`", name.0),
+            ));
+        }
         let (indices, live) = self.turns(&turns.source, env)?;
         let mut running = self.graph.constant(1.0);
         for (turn, index) in indices.into_iter().enumerate() {
