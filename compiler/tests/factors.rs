@@ -11,6 +11,8 @@ use surefoot_compiler::{Compiled, Loader, Memory, MemoryLoader, Options, compile
 const LOOSE: &[(&str, &str)] = &[
     ("poles", "around a pole each term is limited by itself: 1.3 times the steepest place"),
     ("noise_by_hand", "steepest where all eight corners of a cell are extreme"),
+    ("noise_multiplied_out", "steepest where all four corners of a cell are extreme"),
+    ("cells_of_bumps", "steepest where bumps of four cells lie as badly as they may"),
     ("noise_warp", "steepest in cells that so few samples do not find: 1.18 times what a long search attains"),
 ];
 

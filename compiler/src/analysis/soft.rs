@@ -400,6 +400,7 @@ mod tests {
             "{ let a = length(p) - 1; let b = p.y; let m = 0.5 * (a + b - sqrt((a - b) * (a - b) + 0.04)); let c = p.x; \
              0.5 * (m + c - sqrt((m - c) * (m - c) + 0.04)) }",
             "-log(exp(-8 * p.x) + exp(-8 * p.y) + exp(-8 * (length(p) - 1))) / 8",
+            "-log(max(exp(-8 * p.x) + exp(-8 * p.y) + exp(-8 * (length(p) - 1)), 0.000001)) / 8",
             "pow(pow(abs(p.x), 2.5) + pow(abs(p.y), 2.5) + pow(abs(p.z), 2.5), 1 / 2.5) - 1",
             "pow(pow(length(p - x), -4) + pow(length(p + x), -4), -1 / 4) - 0.4",
         ] {

@@ -380,12 +380,23 @@ impl Builder<'_> {
         };
         let bounded = region != domain.point;
         let near = domain.at(region.grow(reach));
-        // With what a condition leaves out, less is found at once than there is; where it is mild already, a search in the background will do.
-        let constant = self.facts.constant(self.graph, node, &near, BUDGET);
-        let constant = if constant.lipschitz > STEEP { self.constant_within(node, &near, LONGER) } else { constant };
-        let constant = if constant.lipschitz > GENTLE { self.constant_by_counts(node, &near, BUDGET, constant) } else { constant };
-        let of_a_cell = self.constant_of_a_cell(node, &near, &constant);
-        let (constant, in_a_cell) = of_a_cell.map_or((constant, false), |of_a_cell| (of_a_cell, true));
+        let of_a_cell = if all.jumps { self.constant_of_a_cell(node, &near) } else { None };
+        let (constant, in_a_cell) = match of_a_cell {
+            Some(found) if found.lipschitz <= STEEP => (found, true),
+            of_a_cell => {
+                let constant = self.facts.constant(self.graph, node, &near, BUDGET);
+                // With what a condition leaves out, less is found at once than there is; where it is mild already, a search in the background will do.
+                let constant = if constant.lipschitz > STEEP { self.constant_within(node, &near, LONGER) } else { constant };
+                match of_a_cell.filter(|found| found.lipschitz < constant.lipschitz) {
+                    Some(found) => (found, true),
+                    None => (constant, false),
+                }
+            }
+        };
+        let mut constant = constant;
+        if constant.lipschitz > GENTLE && !in_a_cell {
+            constant = self.constant_by_counts(node, &near, BUDGET, constant);
+        }
         if plain && all.lipschitz <= STEEPEST && (!bounded || constant.lipschitz > 0.85 * all.lipschitz) {
             return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true, in_a_cell: false });
         }

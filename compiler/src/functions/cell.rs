@@ -2,7 +2,7 @@
 //! numbers that are the same all over a cell: with a free number in place of each of the latter all cells are one, in which a search finds at once
 //! how steep the pieces are; in a box of many cells it would have to come down to each of them.
 
-use super::{BUDGET, Builder, GENTLE};
+use super::{BUDGET, Builder};
 use crate::analysis::{Constant, Domain};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -39,14 +39,11 @@ impl Builder<'_> {
         found
     }
 
-    /// The constant of a formula that jumps, found in one cell of it. None where that is no smaller.
-    pub(super) fn constant_of_a_cell(&mut self, node: NodeId, near: &Domain, known: &Constant) -> Option<Constant> {
-        if !known.jumps || known.lipschitz <= GENTLE {
-            return None;
-        }
+    /// The constant of a formula that jumps, found in one cell of it. None where it goes by none.
+    pub(super) fn constant_of_a_cell(&mut self, node: NodeId, near: &Domain) -> Option<Constant> {
         let cell = self.one_cell(node, near)?;
         let found = self.facts.constant(self.graph, cell.0, &cell.1, BUDGET);
-        (found.lipschitz < known.lipschitz).then_some(Constant { jumps: true, ..found })
+        Some(Constant { jumps: true, ..found })
     }
 
     fn find_cell(&mut self, node: NodeId, domain: &Domain) -> Option<(NodeId, Domain)> {
@@ -61,15 +58,27 @@ impl Builder<'_> {
         if parts.is_empty() {
             return None;
         }
-        // What does not change within a cell and is read by what does.
+        // What does not change within a cell, as far down as what it is made of is known by itself: two numbers and their difference are two numbers.
         let whole_of = |id: NodeId, arg: NodeId| parts.contains_key(&id) && self.graph.arguments(id).get(1) == Some(&arg);
-        let read = |id: &&NodeId| !still.contains(*id);
-        let changing: FxHashSet<NodeId> = order
+        let holds = |id: &NodeId| still.contains(id) && self.graph.reads_point(*id);
+        let mut open: Vec<NodeId> = order
             .iter()
-            .filter(read)
+            .filter(|id| !still.contains(*id))
             .flat_map(|&id| self.graph.arguments(id).iter().copied().filter(move |&arg| !whole_of(id, arg)))
-            .filter(|arg| still.contains(arg) && self.graph.reads_point(*arg))
+            .filter(holds)
             .collect();
+        let (mut changing, mut seen) = (FxHashSet::default(), FxHashSet::default());
+        while let Some(id) = open.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            match self.graph.node(id) {
+                Node::Op(op, args) if !op.is_flat() && !(*op == Op::Sub && self.is_part(args)) => open.extend(args.iter().copied().filter(holds)),
+                _ => {
+                    changing.insert(id);
+                }
+            }
+        }
         if changing.len() > MOST_FREE {
             return None;
         }

@@ -96,3 +96,31 @@ impl Builder<'_> {
         Some(counts)
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+mod tests {
+    use crate::{MemoryLoader, Options, compile};
+
+    fn factor(text: &str) -> f64 {
+        compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default()).compiled.unwrap().summary.factor
+    }
+
+    #[test]
+    fn no_place_sees_more_than_one_count() {
+        let folded = "param turns: int = 3 in 1..8\nfield f = { let q = p, s = 1 for i in 0..turns { q = 2 * abs(q) - 1, s = 2 * s }; (length(q) - 1) / s }\nscene = f";
+        assert!(factor(folded) < 1.0 + 1e-6, "{}", factor(folded));
+        // One turn more for the point than for the divisor, and a divisor of another number.
+        let once = folded.replace("let q = p", "let q = 2 * p");
+        assert!((factor(&once) - 2.0).abs() < 1e-3, "{}", factor(&once));
+        let other = folded.replace("param", "param other: int = 3 in 1..8\nparam").replace("s = 2 * s", "s = if i < other { 2 * s } else { s }");
+        assert!((factor(&other) - 128.0).abs() < 0.1, "{}", factor(&other));
+    }
+
+    #[test]
+    fn maps_are_counted_too() {
+        let arms = "param turns: int = 3 in 1..8\nshape s = sphere(1)\nwarp w = { let q = p for i in 0..turns { q = (abs(q.x) - 0.5, q.z, q.y) }; q }\nscene = s.apply(w)";
+        let scene = arms.replace(".apply(w)", ".w()");
+        assert!(factor(&scene) < 1.0 + 1e-6, "{}", factor(&scene));
+    }
+}

@@ -251,6 +251,14 @@ impl Builder<'_> {
             {
                 continue;
             }
+            let formula = match self.graph.node(wild) {
+                Node::Call(shape, ..) => self.graph.shape(*shape).map_or(wild, |shape| shape.value),
+                _ => wild,
+            };
+            // What goes by cells is the same in all of them, and so near the tame operand.
+            if self.graph.reads(formula).rounds && self.constant_of_a_cell(formula, domain).is_some_and(|found| found.lipschitz <= STEEP) {
+                continue;
+            }
             let whole = self.facts.constant(self.graph, wild, domain, BUDGET);
             if whole.lipschitz <= MILD {
                 continue;

@@ -27,6 +27,7 @@ mod stairs;
 mod surface;
 mod uneven;
 pub mod unions;
+mod wall;
 
 pub use ahead::{Ahead, Planes};
 pub use ground::{Carry, carry, firm};

@@ -2,45 +2,18 @@
 //!
 //! Where ⌊x⌋ changes, x is a whole number N, and ⌊x⌋ is N - 1 on one side and N on the other. A formula whose value there comes to the same node of the
 //! graph with either, does not jump: x - ⌊x⌋ is one or zero, so is a smooth step of it, and what is mixed by that is the random number of N on both
-//! sides. What else jumps is held as it is, whatever that may be, where what it jumps by comes to the same on both sides: it is looked at by itself.
+//! sides (`wall`). Where the two are not the same, how far they can be apart says how high it jumps (`heights`).
 
 use super::Builder;
 use super::jumps::Site;
-use crate::graph::kernel::Op;
+use super::wall::Wall;
 use crate::analysis::Domain;
-use crate::graph::{Leaf, Node, NodeId};
-use rustc_hash::{FxHashMap, FxHashSet};
-use smallvec::{SmallVec, smallvec};
+use crate::graph::kernel::Op;
+use crate::graph::{Leaf, NodeId};
+use rustc_hash::FxHashMap;
 
 /// Longer formulas are not looked at.
 const LONGEST: usize = 4000;
-/// Nor sums of more terms.
-const MOST_TERMS: usize = 256;
-/// Nor are products of more factors multiplied out.
-const MOST_FACTORS: usize = 12;
-
-/// A product of nodes, in their order.
-type Product = SmallVec<[NodeId; 4]>;
-
-/// Multiples of products, in their order; of none the constant.
-type Sum = Vec<(Product, f64)>;
-
-/// A formula on one side of where something in it jumps.
-#[derive(Default)]
-struct Wall {
-    /// Whether products of sums are multiplied out: then more is seen to be the same, and less is known of what is not.
-    multiplies: bool,
-    /// Nodes as sums.
-    sums: FxHashMap<NodeId, Option<Sum>>,
-    /// The whole number.
-    whole: NodeId,
-    /// Nodes that are the whole number and so much more.
-    lattice: FxHashMap<NodeId, f64>,
-    /// Nodes of the formula that only change where something jumps.
-    still: FxHashSet<NodeId>,
-    /// What stands for what else jumps, by what that jumps by.
-    held: FxHashMap<(NodeId, Vec<NodeId>), NodeId>,
-}
 
 impl Builder<'_> {
     /// How high a formula jumps where this operation of it does: zero where it comes to the same on both sides, without end where nothing is known.
@@ -73,8 +46,7 @@ impl Builder<'_> {
             let mut beside = near.clone();
             let values = self.facts.range(self.graph, argument, near).grow(1.0);
             let whole = beside.free_number(self.graph, values);
-            let mut wall = Wall { whole, multiplies, still: still.clone(), ..Wall::default() };
-            wall.lattice.insert(whole, 0.0);
+            let mut wall = Wall::new(whole, still.clone(), multiplies);
             let [left, right] = sides.map(|side| {
                 let mut new = FxHashMap::default();
                 let here = self.on_lattice(&mut wall, at);
@@ -99,273 +71,6 @@ impl Builder<'_> {
             }
         }
         Some(least)
-    }
-
-    /// Those of some nodes, in order, that only change where something jumps.
-    pub(super) fn still(&self, order: &[NodeId]) -> FxHashSet<NodeId> {
-        let mut still = FxHashSet::default();
-        for &id in order {
-            let is_still = match self.graph.node(id) {
-                Node::Leaf(leaf) => matches!(leaf, Leaf::Parameter(_) | Leaf::Time),
-                Node::Op(op, _) if op.is_flat() => true,
-                Node::Call(..) => false,
-                _ => self.graph.arguments(id).iter().all(|a| still.contains(a)),
-            };
-            if is_still {
-                still.insert(id);
-            }
-        }
-        still
-    }
-
-    /// The whole number and so much more.
-    fn on_lattice(&mut self, wall: &mut Wall, more: f64) -> NodeId {
-        let node = match more == 0.0 {
-            true => wall.whole,
-            false => {
-                let more = self.graph.constant(more);
-                self.graph.op(Op::Add, &[wall.whole, more])
-            }
-        };
-        wall.lattice.insert(node, more);
-        node
-    }
-
-    /// The axis along which a number rises evenly, how fast, and what it is at zero. None where it does so along more than one, or otherwise.
-    fn along_axis(&mut self, number: NodeId) -> Option<(u8, f64, f64)> {
-        let sum = self.sum(&mut Wall::default(), number)?;
-        let (product, times, more) = match sum.as_slice() {
-            [(product, times)] => (product, *times, 0.0),
-            [(none, more), (product, times)] if none.is_empty() => (product, *times, *more),
-            _ => return None,
-        };
-        match product.as_slice() {
-            &[leaf] if let Node::Leaf(Leaf::P(axis)) = self.graph.node(leaf) => Some((*axis, times, more)),
-            _ => None,
-        }
-    }
-
-    /// A formula as a sum of multiples, in the order of their nodes, and a constant; of products of sums where that is asked for. A fractional part is
-    /// one node. None of a long one.
-    fn sum(&self, wall: &mut Wall, node: NodeId) -> Option<Sum> {
-        if let Some(known) = wall.sums.get(&node) {
-            return known.clone();
-        }
-        let found = self.find_sum(wall, node).filter(|sum| sum.len() <= MOST_TERMS);
-        wall.sums.insert(node, found.clone());
-        found
-    }
-
-    fn find_sum(&self, wall: &mut Wall, node: NodeId) -> Option<Sum> {
-        if let Some(c) = self.graph.as_constant(node) {
-            return Some(vec![(Product::new(), c)]);
-        }
-        let atom = || Some(vec![(smallvec![node], 1.0)]);
-        let Node::Op(op, args) = self.graph.node(node) else { return atom() };
-        let by = |i: usize| args.get(i).and_then(|&arg| self.graph.as_constant(arg));
-        let scaled = |sum: Option<Sum>, by: f64| sum.map(|sum| sum.into_iter().map(|(product, times)| (product, times * by)).collect());
-        match (op, args.as_ref()) {
-            (Op::Add | Op::Sub, &[a, b]) if !self.is_part(args) => {
-                let (Some(mut sum), Some(more)) = (self.sum(wall, a), self.sum(wall, b)) else { return None };
-                let sign = if *op == Op::Sub { -1.0 } else { 1.0 };
-                sum.extend(more.into_iter().map(|(product, times)| (product, sign * times)));
-                Some(collected(sum))
-            }
-            (Op::Neg, &[a]) => scaled(self.sum(wall, a), -1.0),
-            (Op::Mul, &[a, b]) => match (by(0), by(1)) {
-                (Some(c), _) => scaled(self.sum(wall, b), c),
-                (_, Some(c)) => scaled(self.sum(wall, a), c),
-                _ if wall.multiplies => {
-                    let (Some(a), Some(b)) = (self.sum(wall, a), self.sum(wall, b)) else { return atom() };
-                    let longest = a.iter().chain(&b).map(|(product, _)| product.len()).max().unwrap_or(0);
-                    if a.len() * b.len() > MOST_TERMS || longest > MOST_FACTORS {
-                        return atom();
-                    }
-                    let times = |x: &(Product, f64), y: &(Product, f64)| {
-                        let mut product: Product = x.0.iter().chain(&y.0).copied().collect();
-                        product.sort();
-                        (product, x.1 * y.1)
-                    };
-                    Some(collected(a.iter().flat_map(|x| b.iter().map(move |y| times(x, y))).collect()))
-                }
-                _ => atom(),
-            },
-            (Op::Div, &[a, _]) => match by(1).filter(|c| *c != 0.0) {
-                Some(c) => scaled(self.sum(wall, a), 1.0 / c),
-                None => atom(),
-            },
-            _ => atom(),
-        }
-    }
-
-    /// `x - ⌊x⌋`, of which more is known than of either.
-    fn is_part(&self, args: &[NodeId]) -> bool {
-        let &[of, whole] = args else { return false };
-        matches!(self.graph.node(whole), Node::Op(Op::Floor | Op::Ceil | Op::Round, args) if args.first() == Some(&of))
-    }
-
-    /// So many times a formula and so much more, written in the one way in which all that come to the same are.
-    fn canonical(&mut self, wall: &mut Wall, node: NodeId, times: f64, more: f64) -> NodeId {
-        match self.sum(wall, node) {
-            Some(mut sum) => {
-                sum.iter_mut().for_each(|(_, by)| *by *= times);
-                sum.push((Product::new(), more));
-                self.written(wall, &collected(sum))
-            }
-            None => {
-                let [times, more] = [times, more].map(|c| self.graph.constant(c));
-                let product = self.graph.op(Op::Mul, &[times, node]);
-                self.graph.op(Op::Add, &[product, more])
-            }
-        }
-    }
-
-    /// A formula or what it is times -1, whichever comes first.
-    fn without_sign(&mut self, wall: &mut Wall, node: NodeId) -> NodeId {
-        let Some(mut sum) = self.sum(wall, node) else { return node };
-        let sign = sum.iter().find(|(product, _)| !product.is_empty()).or(sum.first()).map_or(1.0, |(_, by)| by.signum());
-        sum.iter_mut().for_each(|(_, by)| *by *= sign);
-        self.written(wall, &sum)
-    }
-
-    fn written(&mut self, wall: &mut Wall, sum: &[(Product, f64)]) -> NodeId {
-        let sum = &self.with_parts(wall, sum);
-        let (mut written, mut constant): (Option<NodeId>, _) = (None, 0.0);
-        for (product, times) in sum {
-            let Some((&first, rest)) = product.split_first() else {
-                constant += times;
-                continue;
-            };
-            let product = rest.iter().fold(first, |product, &factor| self.graph.op(Op::Mul, &[product, factor]));
-            let by = self.graph.constant(times.abs());
-            let term = self.graph.op(Op::Mul, &[by, product]);
-            written = Some(match written {
-                None if *times < 0.0 => self.graph.op(Op::Neg, &[term]),
-                None => term,
-                Some(sum) => self.graph.op(if *times < 0.0 { Op::Sub } else { Op::Add }, &[sum, term]),
-            });
-        }
-        let constant = self.graph.constant(constant);
-        written.map_or(constant, |sum| self.graph.op(Op::Add, &[sum, constant]))
-    }
-
-    /// A sum in which a number and its whole part are one term, the fractional part.
-    fn with_parts(&mut self, wall: &mut Wall, sum: &[(Product, f64)]) -> Sum {
-        let mut sum = sum.to_vec();
-        for (product, times) in sum.clone() {
-            let &[whole] = product.as_slice() else { continue };
-            let Node::Op(Op::Floor | Op::Ceil | Op::Round, args) = self.graph.node(whole) else { continue };
-            let Some(&of) = args.first() else { continue };
-            let Some(number) = self.sum(wall, of) else { continue };
-            // Without the part there is less left than there was.
-            let mut rest = sum.clone();
-            rest.extend(number.into_iter().map(|(product, by)| (product, times * by)));
-            rest.push((product, -times));
-            let rest = collected(rest);
-            let terms = |sum: &Sum| sum.iter().filter(|(product, _)| !product.is_empty()).count();
-            if terms(&rest) + 1 < terms(&sum) {
-                sum = rest;
-                let part = self.graph.op(Op::Sub, &[of, whole]);
-                sum.push((smallvec![part], -times));
-                sum = collected(sum);
-            }
-        }
-        sum
-    }
-
-    /// How much more a formula is than the whole number; none where it is another one.
-    fn more_than_whole(&self, wall: &mut Wall, node: NodeId) -> Option<f64> {
-        let whole = wall.whole;
-        let sum = self.sum(wall, node)?;
-        match sum.as_slice() {
-            [(product, 1.0)] if product.as_slice() == [whole] => Some(0.0),
-            [(none, more), (product, 1.0)] if none.is_empty() && product.as_slice() == [whole] => Some(*more),
-            _ => None,
-        }
-    }
-
-    /// A node whose arguments are what they are at the wall.
-    fn on_wall(&mut self, wall: &mut Wall, id: NodeId, new: &FxHashMap<NodeId, NodeId>) -> NodeId {
-        let old = self.graph.arguments(id).to_vec();
-        let args: Vec<NodeId> = old.iter().map(|a| new.get(a).copied().unwrap_or(*a)).collect();
-        if args == old {
-            return id;
-        }
-        match self.graph.node(id).clone() {
-            Node::Op(op, _) => {
-                if matches!(op, Op::Add | Op::Sub | Op::Neg | Op::Mul | Op::Div) {
-                    let made = self.graph.op(op, &args);
-                    let made = self.canonical(wall, made, 1.0, 0.0);
-                    // By zero it may have been divided.
-                    if op != Op::Div || self.graph.as_constant(*args.get(1).unwrap_or(&made)).is_some_and(|c| c != 0.0) {
-                        if let Some(more) = self.more_than_whole(wall, made) {
-                            wall.lattice.insert(made, more);
-                        }
-                        return made;
-                    }
-                }
-                if matches!(op, Op::Length2 | Op::Length3 | Op::Length4 | Op::Abs | Op::Square) {
-                    let args: Vec<NodeId> = args.iter().map(|&a| self.without_sign(wall, a)).collect();
-                    return self.graph.op(op, &args);
-                }
-                // A random number of whole numbers is the same for the same numbers.
-                let whole = |a: &NodeId| wall.lattice.get(a).is_some_and(|more| more.fract() == 0.0);
-                let random = op == Op::Hash && args.iter().zip(&old).all(|(a, old)| a == old || whole(a));
-                let changes = old.iter().any(|a| !wall.still.contains(a));
-                let constants: Option<Vec<f64>> = args.iter().map(|&a| self.graph.as_constant(a)).collect();
-                let decided = constants.is_some_and(|constants| is_decided(op, &constants));
-                let zero = |i: usize| args.get(i) != old.get(i) && args.get(i).is_some_and(|&a| self.graph.as_constant(a) == Some(0.0));
-                // One over zero counts as zero, and is no limit of anything.
-                let pole = match op {
-                    Op::Div => zero(1),
-                    Op::Pow | Op::Log | Op::Atan2 => zero(0) || zero(1),
-                    _ => false,
-                };
-                if pole || op.row().jumps && changes && !random && !decided {
-                    return *wall.held.entry((id, args)).or_insert_with(|| {
-                        let variable = self.graph.fresh_variable();
-                        self.graph.leaf(Leaf::Variable(variable))
-                    });
-                }
-                self.graph.op(op, &args)
-            }
-            Node::Call(shape, function, _) => self.graph.call(shape, function, &args),
-            Node::Claim(..) => args.first().copied().unwrap_or(id),
-            _ => id,
-        }
-    }
-}
-
-/// Constants are taken for the same that differ by no more than rounding does.
-fn rounded(value: f64) -> f64 {
-    const FINEST: f64 = (1u64 << 40) as f64;
-    if value.abs() < 1e6 { (value * FINEST).round() / FINEST } else { value }
-}
-
-/// Each product once, in their order.
-fn collected(mut sum: Sum) -> Sum {
-    sum.sort_by(|a, b| a.0.cmp(&b.0));
-    sum.dedup_by(|(product, times), (kept, all)| {
-        let same = product == kept;
-        if same {
-            *all += *times;
-        }
-        same
-    });
-    sum.iter_mut().for_each(|(_, times)| *times = rounded(*times));
-    sum.retain(|(_, times)| *times != 0.0);
-    sum
-}
-
-/// Whether an operation that jumps does not do so at these numbers: what they are the limits of comes to the same.
-fn is_decided(op: Op, at: &[f64]) -> bool {
-    match (op, at) {
-        (Op::Lt | Op::Le | Op::Eq, [a, b]) => a != b,
-        (Op::Floor | Op::Ceil | Op::Trunc, [a]) => a.fract() != 0.0,
-        (Op::Round, [a]) => a.fract().abs() != 0.5,
-        (Op::Sign, [a]) => *a != 0.0,
-        (Op::And | Op::Or | Op::Not, _) => true,
-        _ => false,
     }
 }
 
@@ -403,6 +108,44 @@ mod tests {
         assert!(jumps(&format!("{hash}\nfn n(v: vec2) = {{ {smooth} {wrong} }}"), "p.y - n(p.xz)"));
         let flat = "let i = floor(v); let f = fract(v); let u = 0.9 * f;";
         assert!(jumps(&format!("{hash}\nfn n(v: vec2) = {{ {flat} {corners} }}"), "p.y - n(p.xz)"));
+    }
+
+    #[test]
+    fn noise_that_is_multiplied_out_does_not_jump() {
+        let cell = "let i = floor(v); let f = fract(v); let u = f * f * (3 - 2 * f); let a = hash(i); let b = hash(i + (1, 0)); let c = hash(i + (0, 1)); \
+                    let d = hash(i + (1, 1));";
+        for noise in ["a + (b - a) * u.x + (c - a) * u.y + (a - b - c + d) * u.x * u.y", "mix(a, b, u.x) + (c - a) * u.y * (1 - u.x) + (d - b) * u.x * u.y"] {
+            assert!(!jumps(&format!("fn n(v: vec2) = {{ {cell} {noise} }}"), "p.y - n(p.xz)"), "{noise}");
+            let wrong = noise.replace("d - b", "d - a").replace("b - c + d", "c + d");
+            assert!(jumps(&format!("fn n(v: vec2) = {{ {cell} {wrong} }}"), "p.y - n(p.xz)"), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn what_repeats_meets_at_its_walls() {
+        assert!(!jumps("", "length((p.x - 2 * round(p.x / 2), p.y, p.z)) - 0.5"));
+        assert!(!jumps("", "length(p - 3 * floor(p / 3) - 1.5) - 0.5"));
+        assert!(jumps("", "length((p.x - 2 * round(p.x / 2) - 0.3, p.y, p.z)) - 0.5"));
+        assert!(jumps("", "length(p - 3 * floor(p / 3) - 1.4) - 0.5"));
+        assert!(jumps("", "length(p - round(p)) - [0.1, 0.4, 0.25][int(clamp(3 * hash(round(p)), 0, 2))]"));
+        assert!(jumps("", "length(p - round(p)) - (if hash(round(p)) < 0.5 { 0.1 } else { 0.4 })"));
+    }
+
+    #[test]
+    fn cells_that_are_far_enough_make_no_wall() {
+        let near = |from: f64, more: f64, grows: f64| {
+            format!(
+                "{{ let n = floor(p.xz); for i in -1..2 by min {{ for j in -1..2 by min {{ let o = hash3(n + (i, j)); \
+                 length(p - (n.x + i + {from} + {more} * o.x, 0, n.y + j + {from} + {more} * o.y)) - 0.1 - {grows} * o.z }} }} }}"
+            )
+        };
+        assert!(!jumps("", &near(0.3, 0.4, 0.0)));
+        // In the corners of their cells those beside may all be farther than the next but one.
+        assert!(jumps("", &near(0.0, 1.0, 0.0)));
+        // A large ball two cells away is nearer than small ones, from far above.
+        assert!(jumps("", &near(0.3, 0.4, 0.2)));
+        // Only three of the nine.
+        assert!(jumps("", &near(0.3, 0.4, 0.0).replace("for j in -1..2 by min", "for j in 0..1 by min")));
     }
 
     #[test]

@@ -136,6 +136,15 @@ mod tests {
     }
 
     #[test]
+    fn a_ray_goes_over_walls_that_are_hardly_any() {
+        let bumps = "p.y - { let n = floor(p.xz); for i in -1..2 by + { for j in -1..2 by + { let o = hash3(n + (i, j)); \
+                     let d = length(p.xz - n - (i, j) - o.xy); 0.2 * exp(-8 * d * d) } } }";
+        // A hair from a wall; 2.2 is as much as bumps can be all together, and 5.2 as steep.
+        let (above, _) = bound(bumps, [0.999, 4.0, 0.5]);
+        assert!(above > (4.0 - 2.2) / 5.2 && above < 4.0, "{above}");
+    }
+
+    #[test]
     fn what_is_chosen_by_a_jump_is_not_gone_over() {
         // The ball is 1.2 in radius where the other half of space has one of 0.5.
         for chosen in ["[0.2, 1.2, 0.5][int(clamp(2 * sign(p.x), 0, 2))]", "(if floor(p.x) < 0 { 1.2 } else { 0.5 })"] {
