@@ -26,10 +26,13 @@ struct Part {
     values: Interval,
 }
 
+/// A formula and where it is looked at.
+pub(super) type OneCell = (NodeId, Domain);
+
 impl Builder<'_> {
     /// A formula of which the pieces are as steep as this one's, and where it is looked at: one cell of the axes along which it goes by cells. None
     /// where it goes by none.
-    pub(super) fn one_cell(&mut self, node: NodeId, domain: &Domain) -> Option<Rc<(NodeId, Domain)>> {
+    pub(super) fn one_cell(&mut self, node: NodeId, domain: &Domain) -> Option<Rc<OneCell>> {
         let key = (node, domain.key());
         if let Some(known) = self.found.cells.get(&key) {
             return known.clone();
@@ -73,7 +76,7 @@ impl Builder<'_> {
                 continue;
             }
             match self.graph.node(id) {
-                Node::Op(op, args) if !op.is_flat() && !(*op == Op::Sub && self.is_part(args)) => open.extend(args.iter().copied().filter(holds)),
+                Node::Op(op, args) if !(op.is_flat() || *op == Op::Sub && self.is_part(args)) => open.extend(args.iter().copied().filter(holds)),
                 _ => {
                     changing.insert(id);
                 }

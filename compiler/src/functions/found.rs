@@ -1,8 +1,9 @@
 //! What was found of formulas over domains, so that each is looked for once.
 
+use super::cell::OneCell;
 use super::uneven::Uneven;
 use super::{Cut, Narrowed, Treatment};
-use crate::analysis::{Domain, domain::Key};
+use crate::analysis::domain::Key;
 use crate::graph::{NodeId, ShapeId};
 use rustc_hash::FxHashMap;
 use std::rc::Rc;
@@ -15,7 +16,7 @@ pub(super) struct Found {
     pub regions: FxHashMap<(NodeId, Key, bool), Option<Narrowed>>,
     pub cuts: FxHashMap<(NodeId, Key), Option<Cut>>,
     /// A formula of cells in one of them.
-    pub cells: FxHashMap<(NodeId, Key), Option<Rc<(NodeId, Domain)>>>,
+    pub cells: FxHashMap<(NodeId, Key), Option<Rc<OneCell>>>,
     /// What is left of an intersection of which one operand cuts nothing off.
     pub absorbed: FxHashMap<(NodeId, Key), Option<NodeId>>,
     pub rough: FxHashMap<(NodeId, Key), f64>,
