@@ -93,12 +93,17 @@ impl Builder<'_> {
         }
         // Each part by a coordinate of its own.
         let own = [(); 3].map(|()| cell.free_number(self.graph, Interval::ALL));
-        let mut by_axis: [Option<NodeId>; 3] = [None; 3];
+        let mut by_axis: [Option<&Part>; 3] = [None; 3];
+        let mut axes = vec![0, 1, 2];
         for part in parts.values() {
             let slot = by_axis.get_mut(part.axis)?;
-            *slot = if slot.is_none() || *slot == Some(part.of) { Some(part.of) } else { Some(node) };
+            // Parts of two numbers, or of one by other ways of rounding, don't begin at the same place.
+            if slot.is_some_and(|other| other.of != part.of || other.values != part.values) {
+                axes.retain(|axis| *axis != part.axis);
+            }
+            *slot = Some(part);
         }
-        let mut axes: Vec<usize> = (0..3).filter(|&i| by_axis.get(i).copied().flatten().is_some_and(|of| of != node)).collect();
+        axes.retain(|&axis| by_axis.get(axis).is_some_and(Option::is_some));
         loop {
             let made = self.rebuilt(node, &mut |builder, id, _| {
                 if let Some(&number) = free.get(&id) {

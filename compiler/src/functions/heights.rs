@@ -14,8 +14,8 @@ use crate::graph::{Node, NodeId};
 const MOST_PAIRS: usize = 2000;
 const LONGEST_LIST: usize = 128;
 /// Formulas with more walls are not looked at as a whole, nor any more once so many were in vain.
-const MOST_WALLS: usize = 128;
-const MOST_TRIED: usize = 32;
+const MOST_WALLS: usize = 8;
+const MOST_TRIED: usize = 16;
 /// What jumps by less than this part of what its operands do is looked at as a whole.
 const MUCH_LESS: f64 = 0.5;
 
@@ -41,8 +41,13 @@ impl Builder<'_> {
 
     /// How high a formula jumps, all its jumps together.
     fn total_height(&mut self, node: NodeId, domain: &Domain) -> f64 {
-        let rounds = |id: &NodeId| matches!(self.graph.node(*id), Node::Op(Op::Floor | Op::Ceil | Op::Round, _)) && self.graph.reads_point(*id);
-        if self.graph.reachable(&[node]).iter().filter(|id| rounds(id)).count() > MOST_WALLS {
+        let order = self.graph.reachable(&[node]);
+        let still = self.still(&order);
+        let rounds = |id: &NodeId| match self.graph.node(*id) {
+            Node::Op(Op::Floor | Op::Ceil | Op::Round, args) => !args.iter().all(|arg| still.contains(arg)),
+            _ => false,
+        };
+        if order.iter().filter(|id| rounds(id)).count() > MOST_WALLS {
             return f64::INFINITY;
         }
         let sites = self.sites(node, domain);
@@ -110,8 +115,18 @@ impl Builder<'_> {
         let [of, with] = [long, short].map(|i| rest.get(i).map(|(term, _)| self.graph.arguments(*term).to_vec()).unwrap_or_default());
         // |(u, y)| - |(v, y)| is no more than |u| - |v|, or than zero.
         let size = |builder: &mut Self, own: &[NodeId], other: &[NodeId]| {
-            let own = own.iter().filter(|x| !other.contains(x));
-            own.map(|&x| builder.facts.range(builder.graph, x, domain).square()).fold(Interval::ZERO, Interval::add).sqrt()
+            let mut other = other.to_vec();
+            let mut squares = Interval::ZERO;
+            for &x in own {
+                // One for one.
+                match other.iter().position(|&y| y == x) {
+                    Some(at) => {
+                        other.swap_remove(at);
+                    }
+                    None => squares = squares.add(builder.facts.range(builder.graph, x, domain).square()),
+                }
+            }
+            squares.sqrt()
         };
         let (longest, shortest) = (size(self, &of, &with).hi, size(self, &with, &of).lo);
         rest.retain({

@@ -165,7 +165,7 @@ impl Builder<'_> {
         if let (Some(last), true) = (blamed.last_mut(), jumps(tape.steps.len() - 1)) {
             *last = Blame::All;
         }
-        let mut opened = Vec::new();
+        let (mut opened, mut seams, before) = (Vec::new(), Vec::new(), sites.len());
         for (i, step) in tape.steps.iter().enumerate().rev() {
             let blame = blamed.get(i).copied().unwrap_or_default();
             let Some(&node) = tape.nodes.get(i).filter(|_| blame != Blame::Nothing) else { continue };
@@ -179,8 +179,9 @@ impl Builder<'_> {
                         let site = Site { node, op: *op, args };
                         // That, too, makes nodes.
                         let has_room = self.graph.len() + MOST_OPENED / 2 < most;
-                        if !has_room || self.jump_height(root, &site, near) > 0.0 {
-                            sites.push(site);
+                        match !has_room || self.jump_height(root, &site, near) > 0.0 {
+                            true => sites.push(site),
+                            false => seams.push(site),
                         }
                     }
                     // Where a choice is the same on both sides it is not the change from one to the other that jumps.
@@ -210,6 +211,10 @@ impl Builder<'_> {
                 }
             }
         }
+        // How near a jump is by how fast its argument changes holds only as long as that does not jump itself.
+        let args: Vec<NodeId> = sites.iter().skip(before).flat_map(|site| site.args.iter().copied()).collect();
+        let read = if seams.is_empty() { Vec::new() } else { self.graph.reachable(&args) };
+        sites.extend(seams.into_iter().filter(|seam: &Site| read.binary_search(&seam.node).is_ok()));
         for call in opened {
             let Node::Call(shape, _, args) = self.graph.node(call).clone() else { continue };
             let Some(value) = self.graph.shape(shape).map(|s| s.value).filter(|_| self.graph.len() < most) else { continue };

@@ -47,12 +47,14 @@ impl Builder<'_> {
         for site in sites {
             let &[argument] = site.args.as_slice() else { return None };
             let rises = self.gradient(argument).iter().all(|&slope| self.is_uniform(slope));
-            if !rises || own.binary_search(&site.node).is_err() {
+            let walls = self.facts.constant(self.graph, argument, domain, 1);
+            // What jumps itself may pass a wall each time.
+            if !rises || walls.jumps || own.binary_search(&site.node).is_err() {
                 return None;
             }
             let height = self.jump_height(node, site, domain) * (1.0 + ROUNDING);
             change += height;
-            steep += height * self.facts.constant(self.graph, argument, domain, 1).lipschitz;
+            steep += height * walls.lipschitz;
         }
         (change.is_finite() && steep <= STEEPEST).then_some((change, steep))
     }

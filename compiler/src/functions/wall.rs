@@ -282,25 +282,28 @@ impl Builder<'_> {
     }
 }
 
-/// Constants are taken for the same that differ by no more than rounding does.
+/// A constant in 40 bits: those are the same that differ by no more than rounding does.
 fn rounded(value: f64) -> f64 {
-    const FINEST: f64 = (1u64 << 40) as f64;
-    if value.abs() < 1e6 { (value * FINEST).round() / FINEST } else { value }
+    const LEFT_OUT: u64 = 1 << 12;
+    f64::from_bits(value.to_bits().wrapping_add(LEFT_OUT / 2) & !(LEFT_OUT - 1))
 }
 
-/// Each product once, in their order.
+/// Each product once, in their order. What is left of multiples that cancel is nothing if it is as small as their rounding.
 fn collected(mut sum: Sum) -> Sum {
+    const NOTHING: f64 = 1.0 / (1u64 << 40) as f64;
     sum.sort_by(|a, b| a.0.cmp(&b.0));
-    sum.dedup_by(|(product, times), (kept, all)| {
-        let same = product == kept;
-        if same {
-            *all += *times;
+    let mut found: Vec<(Product, f64, f64)> = Vec::with_capacity(sum.len());
+    for (product, times) in sum {
+        match found.last_mut() {
+            Some((known, all, most)) if *known == product => {
+                *all += times;
+                *most = most.max(times.abs());
+            }
+            _ => found.push((product, times, times.abs())),
         }
-        same
-    });
-    sum.iter_mut().for_each(|(_, times)| *times = rounded(*times));
-    sum.retain(|(_, times)| *times != 0.0);
-    sum
+    }
+    let left = found.into_iter().filter(|(_, all, most)| all.abs() > NOTHING * most);
+    left.map(|(product, all, _)| (product, rounded(all))).collect()
 }
 
 /// Whether an operation that jumps does not do so at these numbers: what they are the limits of comes to the same.
