@@ -68,15 +68,21 @@ impl Builder<'_> {
             return None;
         }
         let range = self.facts.live_range(self.graph, number);
-        // At each of the constants, and once in between two of them.
-        let mut places: Vec<f64> = conditions.iter().map(|(_, c)| *c).filter(|c| range.contains(*c)).chain([range.lo, range.hi]).collect();
+        // At each of the constants, once in between two of them, and once beyond them where the number may be anything.
+        let constants = || conditions.iter().map(|(_, c)| *c);
+        let low = if range.lo.is_finite() { range.lo } else { constants().fold(range.hi, f64::min) - 1.0 };
+        let high = if range.hi.is_finite() { range.hi } else { constants().fold(range.lo, f64::max) + 1.0 };
+        let mut places: Vec<f64> = constants().filter(|c| range.contains(*c)).chain([low, high]).collect();
+        if places.iter().any(|place| !place.is_finite()) {
+            return None;
+        }
         places.sort_by(f64::total_cmp);
         places.dedup();
         let between: Vec<f64> = places.windows(2).filter_map(|pair| if let [a, b] = pair { Some(0.5 * (a + b)) } else { None }).collect();
-        places.extend(between.into_iter().filter(|place| place.is_finite()));
+        places.extend(between);
         let conditions: Vec<NodeId> = conditions.iter().map(|(id, _)| *id).collect();
         let mut counts = Vec::new();
-        for place in places.into_iter().filter(|place| place.is_finite()) {
+        for place in places {
             let place = self.graph.constant(place);
             let mut made = Vec::new();
             for &node in nodes {
@@ -115,6 +121,14 @@ mod tests {
         assert!((factor(&once) - 2.0).abs() < 1e-3, "{}", factor(&once));
         let other = folded.replace("param", "param other: int = 3 in 1..8\nparam").replace("s = 2 * s", "s = if i < other { 2 * s } else { s }");
         assert!((factor(&other) - 128.0).abs() < 0.1, "{}", factor(&other));
+    }
+
+    #[test]
+    fn what_may_be_anything_is_looked_at_beyond_all_constants() {
+        let pole = "param a = -0.1 in -1..1\nfield f = { let m = 1 / a; let k = (if m < -2 { 5 } else { 1 }) * (if m < -5 { 5 } else { 1 }); k * (length(p) - 1) }\n\
+                    scene = f.within(box(3))";
+        let more = pole.replace("k * (length(p) - 1)", "k * (length(p) - 1) + 0.01 * sin(p.x)");
+        assert!((factor(&more) - 25.0).abs() < 0.1, "{}", factor(&more));
     }
 
     #[test]

@@ -47,7 +47,7 @@ impl Builder<'_> {
             Node::Op(Op::Floor | Op::Ceil | Op::Round, args) => !args.iter().all(|arg| still.contains(arg)),
             _ => false,
         };
-        if order.iter().filter(|id| rounds(id)).count() > MOST_WALLS {
+        if order.iter().filter(|id| rounds(id)).count() > MOST_WALLS || self.calls_what_jumps(node, domain) {
             return f64::INFINITY;
         }
         let sites = self.sites(node, domain);

@@ -223,6 +223,12 @@ impl Builder<'_> {
         }
     }
 
+    /// Whether a formula calls a shape that jumps: its jumps are not those of operations of the formula, though the two may be the same nodes.
+    pub(super) fn calls_what_jumps(&mut self, node: NodeId, near: &Domain) -> bool {
+        let calls: Vec<NodeId> = self.graph.reachable(&[node]).into_iter().filter(|id| matches!(self.graph.node(*id), Node::Call(..))).collect();
+        calls.into_iter().any(|call| self.facts.constant(self.graph, call, near, 1).jumps)
+    }
+
     /// How far it is at least to where an operation jumps.
     pub(super) fn distance_to_jump(&mut self, op: Op, args: &[NodeId], near: &Domain) -> Jump {
         if let (Op::Atan2, &[a, b, ..]) = (op, args) {

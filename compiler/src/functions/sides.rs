@@ -59,7 +59,7 @@ impl Builder<'_> {
     pub(super) fn sides(&mut self, node: NodeId, sites: &[Site], near: &Domain, way: Way) -> Option<Sides> {
         // Those of other shapes stand in formulas of their own.
         let own = self.graph.reachable(&[node]);
-        if !sites.iter().all(|s| own.binary_search(&s.node).is_ok()) {
+        if !sites.iter().all(|s| own.binary_search(&s.node).is_ok()) || self.calls_what_jumps(node, near) {
             return None;
         }
         let mut all = Vec::new();

@@ -26,7 +26,7 @@ impl Builder<'_> {
     /// anything. None where nothing finite is known, or where they stand within other shapes.
     /// `constant` is that of the pieces: no bound of theirs changes faster than the way.
     pub(super) fn over_jumps(&mut self, node: NodeId, sites: &[Site], domain: &Domain, constant: f64) -> Option<NodeId> {
-        if sites.is_empty() || sites.len() > MOST {
+        if sites.is_empty() || sites.len() > MOST || self.calls_what_jumps(node, domain) {
             return None;
         }
         let free = self.over_free(node, sites, domain, constant);
