@@ -19,6 +19,7 @@ mod multilinear;
 pub mod period;
 mod placed;
 mod polar;
+pub(crate) mod products;
 mod radial;
 pub mod region;
 pub mod search;

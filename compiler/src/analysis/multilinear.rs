@@ -5,6 +5,7 @@
 //! covered, at each of which it is linear in all the others at once (multi-affine forms; Rockafellar 1970, *Convex Analysis*, § 32 for the corners).
 
 use super::dual::{self, Dual};
+use super::products::{self, Sum, collected, multiplied, scaled};
 use super::tape::{Step, Tape};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -16,13 +17,12 @@ const MOST_COVERING: usize = 4;
 /// What rounding may lead beyond, against the size of what is added up.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// A product of steps, in their order.
-type Product = SmallVec<[usize; 4]>;
-
+/// A product of steps.
+type Product = products::Product<usize>;
 /// Multiples of products.
 #[derive(Clone, Debug)]
 pub(super) struct Multilinear {
-    terms: Vec<(Product, f64)>,
+    terms: Sum<usize>,
     /// The steps that are put to their ends.
     covering: SmallVec<[usize; MOST_COVERING]>,
 }
@@ -30,7 +30,7 @@ pub(super) struct Multilinear {
 impl Multilinear {
     /// Those of a tape's steps, in order, of which this says more than step by step is known; what `is_known` says more of by itself is a number.
     pub(super) fn of(tape: &Tape, is_known: impl Fn(usize) -> bool) -> Vec<(usize, Multilinear)> {
-        let mut written: Vec<Vec<(Product, f64)>> = Vec::with_capacity(tape.steps.len());
+        let mut written: Vec<Sum<usize>> = Vec::with_capacity(tape.steps.len());
         let mut found: Vec<(usize, Multilinear)> = Vec::new();
         for (i, step) in tape.steps.iter().enumerate() {
             let sum = match step {
@@ -161,46 +161,25 @@ impl Multilinear {
 }
 
 /// An operation on sums of products as such a sum. None of anything else, and where a number would be multiplied by itself.
-fn expanded(op: Op, args: &[usize], written: &[Vec<(Product, f64)>]) -> Option<Vec<(Product, f64)>> {
+fn expanded(op: Op, args: &[usize], written: &[Sum<usize>]) -> Option<Sum<usize>> {
     let a = written.get(*args.first()?)?;
-    let scaled = |sum: &[(Product, f64)], by: f64| sum.iter().map(|(product, times)| (product.clone(), times * by)).collect::<Vec<_>>();
-    let sum = match op {
-        Op::Neg => scaled(a, -1.0),
-        Op::Add | Op::Sub => {
-            let b = written.get(*args.get(1)?)?;
+    let b = args.get(1).and_then(|&b| written.get(b));
+    let sum = match (op, b) {
+        (Op::Neg, _) => scaled(a, -1.0),
+        (Op::Add | Op::Sub, Some(b)) => {
             let mut sum = a.clone();
             sum.extend(scaled(b, if op == Op::Sub { -1.0 } else { 1.0 }));
             sum
         }
-        Op::Mul => {
-            let b = written.get(*args.get(1)?)?;
-            if a.len() * b.len() > MOST_TERMS {
+        (Op::Mul, Some(b)) if a.len() * b.len() <= MOST_TERMS => {
+            let shares = |x: &Product| b.iter().any(|(y, _)| x.iter().any(|step| y.contains(step)));
+            if a.iter().any(|(x, _)| shares(x)) {
                 return None;
             }
-            let mut sum = Vec::with_capacity(a.len() * b.len());
-            for (x, by) in a {
-                for (y, times) in b {
-                    if x.iter().any(|step| y.contains(step)) {
-                        return None;
-                    }
-                    let mut product: Product = x.iter().chain(y).copied().collect();
-                    product.sort_unstable();
-                    sum.push((product, by * times));
-                }
-            }
-            sum
+            multiplied(a, b)
         }
         _ => return None,
     };
-    let mut sum = sum;
-    sum.sort_by(|a, b| a.0.cmp(&b.0));
-    sum.dedup_by(|(product, times), (kept, all)| {
-        let same = product == kept;
-        if same {
-            *all += *times;
-        }
-        same
-    });
-    sum.retain(|(_, times)| *times != 0.0);
+    let sum = collected(sum, 0.0);
     (sum.len() <= MOST_TERMS).then_some(sum)
 }

@@ -154,7 +154,8 @@ fn part(tape: &Tape, args: &[usize]) -> Option<Tight> {
     if let (Op::Mul, &[a, b]) = tape.operation(taken)? {
         (size, step) = tape.constant(a).map(|m| (m, b)).or(tape.constant(b).map(|m| (m, a)))?;
     }
-    let (rounds @ (Op::Floor | Op::Ceil | Op::Round), &[of]) = tape.operation(step)? else { return None };
+    let (rounds, &[of]) = tape.operation(step)? else { return None };
+    let part = rounds.part()?;
     let share = match tape.operation(of) {
         _ if of == x => 1.0,
         Some((Op::Mul, &[a, b])) if b == x => tape.constant(a)?,
@@ -167,11 +168,8 @@ fn part(tape: &Tape, args: &[usize]) -> Option<Tight> {
     }
     // Only by powers of two is a device sure to divide exactly.
     let least = if size.log2().fract() == 0.0 && size >= 1.0 && is_whole(tape, x, DEEPEST) { 1.0 } else { 0.0 };
-    let values = match rounds {
-        Op::Floor => Interval::new(0.0, size - least),
-        Op::Ceil => Interval::new(least - size, 0.0),
-        _ => Interval::new(-0.5 * size, 0.5 * size),
-    };
+    let whole = part.mul(Interval::point(size));
+    let values = Interval::new(if part.lo == -1.0 { whole.lo + least } else { whole.lo }, if part.hi == 1.0 { whole.hi - least } else { whole.hi });
     Some(Tight::Part(if size == 1.0 { values } else { widened(values) }))
 }
 

@@ -1,7 +1,6 @@
 //! How far a ray may step: operands one by one, groups as a whole, each over its Lipschitz factor and behind its region where it needs one.
 
-use super::domains::{LONGER, STEEP};
-use super::{Builder, Kind, Known, Treatment, BUDGET, GENTLE, LONG, SAMPLES, STEEPEST, UNIT};
+use super::{Builder, Kind, Known, Over, Treatment, BUDGET, GENTLE, LONG, SAMPLES, STEEPEST, UNIT};
 use crate::analysis::search::{Search, Target, ROUNDING};
 use crate::analysis::{Box3, Constant, Domain, has_cells};
 use crate::diagnostic::{Code, Diagnostic};
@@ -182,10 +181,8 @@ impl Builder<'_> {
         }) {
             return self.normalised(shape, node, domain, continuous);
         }
-        let mut all = self.facts.map_constant(self.graph, point, &everywhere, 1);
-        if all.lipschitz > GENTLE {
-            all = self.map_by_counts(point, &everywhere, 1, all);
-        }
+        let all = self.facts.map_constant(self.graph, point, &everywhere, 1);
+        let all = self.by_counts(point, all, |facts, graph, point| facts.map_constant(graph, point, &everywhere, 1));
         if all.jumps && !continuous {
             return self.normalised(shape, node, domain, continuous);
         }
@@ -213,7 +210,7 @@ impl Builder<'_> {
         let tube_and_reach = tube.map(|(axis, radius)| (axis, radius + reach));
         let near = Domain { tube: tube_and_reach, ..domain.at(region.grow(reach)) };
         let constant = self.facts.map_constant(self.graph, point, &near, BUDGET);
-        let constant = if constant.lipschitz > GENTLE { self.map_by_counts(point, &near, BUDGET, constant) } else { constant };
+        let constant = self.by_counts(point, constant, |facts, graph, point| facts.map_constant(graph, point, &near, BUDGET));
         if constant.lipschitz > STEEPEST {
             return self.normalised(shape, node, domain, continuous);
         }
@@ -246,14 +243,14 @@ impl Builder<'_> {
         } else {
             let at = match treatment.region {
                 Some((region, reach)) => domain.at(region.grow(reach)),
-                None if treatment.everywhere => domain.at(Box3::ALL),
+                None if treatment.over == Over::Space => domain.at(Box3::ALL),
                 None => domain.clone(),
             };
             let uneven = match treatment.proof {
                 Proof::Derived if at.point.is_finite() => self.uneven(node, &at, treatment.constant).filter(|u| !u.is_unknown()),
                 _ => None,
             };
-            let cell = if treatment.in_a_cell { self.one_cell(node, &at) } else { None };
+            let cell = if treatment.over == Over::Cell { self.one_cell(node, &at) } else { None };
             let (sought, at) = cell.map_or((node, at), |cell| (cell.0, cell.1.clone()));
             let known = Known {
                 lipschitz: treatment.constant,
@@ -290,7 +287,7 @@ impl Builder<'_> {
         };
         let Some((region, reach)) = region else {
             let region = Some((Box3::EMPTY, 0.0));
-            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, everywhere: false, in_a_cell: false });
+            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, over: Over::Region });
         };
         let near = domain.at(region.grow(reach).intersect(&Box3::cube(self.extent)));
         let steepest = self.facts.sampled_constant(self.graph, node, &near, SAMPLES);
@@ -313,8 +310,7 @@ impl Builder<'_> {
             jumps: self.facts.constant(self.graph, node, &near, 1).jumps,
             region: Some((region, reach)),
             proof: Proof::Measured,
-            everywhere: false,
-            in_a_cell: false,
+            over: Over::Region,
         })
     }
 
@@ -355,7 +351,7 @@ impl Builder<'_> {
         }
         if all.lipschitz == 0.0 {
             // The same everywhere: any step is right, and so is this.
-            return Some(Treatment { constant: 1.0, jumps: all.jumps, region: None, proof: Proof::Proven, everywhere: true, in_a_cell: false });
+            return Some(Treatment { constant: 1.0, jumps: all.jumps, region: None, proof: Proof::Proven, over: Over::Space });
         }
         let claimed = matches!(self.graph.node(node), Node::Claim(_, Claim::Lipschitz(..)));
         let mut by_rule = if claimed { Proof::Claimed } else { Proof::Proven };
@@ -363,42 +359,25 @@ impl Builder<'_> {
         if plain && all.lipschitz > UNIT && !claimed {
             // What repeats, and what is a sum, can be searched over all space.
             all = self.facts.constant(self.graph, node, &everywhere, BUDGET);
-            if all.lipschitz > GENTLE {
-                all = self.constant_by_counts(node, &everywhere, BUDGET, all);
-            }
+            all = self.constant_by_counts(node, &everywhere, all);
             by_rule = Proof::Derived;
         }
         let gentle = all.lipschitz <= GENTLE || all.lipschitz <= 4.0 && self.facts.weight(self.graph, node) > LONG;
         if plain && gentle {
-            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true, in_a_cell: false });
+            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, over: Over::Space });
         }
         // A region of its own: tighter, or the only way.
         let Some((region, reach)) = self.region_of(node, domain) else {
             // Nothing solid in the extent.
             let region = Some((Box3::EMPTY, 0.0));
-            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, everywhere: false, in_a_cell: false });
+            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, over: Over::Region });
         };
         let bounded = region != domain.point;
         let near = domain.at(region.grow(reach));
-        let of_a_cell = if all.jumps { self.constant_of_a_cell(node, &near) } else { None };
-        let (constant, in_a_cell) = match of_a_cell {
-            Some(found) if found.lipschitz <= STEEP => (found, true),
-            of_a_cell => {
-                let constant = self.facts.constant(self.graph, node, &near, BUDGET);
-                // With what a condition leaves out, less is found at once than there is; where it is mild already, a search in the background will do.
-                let constant = if constant.lipschitz > STEEP { self.constant_within(node, &near, LONGER) } else { constant };
-                match of_a_cell.filter(|found| found.lipschitz < constant.lipschitz) {
-                    Some(found) => (found, true),
-                    None => (constant, false),
-                }
-            }
-        };
-        let mut constant = constant;
-        if constant.lipschitz > GENTLE && !in_a_cell {
-            constant = self.constant_by_counts(node, &near, BUDGET, constant);
-        }
+        let (constant, in_a_cell) = self.constant_near(node, &near, all.jumps);
+        let constant = if in_a_cell { constant } else { self.constant_by_counts(node, &near, constant) };
         if plain && all.lipschitz <= STEEPEST && (!bounded || constant.lipschitz > 0.85 * all.lipschitz) {
-            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, everywhere: true, in_a_cell: false });
+            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, over: Over::Space });
         }
         if constant.lipschitz > STEEPEST_OF_ALL || constant.lipschitz.is_nan() {
             return None;
@@ -417,9 +396,12 @@ impl Builder<'_> {
             jumps: constant.jumps && !continuous,
             region: needed.then_some((region, reach)),
             proof: Proof::Derived,
-            everywhere: false,
-            in_a_cell,
+            over: if in_a_cell { Over::Cell } else { Over::Region },
         })
+    }
+
+    fn constant_by_counts(&mut self, node: NodeId, domain: &Domain, known: Constant) -> Constant {
+        self.by_counts(&[node], known, |facts, graph, of| of.iter().map(|&node| facts.constant(graph, node, domain, BUDGET)).next().unwrap_or(known))
     }
 
     /// `inside` near the region, the distance to the region beyond; the region is cut down to a tube about an axis where there is one.

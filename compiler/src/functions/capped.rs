@@ -4,7 +4,7 @@
 //! nobody has to write the `clamp`. Of a low level the slope is small, and so is all that the bound says far from the surface: of a few levels that
 //! one is taken by which the way is the longest in most places.
 
-use super::{BUDGET, Builder, STEEPEST, Treatment};
+use super::{BUDGET, Builder, Over, STEEPEST, Treatment};
 use crate::analysis::Domain;
 use crate::analysis::search::{Search, Target};
 use crate::graph::{NodeId, Proof, ShapeId};
@@ -56,7 +56,7 @@ impl Builder<'_> {
             }
         }
         let (_, capped, lipschitz) = best?;
-        let treatment = Treatment { constant: lipschitz.max(1e-6), jumps: false, region: Some((region, reach)), proof: Proof::Derived, everywhere: false, in_a_cell: false };
+        let treatment = Treatment { constant: lipschitz.max(1e-6), jumps: false, region: Some((region, reach)), proof: Proof::Derived, over: Over::Region };
         Some((capped, treatment))
     }
 

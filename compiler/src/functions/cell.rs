@@ -2,6 +2,8 @@
 //! numbers that are the same all over a cell: with a free number in place of each of the latter all cells are one, in which a search finds at once
 //! how steep the pieces are; in a box of many cells it would have to come down to each of them.
 
+use super::domains::{LONGER, STEEP};
+use super::seams::LONGEST;
 use super::{BUDGET, Builder};
 use crate::analysis::{Constant, Domain};
 use crate::graph::interval::Interval;
@@ -10,8 +12,7 @@ use crate::graph::{Leaf, Node, NodeId, WORLD};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::rc::Rc;
 
-/// Longer formulas are not looked at, nor those in which more numbers change from cell to cell.
-const LONGEST: usize = 4000;
+/// Formulas in which more numbers change from cell to cell are not looked at.
 const MOST_FREE: usize = 256;
 /// Sums are looked through so deep for a whole part.
 const DEEPEST: usize = 4;
@@ -49,7 +50,21 @@ impl Builder<'_> {
         Some(Constant { jumps: true, ..found })
     }
 
-    fn find_cell(&mut self, node: NodeId, domain: &Domain) -> Option<(NodeId, Domain)> {
+    /// The constant of a formula over a domain, and whether it was found in one cell; the shorter look first.
+    pub(super) fn constant_near(&mut self, node: NodeId, near: &Domain, jumps: bool) -> (Constant, bool) {
+        let of_a_cell = if jumps { self.constant_of_a_cell(node, near) } else { None };
+        if let Some(found) = of_a_cell.filter(|found| found.lipschitz <= STEEP) {
+            return (found, true);
+        }
+        let mut whole = self.facts.constant(self.graph, node, near, BUDGET);
+        // With what a condition leaves out, less is found at once than there is; where it is mild already, a search in the background will do.
+        if whole.lipschitz > STEEP {
+            whole = self.constant_within(node, near, LONGER);
+        }
+        of_a_cell.filter(|found| found.lipschitz < whole.lipschitz).map_or((whole, false), |found| (found, true))
+    }
+
+    fn find_cell(&mut self, node: NodeId, domain: &Domain) -> Option<OneCell> {
         let node = self.parts_first(node)?;
         let order = self.graph.reachable(&[node]);
         let world = |id: &NodeId| matches!(self.graph.node(*id), Node::Leaf(Leaf::Variable(v)) if *v < WORLD + 3);
@@ -154,7 +169,7 @@ impl Builder<'_> {
     fn without_whole(&mut self, a: NodeId, sum: NodeId, deep: usize) -> Option<(NodeId, NodeId)> {
         let Node::Op(op @ (Op::Add | Op::Sub), args) = self.graph.node(sum) else { return None };
         let (op, &[x, y]) = (*op, args.as_ref()) else { return None };
-        let is_whole = |id: NodeId| matches!(self.graph.node(id), Node::Op(Op::Floor | Op::Round | Op::Ceil, of) if of.first() == Some(&a));
+        let is_whole = |id: NodeId| matches!(self.graph.node(id), Node::Op(op, of) if op.part().is_some() && of.first() == Some(&a));
         if deep == 0 {
             return None;
         }
@@ -178,12 +193,8 @@ impl Builder<'_> {
         for &id in order {
             let Node::Op(Op::Sub, args) = self.graph.node(id) else { continue };
             let &[of, whole] = args.as_ref() else { continue };
-            let values = match self.graph.node(whole) {
-                Node::Op(Op::Floor, args) if args.first() == Some(&of) => Interval::new(0.0, 1.0),
-                Node::Op(Op::Ceil, args) if args.first() == Some(&of) => Interval::new(-1.0, 0.0),
-                Node::Op(Op::Round, args) if args.first() == Some(&of) => Interval::new(-0.5, 0.5),
-                _ => continue,
-            };
+            let Node::Op(rounds, inside) = self.graph.node(whole) else { continue };
+            let Some(values) = rounds.part().filter(|_| inside.first() == Some(&of)) else { continue };
             let slopes = self.gradient(of).map(|slope| self.graph.as_constant(slope));
             let mut along = slopes.iter().enumerate().filter(|(_, slope)| **slope != Some(0.0));
             if let (Some((axis, Some(times))), None) = (along.next(), along.next()) {

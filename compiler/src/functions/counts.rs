@@ -3,39 +3,28 @@
 //! Written out, each turn asks by itself whether it is taken, so that in one turn the point may be scaled and the divisor not: a product over all turns.
 //! No place sees more than one count, so the constant is the largest of those of each count by itself.
 
-use super::Builder;
-use crate::analysis::{Constant, Domain};
+use super::seams::LONGEST;
+use super::{Builder, GENTLE};
+use crate::analysis::{Constant, Facts};
 use crate::graph::kernel::Op;
-use crate::graph::{Node, NodeId};
+use crate::graph::{Graph, Node, NodeId};
 use rustc_hash::FxHashMap;
 
-/// Of more counts nothing is looked for, nor in longer formulas.
+/// Of more counts nothing is looked for.
 const MOST: usize = 64;
-const LONGEST: usize = 4000;
 /// As few questions may be those of a loop.
 const FEWEST: usize = 2;
 
 impl Builder<'_> {
-    /// A constant of a formula, or a smaller one that is found count by count where it is counted.
-    pub(super) fn constant_by_counts(&mut self, node: NodeId, domain: &Domain, budget: usize, known: Constant) -> Constant {
-        let Some(counts) = self.counts(&[node]) else { return known };
-        let mut most = Constant { lipschitz: 0.0, jumps: false };
-        for of_count in counts.iter().flatten() {
-            let found = self.facts.constant(self.graph, *of_count, domain, budget);
-            most = Constant { lipschitz: most.lipschitz.max(found.lipschitz), jumps: most.jumps || found.jumps };
-            if most.lipschitz >= known.lipschitz {
-                return known;
-            }
+    /// A constant of formulas together, or a smaller one that is found count by count where they are counted; `of` finds that of some formulas.
+    pub(super) fn by_counts(&mut self, nodes: &[NodeId], known: Constant, of: impl Fn(&mut Facts, &Graph, &[NodeId]) -> Constant) -> Constant {
+        if known.lipschitz <= GENTLE {
+            return known;
         }
-        Constant { jumps: most.jumps && known.jumps, ..most }
-    }
-
-    /// The same for a map of points.
-    pub(super) fn map_by_counts(&mut self, point: &[NodeId], domain: &Domain, budget: usize, known: Constant) -> Constant {
-        let Some(counts) = self.counts(point) else { return known };
+        let Some(counts) = self.counts(nodes) else { return known };
         let mut most = Constant { lipschitz: 0.0, jumps: false };
         for of_count in &counts {
-            let found = self.facts.map_constant(self.graph, of_count, domain, budget);
+            let found = of(self.facts, self.graph, of_count);
             most = Constant { lipschitz: most.lipschitz.max(found.lipschitz), jumps: most.jumps || found.jumps };
             if most.lipschitz >= known.lipschitz {
                 return known;

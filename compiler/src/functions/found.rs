@@ -23,6 +23,6 @@ pub(super) struct Found {
     pub unevens: FxHashMap<(NodeId, Key), Option<Rc<Uneven>>>,
     /// How high a formula jumps by an operation.
     pub heights: FxHashMap<(NodeId, NodeId, Key), f64>,
-    /// How many minima jump as their operands do.
-    pub apart_at_walls: usize,
+    /// How many minima were looked at that jump as their operands do.
+    pub vain_groups: usize,
 }

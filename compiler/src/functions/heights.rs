@@ -29,13 +29,13 @@ impl Builder<'_> {
     /// Whether a minimum (or maximum) hardly jumps though its operands do, as that over neighbouring cells: where the number of a cell changes, an
     /// operand becomes another cell's.
     pub(super) fn meets_at_walls(&mut self, node: NodeId, domain: &Domain) -> bool {
-        if !self.graph.reads(node).rounds || self.found.apart_at_walls > MOST_TRIED {
+        if !self.graph.reads(node).rounds || self.found.vain_groups > MOST_TRIED {
             return false;
         }
         let whole = self.total_height(node, domain);
         let operands = self.graph.arguments(node).to_vec();
         let meets = whole.is_finite() && operands.into_iter().any(|operand| whole < MUCH_LESS * self.total_height(operand, domain));
-        self.found.apart_at_walls += usize::from(!meets);
+        self.found.vain_groups += usize::from(!meets);
         meets
     }
 
@@ -44,7 +44,7 @@ impl Builder<'_> {
         let order = self.graph.reachable(&[node]);
         let still = self.still(&order);
         let rounds = |id: &NodeId| match self.graph.node(*id) {
-            Node::Op(Op::Floor | Op::Ceil | Op::Round, args) => !args.iter().all(|arg| still.contains(arg)),
+            Node::Op(op, args) if op.part().is_some() => !args.iter().all(|arg| still.contains(arg)),
             _ => false,
         };
         if order.iter().filter(|id| rounds(id)).count() > MOST_WALLS || self.calls_what_jumps(node, domain) {
@@ -106,7 +106,7 @@ impl Builder<'_> {
         if plain <= 0.0 {
             return plain;
         }
-        let Some(mut rest) = self.without_common(a, b) else { return plain };
+        let Some(rest) = self.without_common(a, b) else { return plain };
         let length = |builder: &Self, taken: bool| {
             let is_length = |node: NodeId| matches!(builder.graph.node(node), Node::Op(Op::Length2 | Op::Length3 | Op::Length4, _));
             rest.iter().position(|&(term, t)| t == taken && is_length(term))
@@ -129,14 +129,8 @@ impl Builder<'_> {
             squares.sqrt()
         };
         let (longest, shortest) = (size(self, &of, &with).hi, size(self, &with, &of).lo);
-        rest.retain({
-            let mut at = 0;
-            move |_| {
-                at += 1;
-                at - 1 != long && at - 1 != short
-            }
-        });
-        plain.min((longest - shortest).max(0.0) + self.total(&rest, domain).hi)
+        let beside: Vec<(NodeId, bool)> = rest.iter().enumerate().filter(|(i, _)| ![long, short].contains(i)).map(|(_, term)| *term).collect();
+        plain.min((longest - shortest).max(0.0) + self.total(&beside, domain).hi)
     }
 
     /// What two sums add and take away that they do not share, the second one taken away. None where that is much.
@@ -164,6 +158,7 @@ impl Builder<'_> {
         })
     }
 
+    /// The operands of a tree of one operation, each once.
     fn listed(&self, op: Op, node: NodeId) -> Vec<NodeId> {
         let (mut open, mut found) = (vec![node], Vec::new());
         while let Some(node) = open.pop() {

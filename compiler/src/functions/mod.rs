@@ -232,10 +232,16 @@ struct Treatment {
     /// The formula is trusted only here; beyond it the distance to this box is the bound.
     region: Option<(Box3, f64)>,
     proof: Proof,
-    /// Whether the constant is that of all space.
-    everywhere: bool,
-    /// Whether it was found in one cell of what goes by cells.
-    in_a_cell: bool,
+    over: Over,
+}
+
+/// Over what a constant was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Over {
+    Space,
+    Region,
+    /// One cell of what goes by cells.
+    Cell,
 }
 
 /// A constant, how it is known, and of what over which domain.

@@ -13,7 +13,7 @@ use crate::graph::{Leaf, NodeId};
 use rustc_hash::FxHashMap;
 
 /// Longer formulas are not looked at.
-const LONGEST: usize = 4000;
+pub(super) const LONGEST: usize = 4000;
 
 impl Builder<'_> {
     /// How high a formula jumps where this operation of it does: zero where it comes to the same on both sides, without end where nothing is known.

@@ -4,33 +4,33 @@
 //! What else jumps there is held as it is, whatever that may be, where what it jumps by comes to the same on both sides: it is looked at by itself.
 
 use super::Builder;
+use crate::analysis::products::{self, multiplied, scaled};
 use crate::graph::kernel::Op;
 use crate::graph::{Leaf, Node, NodeId};
 use rustc_hash::{FxHashMap, FxHashSet};
-use smallvec::{SmallVec, smallvec};
+use smallvec::smallvec;
 
 /// Longer sums are not looked at.
 const MOST_TERMS: usize = 256;
 /// Nor are products of more factors multiplied out.
 const MOST_FACTORS: usize = 12;
 
-/// A product of nodes, in their order.
-type Product = SmallVec<[NodeId; 4]>;
+type Product = products::Product<NodeId>;
+type Sum = products::Sum<NodeId>;
 
-/// Multiples of products, in their order; of none the constant.
-type Sum = Vec<(Product, f64)>;
-
-/// A formula on one side of where something in it jumps.
+/// Nodes as sums of products, as far as they were asked for.
 #[derive(Default)]
-pub(super) struct Wall {
+struct Sums {
     /// Whether products of sums are multiplied out: then more is seen to be the same, and less is known of what is not.
     multiplies: bool,
-    /// Nodes as sums.
-    sums: FxHashMap<NodeId, Option<Sum>>,
+    known: FxHashMap<NodeId, Option<Sum>>,
+}
+
+/// A formula on one side of where something in it jumps.
+pub(super) struct Wall {
+    sums: Sums,
     /// The whole number.
     whole: NodeId,
-    /// Nodes that are the whole number and so much more.
-    lattice: FxHashMap<NodeId, f64>,
     /// Nodes of the formula that only change where something jumps.
     still: FxHashSet<NodeId>,
     /// What stands for what else jumps, by what that jumps by.
@@ -40,9 +40,7 @@ pub(super) struct Wall {
 impl Wall {
     /// The wall at which a number is `whole`, of a formula with these nodes that only change where something jumps.
     pub fn new(whole: NodeId, still: FxHashSet<NodeId>, multiplies: bool) -> Self {
-        let mut wall = Self { whole, still, multiplies, ..Self::default() };
-        wall.lattice.insert(whole, 0.0);
-        wall
+        Self { sums: Sums { multiplies, ..Sums::default() }, whole, still, held: FxHashMap::default() }
     }
 }
 
@@ -66,20 +64,12 @@ impl Builder<'_> {
 
     /// The whole number and so much more.
     pub(super) fn on_lattice(&mut self, wall: &mut Wall, more: f64) -> NodeId {
-        let node = match more == 0.0 {
-            true => wall.whole,
-            false => {
-                let more = self.graph.constant(more);
-                self.graph.op(Op::Add, &[wall.whole, more])
-            }
-        };
-        wall.lattice.insert(node, more);
-        node
+        self.canonical(wall, wall.whole, 1.0, more)
     }
 
     /// The axis along which a number rises evenly, how fast, and what it is at zero. None where it does so along more than one, or otherwise.
     pub(super) fn along_axis(&mut self, number: NodeId) -> Option<(u8, f64, f64)> {
-        let sum = self.sum(&mut Wall::default(), number)?;
+        let sum = self.sum(&mut Sums::default(), number)?;
         let (product, times, more) = match sum.as_slice() {
             [(product, times)] => (product, *times, 0.0),
             [(none, more), (product, times)] if none.is_empty() => (product, *times, *more),
@@ -93,51 +83,46 @@ impl Builder<'_> {
 
     /// A formula as a sum of multiples, in the order of their nodes, and a constant; of products of sums where that is asked for. A fractional part is
     /// one node. None of a long one.
-    fn sum(&self, wall: &mut Wall, node: NodeId) -> Option<Sum> {
-        if let Some(known) = wall.sums.get(&node) {
+    fn sum(&self, sums: &mut Sums, node: NodeId) -> Option<Sum> {
+        if let Some(known) = sums.known.get(&node) {
             return known.clone();
         }
-        let found = self.find_sum(wall, node).filter(|sum| sum.len() <= MOST_TERMS);
-        wall.sums.insert(node, found.clone());
+        let found = self.find_sum(sums, node).filter(|sum| sum.len() <= MOST_TERMS);
+        sums.known.insert(node, found.clone());
         found
     }
 
-    fn find_sum(&self, wall: &mut Wall, node: NodeId) -> Option<Sum> {
+    fn find_sum(&self, sums: &mut Sums, node: NodeId) -> Option<Sum> {
         if let Some(c) = self.graph.as_constant(node) {
             return Some(vec![(Product::new(), c)]);
         }
         let atom = || Some(vec![(smallvec![node], 1.0)]);
         let Node::Op(op, args) = self.graph.node(node) else { return atom() };
         let by = |i: usize| args.get(i).and_then(|&arg| self.graph.as_constant(arg));
-        let scaled = |sum: Option<Sum>, by: f64| sum.map(|sum| sum.into_iter().map(|(product, times)| (product, times * by)).collect());
+        let times = |sum: Option<Sum>, by: f64| sum.map(|sum| scaled(&sum, by));
         match (op, args.as_ref()) {
             (Op::Add | Op::Sub, &[a, b]) if !self.is_part(args) => {
-                let (Some(mut sum), Some(more)) = (self.sum(wall, a), self.sum(wall, b)) else { return None };
+                let (Some(mut sum), Some(more)) = (self.sum(sums, a), self.sum(sums, b)) else { return None };
                 let sign = if *op == Op::Sub { -1.0 } else { 1.0 };
-                sum.extend(more.into_iter().map(|(product, times)| (product, sign * times)));
-                Some(collected(sum))
+                sum.extend(scaled(&more, sign));
+                Some(in_order(sum))
             }
-            (Op::Neg, &[a]) => scaled(self.sum(wall, a), -1.0),
+            (Op::Neg, &[a]) => times(self.sum(sums, a), -1.0),
             (Op::Mul, &[a, b]) => match (by(0), by(1)) {
-                (Some(c), _) => scaled(self.sum(wall, b), c),
-                (_, Some(c)) => scaled(self.sum(wall, a), c),
-                _ if wall.multiplies => {
-                    let (Some(a), Some(b)) = (self.sum(wall, a), self.sum(wall, b)) else { return atom() };
+                (Some(c), _) => times(self.sum(sums, b), c),
+                (_, Some(c)) => times(self.sum(sums, a), c),
+                _ if sums.multiplies => {
+                    let (Some(a), Some(b)) = (self.sum(sums, a), self.sum(sums, b)) else { return atom() };
                     let longest = a.iter().chain(&b).map(|(product, _)| product.len()).max().unwrap_or(0);
                     if a.len() * b.len() > MOST_TERMS || longest > MOST_FACTORS {
                         return atom();
                     }
-                    let times = |x: &(Product, f64), y: &(Product, f64)| {
-                        let mut product: Product = x.0.iter().chain(&y.0).copied().collect();
-                        product.sort();
-                        (product, x.1 * y.1)
-                    };
-                    Some(collected(a.iter().flat_map(|x| b.iter().map(move |y| times(x, y))).collect()))
+                    Some(in_order(multiplied(&a, &b)))
                 }
                 _ => atom(),
             },
             (Op::Div, &[a, _]) => match by(1).filter(|c| *c != 0.0) {
-                Some(c) => scaled(self.sum(wall, a), 1.0 / c),
+                Some(c) => times(self.sum(sums, a), 1.0 / c),
                 None => atom(),
             },
             _ => atom(),
@@ -147,16 +132,16 @@ impl Builder<'_> {
     /// `x - ⌊x⌋`, of which more is known than of either.
     pub(super) fn is_part(&self, args: &[NodeId]) -> bool {
         let &[of, whole] = args else { return false };
-        matches!(self.graph.node(whole), Node::Op(Op::Floor | Op::Ceil | Op::Round, args) if args.first() == Some(&of))
+        matches!(self.graph.node(whole), Node::Op(op, args) if op.part().is_some() && args.first() == Some(&of))
     }
 
     /// So many times a formula and so much more, written in the one way in which all that come to the same are.
     pub(super) fn canonical(&mut self, wall: &mut Wall, node: NodeId, times: f64, more: f64) -> NodeId {
-        match self.sum(wall, node) {
+        match self.sum(&mut wall.sums, node) {
             Some(mut sum) => {
                 sum.iter_mut().for_each(|(_, by)| *by *= times);
                 sum.push((Product::new(), more));
-                self.written(wall, &collected(sum))
+                self.written(wall, &in_order(sum))
             }
             None => {
                 let [times, more] = [times, more].map(|c| self.graph.constant(c));
@@ -168,7 +153,7 @@ impl Builder<'_> {
 
     /// A formula or what it is times -1, whichever comes first.
     fn without_sign(&mut self, wall: &mut Wall, node: NodeId) -> NodeId {
-        let Some(mut sum) = self.sum(wall, node) else { return node };
+        let Some(mut sum) = self.sum(&mut wall.sums, node) else { return node };
         let sign = sum.iter().find(|(product, _)| !product.is_empty()).or(sum.first()).map_or(1.0, |(_, by)| by.signum());
         sum.iter_mut().for_each(|(_, by)| *by *= sign);
         self.written(wall, &sum)
@@ -200,20 +185,20 @@ impl Builder<'_> {
         let mut sum = sum.to_vec();
         for (product, times) in sum.clone() {
             let &[whole] = product.as_slice() else { continue };
-            let Node::Op(Op::Floor | Op::Ceil | Op::Round, args) = self.graph.node(whole) else { continue };
-            let Some(&of) = args.first() else { continue };
-            let Some(number) = self.sum(wall, of) else { continue };
+            let Node::Op(op, args) = self.graph.node(whole) else { continue };
+            let Some(&of) = args.first().filter(|_| op.part().is_some()) else { continue };
+            let Some(number) = self.sum(&mut wall.sums, of) else { continue };
             // Without the part there is less left than there was.
             let mut rest = sum.clone();
             rest.extend(number.into_iter().map(|(product, by)| (product, times * by)));
             rest.push((product, -times));
-            let rest = collected(rest);
+            let rest = in_order(rest);
             let terms = |sum: &Sum| sum.iter().filter(|(product, _)| !product.is_empty()).count();
             if terms(&rest) + 1 < terms(&sum) {
                 sum = rest;
                 let part = self.graph.op(Op::Sub, &[of, whole]);
                 sum.push((smallvec![part], -times));
-                sum = collected(sum);
+                sum = in_order(sum);
             }
         }
         sum
@@ -222,7 +207,7 @@ impl Builder<'_> {
     /// How much more a formula is than the whole number; none where it is another one.
     fn more_than_whole(&self, wall: &mut Wall, node: NodeId) -> Option<f64> {
         let whole = wall.whole;
-        let sum = self.sum(wall, node)?;
+        let sum = self.sum(&mut wall.sums, node)?;
         match sum.as_slice() {
             [(product, 1.0)] if product.as_slice() == [whole] => Some(0.0),
             [(none, more), (product, 1.0)] if none.is_empty() && product.as_slice() == [whole] => Some(*more),
@@ -244,9 +229,6 @@ impl Builder<'_> {
                     let made = self.canonical(wall, made, 1.0, 0.0);
                     // By zero it may have been divided.
                     if op != Op::Div || self.graph.as_constant(*args.get(1).unwrap_or(&made)).is_some_and(|c| c != 0.0) {
-                        if let Some(more) = self.more_than_whole(wall, made) {
-                            wall.lattice.insert(made, more);
-                        }
                         return made;
                     }
                 }
@@ -255,8 +237,8 @@ impl Builder<'_> {
                     return self.graph.op(op, &args);
                 }
                 // A random number of whole numbers is the same for the same numbers.
-                let whole = |a: &NodeId| wall.lattice.get(a).is_some_and(|more| more.fract() == 0.0);
-                let random = op == Op::Hash && args.iter().zip(&old).all(|(a, old)| a == old || whole(a));
+                let mut whole = |a: NodeId| self.more_than_whole(wall, a).is_some_and(|more| more.fract() == 0.0);
+                let random = op == Op::Hash && args.iter().zip(&old).all(|(a, old)| a == old || whole(*a));
                 let changes = old.iter().any(|a| !wall.still.contains(a));
                 let constants: Option<Vec<f64>> = args.iter().map(|&a| self.graph.as_constant(a)).collect();
                 let decided = constants.is_some_and(|constants| is_decided(op, &constants));
@@ -288,22 +270,12 @@ fn rounded(value: f64) -> f64 {
     f64::from_bits(value.to_bits().wrapping_add(LEFT_OUT / 2) & !(LEFT_OUT - 1))
 }
 
-/// Each product once, in their order. What is left of multiples that cancel is nothing if it is as small as their rounding.
-fn collected(mut sum: Sum) -> Sum {
+/// Each product once; what is left of multiples that cancel is nothing if it is as small as their rounding.
+fn in_order(sum: Sum) -> Sum {
     const NOTHING: f64 = 1.0 / (1u64 << 40) as f64;
-    sum.sort_by(|a, b| a.0.cmp(&b.0));
-    let mut found: Vec<(Product, f64, f64)> = Vec::with_capacity(sum.len());
-    for (product, times) in sum {
-        match found.last_mut() {
-            Some((known, all, most)) if *known == product => {
-                *all += times;
-                *most = most.max(times.abs());
-            }
-            _ => found.push((product, times, times.abs())),
-        }
-    }
-    let left = found.into_iter().filter(|(_, all, most)| all.abs() > NOTHING * most);
-    left.map(|(product, all, _)| (product, rounded(all))).collect()
+    let mut sum = products::collected(sum, NOTHING);
+    sum.iter_mut().for_each(|(_, times)| *times = rounded(*times));
+    sum
 }
 
 /// Whether an operation that jumps does not do so at these numbers: what they are the limits of comes to the same.

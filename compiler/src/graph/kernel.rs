@@ -90,6 +90,16 @@ impl Op {
         use Op::*;
         matches!(self, Sign | Floor | Ceil | Trunc | Round | Lt | Le | Eq | And | Or | Not | Hash)
     }
+
+    /// What is left of a number when its whole part by this operation is taken away. None of operations that find no whole part.
+    pub fn part(self) -> Option<Interval> {
+        match self {
+            Op::Floor => Some(Interval::new(0.0, 1.0)),
+            Op::Ceil => Some(Interval::new(-1.0, 0.0)),
+            Op::Round => Some(Interval::new(-0.5, 0.5)),
+            _ => None,
+        }
+    }
 }
 
 use Accuracy::{Absolute, Exact, Inherited, Rounded, Ulp};

@@ -397,7 +397,7 @@ impl Graph {
                     all.variables = self.sets.union(all.variables, of.variables);
                 }
                 match node {
-                    Node::Op(Op::Floor | Op::Ceil | Op::Round, _) => all.rounds = all.point,
+                    Node::Op(op, _) if op.part().is_some() => all.rounds = all.point,
                     Node::Claim(_, Claim::Continuous) => all.rounds = false,
                     _ => {}
                 }
