@@ -37,11 +37,13 @@ impl Parser<'_> {
             self.last_report = Some(self.at);
         }
         let mut lets = Vec::new();
-        while self.at_let()
-            || self.at_typed()
-            || self.is(TokenKind::Name) && self.next_is(TokenKind::Equals) && !self.is_word("scene")
-        {
-            self.block_let(&mut lets);
+        loop {
+            let given = self.is(TokenKind::Name) && self.next_is(TokenKind::Equals) && !self.is_word("scene");
+            if self.at_let() || self.at_typed() || given {
+                self.block_let(&mut lets);
+            } else if !self.statement(&lets) {
+                break;
+            }
         }
         if self.is_word("return") && self.returns() {
             self.unexpected("a block has no `return`", words::NO_RETURN);
@@ -266,6 +268,9 @@ impl Parser<'_> {
             );
             let lets = self.let_declaration(true);
             self.stray_lets.extend(lets);
+            return None;
+        }
+        if self.statement(&[]) {
             return None;
         }
         if !self.is(TokenKind::Name) {

@@ -185,6 +185,70 @@ impl Parser<'_> {
         self.last_report = Some(self.at);
     }
 
+    /// A loop or a choice that stands by itself and gives names new values, as statements of other languages do: says how it is written, and skips it.
+    pub(super) fn statement(&mut self, lets: &[Let]) -> bool {
+        let start = self.peek();
+        let word = self.word_of(start).to_owned();
+        if !matches!(word.as_str(), "while" | "for" | "if") || word == "for" && self.next_is(TokenKind::ParenOpen) {
+            return false;
+        }
+        let ends = |kind| matches!(kind, TokenKind::BraceClose | TokenKind::Semicolon | TokenKind::End);
+        let Some(open) = (self.at + 1..).find(|&at| ends(self.token_at(at).kind) || self.token_at(at).kind == TokenKind::BraceOpen) else { return false };
+        if self.token_at(open).kind != TokenKind::BraceOpen {
+            return false;
+        }
+        // A name with a new value begins the body, or stands after a `;` of the body itself.
+        let (mut depth, mut given) = (0usize, None);
+        for at in open + 1.. {
+            match self.token_at(at).kind {
+                TokenKind::End => break,
+                TokenKind::BraceClose if depth == 0 => break,
+                TokenKind::BraceOpen | TokenKind::ParenOpen | TokenKind::BracketOpen => depth += 1,
+                TokenKind::BraceClose | TokenKind::ParenClose | TokenKind::BracketClose => depth = depth.saturating_sub(1),
+                TokenKind::Name
+                    if depth == 0
+                        && self.token_at(at + 1).kind == TokenKind::Equals
+                        && (at == open + 1 || self.token_at(at - 1).kind == TokenKind::Semicolon) =>
+                {
+                    given = Some(at);
+                    break;
+                }
+                _ => {}
+            }
+        }
+        let Some(given) = given else { return false };
+        let name = self.word_of(self.token_at(given)).to_owned();
+        let text = |from: u32, to: u32| self.text.get(from as usize..to as usize).unwrap_or_default().trim();
+        let head = text(start.start, self.token_at(open).start);
+        let first = lets.iter().rev().flat_map(|l| &l.bindings).find(|(known, _)| *known.text == name);
+        let first = first.map_or("…", |(_, value)| text(value.span.start, value.span.end));
+        let (message, help) = match word.as_str() {
+            "if" => ("a choice stands by itself, and it is a value".to_owned(), format!("write what is chosen: `{name} = {head} {{ … }} else {{ {name} }}`")),
+            _ => {
+                let head = if word == "for" { head.to_owned() } else { format!("for i in 0..100 {head}") };
+                let help = format!("write `let {name} = {first} {head} {{ {name} = … }};`: a loop belongs to the `let` of what it changes");
+                (format!("a loop stands by itself, and `{name}` is given its value once"), help)
+            }
+        };
+        self.unexpected(message, help);
+        while self.at < open {
+            self.bump();
+        }
+        self.skip_balanced();
+        while word == "if" && self.is_word("else") {
+            while !matches!(self.peek().kind, TokenKind::BraceOpen | TokenKind::BraceClose | TokenKind::End) {
+                self.bump();
+            }
+            if self.is(TokenKind::BraceOpen) {
+                self.skip_balanced();
+            }
+        }
+        if self.is(TokenKind::Semicolon) || self.is(TokenKind::Comma) {
+            self.bump();
+        }
+        true
+    }
+
     /// What stands in parentheses after `for`, as in other languages: says how it is written, and skips it with its body.
     pub(super) fn foreign_loop(&mut self) -> bool {
         if !self.is(TokenKind::ParenOpen) {
