@@ -43,7 +43,7 @@ pub fn lists(tables: &Tables, cells: bool) -> Vec<u32> {
         let mut head = [0u32; HEAD as usize];
         head[0] = first;
         head[1] = lists.len() as u32;
-        if let Some(grid) = Grid::around(&table.operands).filter(|grid| cells && is_worth_cells(grid, table, tables)) {
+        if let Some(grid) = Grid::around(&table.operands).filter(|grid| cells && table.variables == 0 && is_worth_cells(grid, table, tables)) {
             let spans = spans(&grid, table, tables, &mut lists);
             head[2] = LEVELS as u32;
             let [x, y, z] = grid.center.map(|c| (c as f32).to_bits());
@@ -373,7 +373,7 @@ impl<'a> Evaluator<'a> {
                 }
                 Action::Time => ANY_TIME,
                 Action::Parameter(i) => self.tables.parameters.get(i as usize).copied().unwrap_or(Interval::ALL),
-                Action::Factor(_) | Action::Older(_) | Action::Newer(_) => Interval::ALL,
+                Action::Variable(_) | Action::Factor(_) | Action::Older(_) | Action::Newer(_) => Interval::ALL,
             };
             if let Some(slot) = self.ranges.get_mut(at as usize) {
                 *slot = range;
@@ -418,7 +418,7 @@ impl<'a> Evaluator<'a> {
                 },
                 Action::Point(i) => *out = [point.get(usize::from(i)).copied().unwrap_or(0.0); LANES],
                 Action::Op(op) => lanes(op, out, step.arguments.map(|a| before.get(a as usize).unwrap_or(&[0.0; LANES]))),
-                Action::Time | Action::Parameter(_) | Action::Factor(_) | Action::Older(_) | Action::Newer(_) => *out = [0.0; LANES],
+                Action::Variable(_) | Action::Time | Action::Parameter(_) | Action::Factor(_) | Action::Older(_) | Action::Newer(_) => *out = [0.0; LANES],
             }
         }
         form.operand.and_then(|o| self.registers.get(o as usize)).copied().unwrap_or([f64::INFINITY; LANES])

@@ -2,7 +2,8 @@
 //! function of its own. What is folded becomes functions too, so that a table of their numbers stands for the text of all of them.
 
 use super::Builder;
-use super::outlines::Outline;
+use super::outlines::{MOST_STILL, Outline};
+use super::template::Template;
 use super::unions::{FEWEST_ROWS, LONGEST, MANY, Union};
 use crate::analysis::Box3;
 use crate::graph::interval::Interval;
@@ -36,6 +37,37 @@ struct Fold {
     op: Op,
     /// The others.
     operands: Vec<ShapeId>,
+}
+
+/// Operands of a fold that a table stands for.
+struct Rows {
+    /// Their formulas, of the coordinates as a point.
+    values: Vec<NodeId>,
+    /// The other operands.
+    beside: Vec<NodeId>,
+    /// The numbers of which they are made.
+    places: Places,
+}
+
+/// The numbers of which formulas are made, and what stands for them.
+struct Places {
+    /// Those that are the coordinates of a point.
+    coordinates: Vec<NodeId>,
+    /// Those and the ones beside them, which between jumps do not move: each with the leaf that stands for it.
+    all: Vec<(NodeId, Leaf)>,
+}
+
+impl Places {
+    /// Of how many dimensions the point is.
+    fn dimensions(&self) -> u8 {
+        if self.coordinates.len() == COORDINATES { 3 } else { 2 }
+    }
+}
+
+/// What is not among others.
+fn without(parts: &[NodeId], others: &[NodeId]) -> Vec<NodeId> {
+    let others: FxHashSet<NodeId> = others.iter().copied().collect();
+    parts.iter().copied().filter(|part| !others.contains(part)).collect()
 }
 
 /// Whether an operation over many may be a loop.
@@ -83,33 +115,29 @@ impl Builder<'_> {
                 _ => parts.push(id),
             }
         }
-        let (parts, beside) = self.alike(&parts);
-        if parts.len() < MANY {
-            return None;
-        }
-        let mut coordinates = self.coordinates(&parts)?;
-        let places: Vec<(NodeId, Leaf)> = coordinates.iter().copied().zip((0..).map(Leaf::P)).collect();
-        let orders = parts.iter().map(|&part| self.graph.within_places(part, &places)).collect::<Option<Vec<_>>>()?;
-        let values: Vec<NodeId> = parts.iter().zip(&orders).map(|(&part, order)| self.graph.abstracted(part, order, &places)).collect();
-        if values.iter().any(|&value| self.graph.reads(value).variables != 0) {
-            return None;
-        }
-        let dimensions = if coordinates.len() == COORDINATES { 3 } else { 2 };
+        let Rows { values, beside, places } = self.rows(&parts, id)?;
+        let dimensions = places.dimensions();
         let operands: Vec<ShapeId> = values.iter().map(|&value| self.outlined_as(None, value, dimensions, id)).collect();
         let point = self.graph.point();
         let calls: Vec<NodeId> = operands.iter().map(|&shape| self.graph.field(shape, point)).collect();
         let value = self.graph.balanced(op, &calls, 0.0);
         let name = self.graph.node_name(id).map(Into::into);
         let shape = self.outlined_as(name, value, dimensions, id);
+        // What is given beside the point; another variable is none of the formula's numbers.
+        let variables = self.graph.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
+        let given = |v: &u32| places.all.iter().find(|(_, leaf)| *leaf == Leaf::Variable(*v)).map(|(number, _)| *number);
+        let still = variables.iter().map(given).collect::<Option<Vec<NodeId>>>()?;
+        let Places { mut coordinates, .. } = places;
         let read = (coordinates.len(), values.iter().any(|&value| self.moves(value)));
         coordinates.resize(COORDINATES, *coordinates.last()?);
         self.folds.shapes.insert(shape, Fold { op, operands });
         let beside = Some((op, beside)).filter(|(_, beside)| !beside.is_empty());
-        Some(Outline::new(shape, coordinates, read, beside))
+        Some(Outline::new(shape, coordinates.into_iter().chain(still).collect(), read, beside))
     }
 
-    /// Makes unions of the shapes that stand for folds: what a table is made from.
-    pub(super) fn unite_folds(&mut self) {
+    /// Makes unions of the shapes that stand for folds, as far as they are `asked` for: what a table is made from.
+    pub(super) fn unite_folds(&mut self, asked: &FxHashSet<ShapeId>) {
+        self.folds.shapes.retain(|shape, _| asked.contains(shape));
         if self.folds.shapes.is_empty() {
             return;
         }
@@ -149,13 +177,95 @@ impl Builder<'_> {
         near
     }
 
-    /// Of the operands of a fold those that a table is worth it for: each is there once, has a few that are alike but for their numbers, is neither short nor long, and calls
-    /// nothing. Then the others.
-    fn alike(&self, parts: &[NodeId]) -> (Vec<NodeId>, Vec<NodeId>) {
+    /// What of the operands of a fold is worth a table: each is there once, is neither short nor long, and calls nothing; and they are alike but for their numbers. `fold` is where they
+    /// are folded.
+    fn rows(&mut self, parts: &[NodeId], fold: NodeId) -> Option<Rows> {
+        let forms = self.forms(parts);
+        let of = |part: &NodeId| forms.get(part).copied().unwrap_or_default();
+        let (mut counts, mut times): (FxHashMap<u64, usize>, FxHashMap<NodeId, usize>) = Default::default();
+        for &part in parts {
+            *counts.entry(of(&part).0).or_default() += 1;
+            *times.entry(part).or_default() += 1;
+        }
+        let fits = |part: &NodeId| times.get(part) == Some(&1) && (SHORTEST..=LONGEST).contains(&of(part).1) && !self.graph.reads(*part).shapes;
+        let fit: Vec<NodeId> = parts.iter().copied().filter(fits).collect();
+        // Those of which a few have the very same form are rows as they are.
+        let same: Vec<NodeId> = fit.iter().copied().filter(|part| counts.get(&of(part).0).is_some_and(|&count| count >= FEWEST_ROWS)).collect();
+        let is_one = same.iter().all(|part| of(part).0 == of(same.first().unwrap_or(part)).0);
+        let longest = fit.iter().copied().rev().max_by_key(|part| of(part).1)?;
+        let least = if is_one { same.len() + 1 } else { same.len() };
+        if let Some(rows) = (fit.len() >= least.max(MANY)).then(|| self.by_template(longest, &fit, parts, least, fold)).flatten() {
+            return Some(rows);
+        }
+        if same.len() < MANY {
+            return None;
+        }
+        let places = self.coordinates(&same)?;
+        let orders = same.iter().map(|&part| self.graph.within_places(part, &places.all)).collect::<Option<Vec<_>>>()?;
+        let values = same.iter().zip(&orders).map(|(&part, order)| self.graph.abstracted(part, order, &places.all)).collect();
+        Some(Rows { values, beside: without(parts, &same), places })
+    }
+
+    /// The rows as calls of one formula of which the numbers are arguments. None where fewer than `least` are like the longest.
+    fn by_template(&mut self, longest: NodeId, fit: &[NodeId], parts: &[NodeId], least: usize, fold: NodeId) -> Option<Rows> {
+        let places = self.coordinates(fit)?;
+        // What a frame computes once is no number of a table.
+        let is_place = |id: NodeId| places.all.iter().any(|(place, _)| *place == id);
+        let is_whole = |id: NodeId| is_place(id) || matches!(self.graph.node(id), Node::Op(..)) && self.is_uniform(id);
+        let Template { formula, slots, rows } = Template::of(self.graph, longest, fit, &is_whole)?;
+        if rows.len() < least.max(MANY) {
+            return None;
+        }
+        let order = self.graph.within_places(formula, &places.all)?;
+        let columns = rows.first().map_or(0, |(_, numbers)| numbers.len());
+        let own = self.spare_variables(MOST_STILL, columns);
+        let numbers: Vec<NodeId> = own.iter().map(|&v| self.graph.leaf(Leaf::Variable(v))).collect();
+        let opposites: Vec<NodeId> = numbers.iter().map(|&number| self.graph.op(Op::Neg, &[number])).collect();
+        let given = |id: NodeId, i: usize| {
+            let &(column, opposite) = slots.get(&(id, i))?;
+            if opposite { &opposites } else { &numbers }.get(column).copied()
+        };
+        let value = self.graph.abstracted_with(formula, &order, &places.all, given);
+        let shape = self.outlined_as(None, value, places.dimensions(), fold);
+        let variables = self.graph.shape(shape).map(|s| s.variables.clone())?;
+        let point = self.graph.point();
+        let mut values = Vec::with_capacity(rows.len());
+        for (_, row) in &rows {
+            let numbers = variables.iter().map(|v| match own.iter().position(|own| own == v) {
+                Some(column) => row.get(column).map(|&number| self.graph.constant(number)),
+                None => Some(self.graph.leaf(Leaf::Variable(*v))),
+            });
+            let arguments = point.into_iter().map(Some).chain(numbers).collect::<Option<Vec<NodeId>>>()?;
+            values.push(self.graph.call(shape, Function::Field, &arguments));
+        }
+        let rows: Vec<NodeId> = rows.into_iter().map(|(part, _)| part).collect();
+        Some(Rows { values, beside: without(parts, &rows), places })
+    }
+
+    /// In how many of some formulas each node is.
+    fn shares(&self, parts: &[NodeId]) -> FxHashMap<NodeId, usize> {
+        let mut counts: FxHashMap<NodeId, usize> = FxHashMap::default();
+        for &part in parts {
+            for id in self.graph.reachable(&[part]) {
+                *counts.entry(id).or_default() += 1;
+            }
+        }
+        counts
+    }
+
+    /// For each node under some formulas: its form without its numbers, hashed, and how long it is written out. What most of them share is written once, beside them.
+    fn forms(&self, parts: &[NodeId]) -> FxHashMap<NodeId, (u64, u32)> {
+        let counts = self.shares(parts);
+        let is_shared = |id: &NodeId| counts.get(id).is_some_and(|&count| 2 * count > parts.len());
         let mut known: FxHashMap<NodeId, (u64, u32)> = FxHashMap::default();
         for id in self.graph.reachable(parts) {
             let mut hasher = FxHasher::default();
             let node = self.graph.node(id);
+            if is_shared(&id) && self.graph.as_constant(id).is_none() {
+                id.hash(&mut hasher);
+                known.insert(id, (hasher.finish(), 1));
+                continue;
+            }
             std::mem::discriminant(node).hash(&mut hasher);
             match node {
                 // What a frame computes once is no number of a table.
@@ -172,36 +282,55 @@ impl Builder<'_> {
             }
             known.insert(id, (hasher.finish(), length));
         }
-        let form = |part: &NodeId| known.get(part).map_or(0, |form| form.0);
-        let (mut counts, mut times): (FxHashMap<u64, usize>, FxHashMap<NodeId, usize>) = Default::default();
-        for &part in parts {
-            *counts.entry(form(&part)).or_default() += 1;
-            *times.entry(part).or_default() += 1;
-        }
-        let fits = |part: &NodeId| {
-            let many = counts.get(&form(part)).is_some_and(|&count| count >= FEWEST_ROWS);
-            let length = known.get(part).map_or(0, |form| form.1);
-            many && times.get(part) == Some(&1) && (SHORTEST..=LONGEST).contains(&length) && !self.graph.reads(*part).shapes
-        };
-        parts.iter().partition(|part| fits(part))
+        known
     }
 
-    /// One to three numbers of which all of the formulas are made: what they share and what moves.
-    fn coordinates(&self, parts: &[NodeId]) -> Option<Vec<NodeId>> {
+    /// The numbers of which all of the formulas are made, what they share and what moves: up to three as the coordinates of a point, and numbers beside them that between jumps do not
+    /// move, as the cell that the point is in.
+    fn coordinates(&mut self, parts: &[NodeId]) -> Option<Places> {
+        let numbers = self.numbers(parts)?;
+        let few = numbers.len() <= COORDINATES;
+        let (coordinates, still): (Vec<NodeId>, Vec<NodeId>) = numbers.into_iter().partition(|&number| few || self.moves(number));
+        if !(1..=COORDINATES).contains(&coordinates.len()) || still.len() > MOST_STILL {
+            return None;
+        }
+        let variables = self.spare_variables(0, still.len());
+        let point = coordinates.iter().copied().zip((0..).map(Leaf::P));
+        let all = point.chain(still.iter().copied().zip(variables.iter().map(|&v| Leaf::Variable(v)))).collect();
+        Some(Places { coordinates, all })
+    }
+
+    /// Variables that stand for numbers which do not move: so many from one of them on.
+    pub(super) fn spare_variables(&mut self, first: usize, count: usize) -> Vec<u32> {
+        while self.still.len() < first + count {
+            self.still.push(self.graph.fresh_variable());
+        }
+        self.still.get(first..first + count).unwrap_or(&[]).to_vec()
+    }
+
+    fn numbers(&self, parts: &[NodeId]) -> Option<Vec<NodeId>> {
         let graph = &*self.graph;
         let moves = |id: NodeId| graph.reads_point(id) || graph.reads(id).variables != 0;
-        let mut counts: FxHashMap<NodeId, usize> = FxHashMap::default();
-        for &part in parts {
-            for id in graph.reachable(&[part]) {
-                *counts.entry(id).or_default() += 1;
-            }
-        }
+        let counts = self.shares(parts);
         let shared = |id: &NodeId| counts.get(id) == Some(&parts.len()) && moves(*id);
         let own = counts.keys().filter(|id| !shared(id));
         let mut numbers: Vec<NodeId> = own.flat_map(|&id| graph.operands(id)).copied().filter(shared).collect();
         numbers.sort_unstable();
         numbers.dedup();
-        if numbers.len() > COORDINATES {
+        let fits = |numbers: &[NodeId]| {
+            let moving = numbers.iter().filter(|&&number| self.moves(number)).count();
+            numbers.len() <= COORDINATES || moving <= COORDINATES && numbers.len() - moving <= MOST_STILL
+        };
+        if !fits(&numbers) {
+            // What moves and is computed of others among them, as a part of a cell is.
+            let among = |id: &NodeId| numbers.contains(id) || !moves(*id);
+            let is_made = |id: NodeId| self.moves(id) && matches!(graph.node(id), Node::Op(_, args) if args.iter().all(among));
+            let made: Vec<NodeId> = numbers.iter().copied().filter(|&id| is_made(id)).collect();
+            if made.len() <= FEW {
+                numbers.retain(|id| !made.contains(id));
+            }
+        }
+        if !fits(&numbers) {
             let is_work = |id: &NodeId| shared(id) && matches!(graph.node(*id), Node::Op(..));
             if counts.keys().filter(|id| is_work(id)).count() > FEW {
                 return None;
@@ -209,6 +338,6 @@ impl Builder<'_> {
             numbers = counts.keys().copied().filter(|&id| moves(id) && matches!(graph.node(id), Node::Leaf(_))).collect();
             numbers.sort_unstable();
         }
-        (1..=COORDINATES).contains(&numbers.len()).then_some(numbers)
+        fits(&numbers).then_some(numbers)
     }
 }

@@ -25,6 +25,7 @@ mod seams;
 mod sides;
 mod stairs;
 mod surface;
+mod template;
 mod uneven;
 pub mod unions;
 mod wall;
@@ -297,7 +298,7 @@ pub struct Builder<'a> {
     outlined: FxHashMap<(NodeId, u8), ShapeId>,
     /// Trees of one operation, and the shapes that stand for them.
     folds: folds::Folds,
-    /// The variables that stand for numbers in them which do not move.
+    /// The variables that stand for numbers in them which do not move, and for those in which their parts differ.
     still: Vec<u32>,
     /// The one among them whose own gradient is being made.
     own: Option<ShapeId>,
@@ -411,8 +412,8 @@ pub fn build(
     builder.built.unions = unions::find(builder.graph, builder.facts, &builder.built, &asked);
     builder.built.ahead = builder.ahead();
     builder.built.solids = builder.facts.known_solids().clone();
-    builder.outline_all();
-    builder.unite_folds();
+    let asked = builder.outline_all();
+    builder.unite_folds(&asked);
     let summary = builder.summary();
     (builder.built, summary, builder.diagnostics)
 }

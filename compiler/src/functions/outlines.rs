@@ -2,14 +2,14 @@
 //! whatever places it is asked for, and its gradient is the chain rule over that function's own. What is known of the formula stays known where it
 //! stands: only what is written of it changes.
 
-use super::Builder;
+use super::{Builder, Carry, Functions};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, ClaimGroup, Exactness, Function, Graph, Leaf, Node, NodeId, NodeList, Shape, ShapeId};
 use rustc_hash::FxHashSet;
 use std::sync::Arc;
 
 /// So many numbers that do not move may a function be given, beside those that do.
-const MOST_STILL: usize = 6;
+pub(super) const MOST_STILL: usize = 6;
 
 /// What stands for a formula: a function of its numbers, and of a fold of many what stands beside those that are alike.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,11 +107,9 @@ impl Builder<'_> {
         if !(1..=3).contains(&coordinates.len()) || still.len() > MOST_STILL {
             return None;
         }
-        while self.still.len() < still.len() {
-            self.still.push(self.graph.fresh_variable());
-        }
+        let own = self.spare_variables(0, still.len());
         let point = (0..3).map(Leaf::P);
-        let variables = self.still.iter().map(|&v| Leaf::Variable(v));
+        let variables = own.iter().map(|&v| Leaf::Variable(v));
         let places: Vec<(NodeId, Leaf)> =
             coordinates.iter().copied().zip(point).chain(still.iter().copied().zip(variables)).collect();
         let order = self.graph.within_places(formula, &places).filter(|order| self.graph.is_long(order.iter().copied()))?;
@@ -122,7 +120,7 @@ impl Builder<'_> {
         let shape = self.outlined_as(name, value, dimensions, id);
         let variables = self.graph.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
         let variables = variables.iter().map(|&v| {
-            let given = self.still.iter().position(|&own| own == v).and_then(|i| still.get(i));
+            let given = own.iter().position(|&own| own == v).and_then(|i| still.get(i));
             given.copied().unwrap_or_else(|| self.graph.leaf(Leaf::Variable(v)))
         });
         let arguments = coordinates.into_iter().chain(variables).collect();
@@ -160,15 +158,50 @@ impl Builder<'_> {
         shape
     }
 
-    /// What stands for any node of the graph.
-    pub(super) fn outline_all(&mut self) {
-        let mut at = 0;
-        // An outline may hold others.
-        while at < self.graph.len() {
-            self.outline(NodeId(at as u32));
-            at += 1;
+    /// What stands for the nodes of which the functions and the surface are computed. The answer: the shapes that stand for them.
+    pub(super) fn outline_all(&mut self) -> FxHashSet<ShapeId> {
+        let mut formulas: Vec<(ShapeId, Function)> = self.built.formulas.keys().copied().collect();
+        formulas.sort_unstable();
+        formulas.retain(|of| !self.is_outlined(of.0));
+        let mut open = self.built.roots();
+        for of in formulas {
+            open.extend(self.built.formulas.get(&of));
+        }
+        let (mut seen, mut shapes) = (FxHashSet::default(), FxHashSet::default());
+        while let Some(id) = open.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            let Some(Outline { shape, operands, .. }) = self.outline(id) else {
+                open.extend(self.graph.operands(id));
+                continue;
+            };
+            open.extend_from_slice(&operands);
+            if !shapes.insert(shape) {
+                continue;
+            }
+            for function in [Function::Field, Function::Gradient(0), Function::Gradient(1), Function::Gradient(2)] {
+                let Some(&formula) = self.built.formulas.get(&(shape, function)) else { continue };
+                // A shape's own formula is not what it stands for.
+                match self.outline(formula) {
+                    Some(own) if own.shape == shape => open.extend(self.graph.operands(formula)),
+                    _ => open.push(formula),
+                }
+            }
         }
         let found = std::mem::take(&mut self.outlines);
         self.built.outlines = found.into_iter().filter_map(|(id, outline)| Some((id, outline?))).collect();
+        shapes
+    }
+}
+
+impl Functions {
+    /// What is computed beside the formulas of shapes: surfaces, how what is solid moves, and what is ahead of rays.
+    fn roots(&self) -> Vec<NodeId> {
+        let surfaces = self.meshes.iter().chain([&self.surface]);
+        let mut roots: Vec<NodeId> = surfaces.flat_map(|surface| surface.look().into_iter().chain(surface.layer_nodes())).collect();
+        roots.extend(self.carry.iter().flat_map(Carry::nodes));
+        roots.extend(self.ahead.planes.iter().flat_map(|planes| [planes.distance, planes.way, planes.rest_bound, planes.rest_distance]));
+        roots
     }
 }

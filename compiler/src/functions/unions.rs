@@ -187,7 +187,9 @@ fn steepness(graph: &Graph, facts: &mut Facts, functions: &Functions, of: Of) ->
     if !graph.reachable(&[formula]).iter().all(plain) {
         return f64::INFINITY;
     }
-    facts.constant(graph, formula, &Domain::of(Box3::ALL), 1).lipschitz
+    let found = facts.constant(graph, formula, &Domain::of(Box3::ALL), 1);
+    // A value near by says nothing of what jumps.
+    if found.jumps { f64::INFINITY } else { found.lipschitz }
 }
 
 /// A box that holds all points at which a shape is at most a level. A drawing has no depth.

@@ -166,7 +166,7 @@ impl Graph {
         replace: impl Fn(Leaf) -> Option<NodeId>,
     ) -> Vec<NodeId> {
         let order = self.reachable(roots);
-        self.rewrite(&order, roots, &[], replace)
+        self.rewrite(&order, roots, &[], replace, |_, _| None)
     }
 
     /// The nodes of a formula that [`Graph::abstracted`] makes anew. None where it reads the point, the normal or one of the leaves beside the places, or calls a shape.
@@ -183,17 +183,30 @@ impl Graph {
 
     /// A formula with leaves in the places of some nodes. `order` is [`Graph::within_places`] of it.
     pub fn abstracted(&mut self, root: NodeId, order: &[NodeId], places: &[(NodeId, Leaf)]) -> NodeId {
+        self.abstracted_with(root, order, places, |_, _| None)
+    }
+
+    /// The same with other nodes for some arguments: `given` answers for a node and its argument's place.
+    pub fn abstracted_with(
+        &mut self,
+        root: NodeId,
+        order: &[NodeId],
+        places: &[(NodeId, Leaf)],
+        given: impl Fn(NodeId, usize) -> Option<NodeId>,
+    ) -> NodeId {
         let places: Vec<(NodeId, NodeId)> = places.iter().map(|(place, leaf)| (*place, self.leaf(*leaf))).collect();
-        self.rewrite(order, &[root], &places, |_| None).first().copied().unwrap_or(root)
+        self.rewrite(order, &[root], &places, |_| None, given).first().copied().unwrap_or(root)
     }
 
     /// The roots with the nodes of `order` made anew, leaves replaced; of others those that `known` pairs with something else are that, the rest stay.
+    /// `given` may answer for an argument of an operation or a claim in a certain place.
     fn rewrite(
         &mut self,
         order: &[NodeId],
         roots: &[NodeId],
         known: &[(NodeId, NodeId)],
         replace: impl Fn(Leaf) -> Option<NodeId>,
+        given: impl Fn(NodeId, usize) -> Option<NodeId>,
     ) -> Vec<NodeId> {
         let mut done: Vec<NodeId> = Vec::with_capacity(order.len());
         let find = |done: &[NodeId], a: &NodeId| match order.binary_search(a) {
@@ -202,10 +215,11 @@ impl Graph {
         };
         for &id in order {
             let map = |a: &NodeId| find(&done, a);
+            let of = |(i, a): (usize, &NodeId)| given(id, i).unwrap_or_else(|| map(a));
             let new = match self.node(id).clone() {
                 Node::Leaf(leaf) => replace(leaf).unwrap_or(id),
                 Node::Op(op, args) => {
-                    let new: Vec<NodeId> = args.iter().map(map).collect();
+                    let new: Vec<NodeId> = args.iter().enumerate().map(of).collect();
                     if new[..] == args[..] { id } else { self.op(op, &new) }
                 }
                 Node::Call(shape, function, args) => {
@@ -213,7 +227,7 @@ impl Graph {
                     if new[..] == args[..] { id } else { self.call(shape, function, &new) }
                 }
                 Node::Claim(args, claim) => {
-                    let new: Vec<NodeId> = args.iter().map(map).collect();
+                    let new: Vec<NodeId> = args.iter().enumerate().map(of).collect();
                     self.intern(Node::Claim(new.into(), claim))
                 }
                 Node::Constant(_) | Node::Factor(_) => id,
@@ -259,7 +273,7 @@ impl Graph {
                 args.get(3 + at).copied()
             }
             _ => None,
-        })
+        }, |_, _| None)
     }
 
     /// Computes the roots over any algebra: reals, intervals, intervals with derivatives, or nodes of a graph.

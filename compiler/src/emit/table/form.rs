@@ -5,6 +5,7 @@ use crate::functions::unions::{Join, Of, Operand};
 use crate::graph::kernel::Op;
 use crate::graph::{FAR, Function, Graph, Leaf, Node, NodeId, ShapeId, multiple_of};
 use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
 
 /// What a step of a form does. Its arguments are earlier steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -13,6 +14,8 @@ pub enum Action {
     Number(u32),
     /// A coordinate of the point.
     Point(u8),
+    /// A variable of the union's shape, by its place among them.
+    Variable(u32),
     /// Seconds.
     Time,
     /// A component of a parameter.
@@ -72,9 +75,12 @@ pub struct Former<'a> {
     /// Whether a factor is a number of the row, which no search makes smaller; else each is a step of its own.
     fixed: bool,
     filled: Filled,
-    /// What is computed of each space: a shape at a point.
-    frames: FxHashMap<(ShapeId, [u32; 3]), FxHashMap<NodeId, u32>>,
+    /// What is computed of each space.
+    frames: FxHashMap<Space, FxHashMap<NodeId, u32>>,
 }
+
+/// A shape at a point, of certain numbers: the steps that are its coordinates, then its variables.
+type Space = (ShapeId, SmallVec<[u32; 8]>);
 
 /// The gradient and the value, or the value alone.
 pub fn components(of: Of, gradient: bool) -> Vec<Of> {
@@ -88,17 +94,22 @@ impl<'a> Former<'a> {
         Self { graph, functions, fixed, filled: Filled::default(), frames: FxHashMap::default() }
     }
 
-    /// A step of a union: an operand that is joined, or a join of what is there. None where it can't be had.
-    pub fn step(mut self, operand: Option<Operand>, join: Join, gradient: bool) -> Option<Filled> {
+    /// A step of a union, of a shape with these variables: an operand that is joined, or a join of what is there. None where it can't be had.
+    pub fn step(mut self, operand: Option<Operand>, join: Join, gradient: bool, variables: &[u32]) -> Option<Filled> {
         let point = [0, 1, 2].map(|i| self.push(Action::Point(i), &[], None));
         let mut newer: Vec<u32> = Vec::new();
         match operand {
             Some(operand) => {
+                let mut at = point.to_vec();
+                for v in self.graph.shape(operand.of.0)?.variables.iter() {
+                    let place = variables.binary_search(v).ok()?;
+                    at.push(self.push(Action::Variable(place as u32), &[], None));
+                }
                 for of in components(operand.of, gradient) {
-                    newer.push(self.open(of, point, &FxHashMap::default(), 0)?);
+                    newer.push(self.open(of, &at, &FxHashMap::default(), 0)?);
                 }
                 for condition in operand.when.into_iter().flatten() {
-                    let holds = self.value((operand.of.0, condition), point, &FxHashMap::default(), 0)?;
+                    let holds = self.value((operand.of.0, condition), &at, &FxHashMap::default(), 0)?;
                     let value = newer.len() - 1;
                     for (i, step) in newer.iter_mut().enumerate() {
                         let nothing = self.number(if i == value { FAR } else { 0.0 }, None);
@@ -123,7 +134,7 @@ impl<'a> Former<'a> {
                     known.extend(components(*of, gradient).into_iter().zip(steps.iter().copied()));
                 }
                 let all = components(of, gradient);
-                all.into_iter().map(|of| self.open(of, point, &known, 0)).collect::<Option<Vec<u32>>>()?
+                all.into_iter().map(|of| self.open(of, &point, &known, 0)).collect::<Option<Vec<u32>>>()?
             }
         };
         Some(self.filled)
@@ -171,23 +182,24 @@ impl<'a> Former<'a> {
         self.filled.form.steps.len() as u32 - 1
     }
 
-    /// The value of a function at a point. `known`: the functions that are there already.
-    fn open(&mut self, of: Of, point: [u32; 3], known: &FxHashMap<Of, u32>, depth: usize) -> Option<u32> {
+    /// The value of a function at a point. `at`: its coordinates, then the shape's variables; `known`: the functions that are there already.
+    fn open(&mut self, of: Of, at: &[u32], known: &FxHashMap<Of, u32>, depth: usize) -> Option<u32> {
         let root = *self.functions.formulas.get(&of)?;
         let shape = self.graph.shape(of.0)?;
-        if depth > DEEPEST || shape.dimensions == 0 || !shape.variables.is_empty() {
+        if depth > DEEPEST || shape.dimensions == 0 || shape.variables.len() + 3 != at.len() {
             return None;
         }
-        self.value((of.0, root), point, known, depth)
+        self.value((of.0, root), at, known, depth)
     }
 
     /// The value of a node in the space of a shape.
-    fn value(&mut self, (shape, root): (ShapeId, NodeId), point: [u32; 3], known: &FxHashMap<Of, u32>, depth: usize) -> Option<u32> {
-        let key = (shape, point);
+    fn value(&mut self, (shape, root): (ShapeId, NodeId), at: &[u32], known: &FxHashMap<Of, u32>, depth: usize) -> Option<u32> {
+        let key: Space = (shape, at.into());
+        let variables = &self.graph.shape(shape)?.variables;
         let mut frame = match self.frames.remove(&key) {
             Some(frame) => frame,
             None => {
-                self.filled.form.points.push(point);
+                self.filled.form.points.push(*at.first_chunk()?);
                 FxHashMap::default()
             }
         };
@@ -209,10 +221,11 @@ impl<'a> Former<'a> {
             let step = match self.graph.node(id) {
                 // Each use has a number of its own: two that are alike in one copy may differ in another.
                 Node::Constant(_) => continue,
-                Node::Leaf(Leaf::P(i)) => *point.get(usize::from(*i))?,
+                Node::Leaf(Leaf::P(i)) => *at.get(usize::from(*i))?,
+                Node::Leaf(Leaf::Variable(v)) => *at.get(3 + variables.binary_search(v).ok()?)?,
                 Node::Leaf(Leaf::Time) => self.push(Action::Time, &[], name),
                 Node::Leaf(Leaf::Parameter(i)) => self.push(Action::Parameter(*i), &[], name),
-                Node::Leaf(Leaf::Normal(_) | Leaf::Variable(_)) => return None,
+                Node::Leaf(Leaf::Normal(_)) => return None,
                 Node::Factor(i) if self.fixed => {
                     let lipschitz = self.graph.factors.get(*i as usize)?.lipschitz;
                     self.number(f64::from(multiple_of(lipschitz)), name)
@@ -240,11 +253,10 @@ impl<'a> Former<'a> {
                 Node::Call(inner, function, args) => match known.get(&(*inner, *function)) {
                     Some(&step) => step,
                     None => {
-                        let at: Option<Vec<u32>> = args.iter().map(|a| self.argument(&frame, *a)).collect();
-                        let at = <[u32; 3]>::try_from(at?).ok()?;
+                        let at = args.iter().map(|a| self.argument(&frame, *a)).collect::<Option<Vec<u32>>>()?;
                         // A function may call another of the same shape at the same point.
-                        self.frames.insert(key, frame);
-                        let step = self.open((*inner, *function), at, known, depth + 1)?;
+                        self.frames.insert(key.clone(), frame);
+                        let step = self.open((*inner, *function), &at, known, depth + 1)?;
                         frame = self.frames.remove(&key).unwrap_or_default();
                         step
                     }

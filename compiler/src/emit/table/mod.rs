@@ -78,6 +78,8 @@ pub struct Table {
     pub fold: Option<Op>,
     /// How many coordinates a point has: two in a drawing.
     pub dimensions: u8,
+    /// How many numbers it is given beside the point. What they may be is not known, so there are no cells then.
+    pub variables: usize,
     /// An operand does not matter where another one is smaller by more.
     pub reach: f64,
     /// What each step joins; none where that is no operand.
@@ -144,7 +146,12 @@ impl Tables {
             let gradients = |of: Of| functions.formulas.contains_key(&(of.0, Function::Gradient(0)));
             let gradient = of.1 == Function::Field && union.functions().all(gradients);
             // Copies whose factors differ are alike with the factors as numbers.
-            let table = [false, true].into_iter().find_map(|fixed| tables.table(graph, functions, union, gradient, fixed));
+            let variables = graph.shape(of.0).map(|shape| shape.variables.clone()).unwrap_or_default();
+            // Where a solid of variables lies is not known.
+            if union.fold().is_none() && !variables.is_empty() {
+                continue;
+            }
+            let table = [false, true].into_iter().find_map(|fixed| tables.table(graph, functions, union, gradient, fixed, &variables));
             if let Some(mut table) = table {
                 table.dimensions = graph.shape(of.0).map_or(3, |shape| shape.dimensions);
                 table.region = tables.region_of(&table);
@@ -155,7 +162,7 @@ impl Tables {
         tables
     }
 
-    fn table(&mut self, graph: &Graph, functions: &Functions, union: &Union, gradient: bool, fixed: bool) -> Option<Table> {
+    fn table(&mut self, graph: &Graph, functions: &Functions, union: &Union, gradient: bool, fixed: bool, variables: &[u32]) -> Option<Table> {
         // The class of each step, and the numbers of the rows of each class.
         let mut classes: Vec<(Class, Vec<Vec<f64>>)> = Vec::new();
         let mut known: FxHashMap<(Form, bool), usize> = FxHashMap::default();
@@ -171,7 +178,7 @@ impl Tables {
                 Step::Operand(operand, join) => (Some(operand), join),
                 Step::Pop(join) => (None, join),
             };
-            let Filled { form, numbers, names } = Former::new(graph, functions, fixed).step(operand, join, gradient)?;
+            let Filled { form, numbers, names } = Former::new(graph, functions, fixed).step(operand, join, gradient, variables)?;
             let key = (form, operand.is_none());
             let class = match known.get(&key) {
                 Some(&class) => class,
@@ -209,7 +216,7 @@ impl Tables {
         let entries = places.iter().map(entry).collect::<Option<Vec<u32>>>()?;
         let classes = classes.into_iter().map(|(class, _)| class).collect();
         let (start, fold, reach, depth) = (union.start(), union.fold(), union.reach, union.depth);
-        Some(Table { classes, entries, gradient, depth, start, fold, dimensions: 3, reach, operands, index: 0, region: None })
+        Some(Table { classes, entries, gradient, depth, start, fold, dimensions: 3, variables: variables.len(), reach, operands, index: 0, region: None })
     }
 
     /// Where the solid of a union of solids lies, and the row that says so.

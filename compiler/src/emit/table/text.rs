@@ -31,13 +31,14 @@ pub fn write(
     let mut operations = Vec::new();
     for (i, class) in table.classes.iter().enumerate() {
         let name = context.module.give(&format!("{name}_{}", i + 1));
-        let arguments = arguments(class, table.dimensions, ty);
+        let arguments = arguments(class, table, ty);
         let _ = writeln!(text, "\nfn {name}({}) -> {ty} {{", arguments.join(", "));
         body.clear();
         let result = open(context, class, table.dimensions, gradient, body)?;
         let pieces = class.numbers.iter().filter_map(|n| Some(n.column()? / 4 + 1)).max().unwrap_or(0);
         let prefix = context.prefix;
         let mut words: Vec<String> = ["p", "d", "aside", "row"].map(str::to_owned).to_vec();
+        words.extend((0..table.variables).map(|i| format!("k{i}")));
         for piece in 0..pieces {
             let at = if piece == 0 { "row".to_owned() } else { format!("row + {piece}u") };
             let _ = writeln!(text, "  let r{piece} = {prefix}table[{at}];");
@@ -57,7 +58,9 @@ pub fn write(
     context.helpers.need("span");
     let place = if table.dimensions == 3 { "p" } else { "vec3f(p, 0.0)" };
     let span = format!("{p}span({}u, {place})", HEAD * table.index);
-    let _ = write!(text, "\nfn {name}(p: {point}) -> {ty} {{\n  let span = {span};\n  var d = {start};\n");
+    let variables = |ty: &str| -> String { (0..table.variables).map(|i| format!(", k{i}{ty}")).collect() };
+    let (declared, given) = (variables(": f32"), variables(""));
+    let _ = write!(text, "\nfn {name}(p: {point}{declared}) -> {ty} {{\n  let span = {span};\n  var d = {start};\n");
     let join = table.join();
     // With one value aside at most and one way to join it, each entry is an operand.
     let (alone, stack) = (table.depth == 1 && join.is_some(), table.depth > 0);
@@ -73,7 +76,7 @@ pub fn write(
         let row = if class.numbers.iter().any(|n| n.column().is_some()) { ", row" } else { "" };
         Some(match class.pops {
             true => [down.to_owned(), format!("d = {name}(d, {waiting}{row});")],
-            false => [String::new(), format!("d = {name}(p, d{row});")],
+            false => [String::new(), format!("d = {name}(p{given}, d{row});")],
         })
     };
     let block = |by: &str, lines: &[String]| -> String { lines.iter().filter(|l| !l.is_empty()).map(|l| format!("{by}{l}\n")).collect() };
@@ -115,12 +118,14 @@ pub fn write_region(context: &mut Context, table: &Table, field: &str, name: &st
     );
 }
 
-fn arguments(class: &Class, dimensions: u8, ty: &str) -> Vec<String> {
+fn arguments(class: &Class, table: &Table, ty: &str) -> Vec<String> {
     let mut arguments = Vec::new();
     if class.pops {
         arguments.extend([format!("d: {ty}"), format!("aside: {ty}")]);
     } else {
-        arguments.extend([format!("p: {}", write::vector_type(dimensions)), format!("d: {ty}")]);
+        arguments.push(format!("p: {}", write::vector_type(table.dimensions)));
+        arguments.extend((0..table.variables).map(|i| format!("k{i}: f32")));
+        arguments.push(format!("d: {ty}"));
     }
     if class.numbers.iter().any(|n| n.column().is_some()) {
         arguments.push("row: u32".to_owned());
@@ -164,6 +169,7 @@ fn open(context: &Context, class: &Class, dimensions: u8, gradient: bool, body: 
                 body.component(p, i)
             }
             Action::Point(_) => body.constant(0.0),
+            Action::Variable(i) => body.add(Code::Variable(i), &[]),
             Action::Time => body.outside(&context.uniforms, Read::Time)?,
             Action::Parameter(i) => body.outside(&context.uniforms, Read::Parameter(i))?,
             Action::Factor(i) => body.outside(&context.uniforms, Read::Factor(i))?,
