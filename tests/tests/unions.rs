@@ -123,6 +123,37 @@ fn folds_and_drawings_are_tables() {
     }
 }
 
+/// What loops over cells say of each is written once, with no table: the device agrees on both sides of walls. Numbers that stand beside them, as the cell's own, are given to it.
+#[test]
+fn cells_are_a_loop() {
+    let gpu = gpu();
+    let scenes = [
+        // All 27 are alike, though of most some numbers are nought and not written.
+        ("nearest", "let c = floor(p); let d = for x in -1..2 by min { for y in -1..2 by min { for z in -1..2 by min {
+            let cell = c + (x, y, z); length(cell + hash3(cell) - p) } } }; length(p) - 1 + 0.1 * min(d, 1)", true),
+        // Of a part of the cell; what a frame computes once is no number of theirs.
+        ("ripples", "let c = floor(p.xz); let f = p.xz - c; p.y - 0.05 * (for x in -2..3 by + { for y in -2..3 by + {
+            let d = length((x, y) + hash2(c + (x, y)) - f); sin(9 * d - 2 * time) * smoothstep(2, 0.5, d) } })", true),
+        // In steps that are not whole, three by four.
+        ("steps", "let c = floor(p.xz); p.y - 0.1 * (for x in 0..3 by + { for y in 0..4 by + {
+            let o = p.xz - c - (0.5 * x - 0.5, 0.25 * y); exp(-9 * dot(o, o)) * hash(c.x + 0.5 * x, c.y + 0.25 * y) } })", true),
+        // The middle is left out, so that no loop counts the rest; a list of many numbers is no loop either.
+        ("ring", "let c = round(p.xz); let d = for x in -1..2 by min { for y in -1..2 by min {
+            let o = p.xz - c - (x, y); if x == 0 && y == 0 { 1 } else { length(o) - 0.2 * hash(c.x + x, c.y + y) } } }; max(abs(p.y) - 0.3, d)", false),
+    ];
+    for (name, formula, is_loop) in scenes {
+        let compiled = scene(&format!("field cells = {{ {formula} }}\nscene = cells.within(box((3, 2, 3)))"));
+        assert!(compiled.module.tables.is_none(), "{name} has a table");
+        let functions: Vec<&str> = compiled.module.wgsl.split("\nfn ").filter(|function| function.contains("hash(")).collect();
+        let turns = compiled.module.wgsl.matches("for (var i = first; i < ").count();
+        assert_eq!(turns, if is_loop { 2 } else { 0 }, "{name}: the loops of value and gradient");
+        // The hash itself, and the value and the gradient of a cell.
+        assert!(!is_loop || functions.len() == 3, "{name}: hashes in {} functions", functions.len());
+        let live = Live { time: 0.7, ..compiled.live() };
+        agrees_at(&gpu, &compiled, &live, 1.7);
+    }
+}
+
 /// Thousands of corners are no warning: only a few of them are looked at.
 #[test]
 fn a_long_outline_is_not_costly() {

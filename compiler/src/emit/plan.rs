@@ -3,7 +3,7 @@
 use super::EmitError;
 use super::names::named_vectors;
 use super::table::{Table, Tables};
-use crate::functions::Functions;
+use crate::functions::{Functions, outline_beside};
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId};
 use rustc_hash::FxHashMap;
@@ -515,7 +515,7 @@ impl<'a> Plans<'a> {
         let graph = self.graph;
         let mut nodes = std::mem::take(&mut self.nodes);
         let outlines = &self.functions.outlines;
-        let outline = |id: NodeId| if outlines.is_empty() { None } else { outlines.get(&id).filter(|o| Some(o.shape) != shape) };
+        let outline = |id: NodeId| if outlines.is_empty() { None } else { outlines.get(&id).and_then(|all| outline_beside(all, shape)) };
         let operands = |id: NodeId| outline(id).map_or_else(|| graph.operands(id), |outline| &outline.operands[..]);
         graph.computed_from(roots, operands, &mut nodes);
         let mut places = std::mem::take(&mut self.places);

@@ -51,9 +51,16 @@ pub struct Context<'a> {
 }
 
 impl Context<'_> {
+    /// How many operations a function is written in: what is a loop itself is as long as one of its turns.
+    fn written(&self, target: TargetId) -> usize {
+        let operations = self.operations.get(&target).copied().unwrap_or(0);
+        let turns = self.plans.get(target).and_then(|t| self.plans.table(t)).map_or(1, |table| table.entries.len());
+        operations / turns.max(1)
+    }
+
     /// Whether a function that is written reads a table.
     pub fn has_tables(&self) -> bool {
-        self.functions.keys().filter_map(|id| self.plans.get(*id)).any(|t| self.plans.table(t).is_some())
+        self.functions.keys().filter_map(|id| self.plans.get(*id)).any(|t| self.plans.table(t).is_some_and(|table| table.turns.is_none()))
     }
 }
 

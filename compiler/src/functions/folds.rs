@@ -4,6 +4,7 @@
 use super::Builder;
 use super::outlines::{MOST_STILL, Outline};
 use super::template::Template;
+use super::turns::Turns;
 use super::unions::{FEWEST_ROWS, LONGEST, MANY, Union};
 use crate::analysis::Box3;
 use crate::graph::interval::Interval;
@@ -16,6 +17,10 @@ use std::hash::{Hash, Hasher};
 const COORDINATES: usize = 3;
 /// What is made of fewer nodes is as short written out.
 const SHORTEST: u32 = 6;
+/// So many operands that are as long as this are many, where loops count what they differ in, as three by three cells: drivers write them out several times. Corners of a cell are fewer, and share more than they differ in.
+const SEVERAL: usize = 9;
+/// See [`SEVERAL`].
+const LONG: u32 = 24;
 /// What all operands share may be computed by each of them, if it is no more than so many operations.
 const FEW: usize = 4;
 
@@ -58,6 +63,11 @@ struct Places {
 }
 
 impl Places {
+    /// Whether there are numbers beside the point.
+    fn goes_by_cells(&self) -> bool {
+        self.all.len() > self.coordinates.len()
+    }
+
     /// Of how many dimensions the point is.
     fn dimensions(&self) -> u8 {
         if self.coordinates.len() == COORDINATES { 3 } else { 2 }
@@ -90,7 +100,7 @@ impl Builder<'_> {
                 let same = |a: &NodeId| matches!(self.graph.node(*a), Node::Op(other, _) if other == op);
                 let of = |a: &NodeId| if same(a) { operands.get(a.0 as usize).copied().unwrap_or(1) } else { 1 };
                 count = args.iter().map(of).fold(0, u32::saturating_add);
-                for arg in args.iter().filter(|a| count as usize >= MANY && same(a)) {
+                for arg in args.iter().filter(|a| count as usize >= SEVERAL && same(a)) {
                     inner.get_mut(arg.0 as usize).into_iter().for_each(|slot| *slot = true);
                 }
             }
@@ -98,7 +108,7 @@ impl Builder<'_> {
             inner.push(false);
         }
         let at = id.0 as usize;
-        operands.get(at).is_some_and(|&count| count as usize >= MANY) && inner.get(at) == Some(&false)
+        operands.get(at).is_some_and(|&count| count as usize >= SEVERAL) && inner.get(at) == Some(&false)
     }
 
     /// What stands for a tree of one operation. None where too few of its operands are alike, or those read more than three numbers that move.
@@ -158,7 +168,7 @@ impl Builder<'_> {
         let mut near: FxHashMap<ShapeId, Box3> = FxHashMap::default();
         for shape in asking {
             let Some(value) = self.graph.shape(shape).map(|s| s.value) else { continue };
-            let known = |id: &NodeId| self.built.outlines.get(id).filter(|outline| self.folds.shapes.contains_key(&outline.shape));
+            let known = |id: &NodeId| self.built.outlines.get(id)?.iter().find(|outline| self.folds.shapes.contains_key(&outline.shape));
             let asked: Vec<Outline> = self.graph.reachable(&[value]).iter().filter_map(known).cloned().collect();
             if asked.is_empty() {
                 continue;
@@ -193,8 +203,9 @@ impl Builder<'_> {
         let same: Vec<NodeId> = fit.iter().copied().filter(|part| counts.get(&of(part).0).is_some_and(|&count| count >= FEWEST_ROWS)).collect();
         let is_one = same.iter().all(|part| of(part).0 == of(same.first().unwrap_or(part)).0);
         let longest = fit.iter().copied().rev().max_by_key(|part| of(part).1)?;
+        let is_long = of(&longest).1 >= LONG;
         let least = if is_one { same.len() + 1 } else { same.len() };
-        if let Some(rows) = (fit.len() >= least.max(MANY)).then(|| self.by_template(longest, &fit, parts, least, fold)).flatten() {
+        if let Some(rows) = (fit.len() >= least).then(|| self.by_template(longest, &fit, parts, (least, is_long), fold)).flatten() {
             return Some(rows);
         }
         if same.len() < MANY {
@@ -207,13 +218,20 @@ impl Builder<'_> {
     }
 
     /// The rows as calls of one formula of which the numbers are arguments. None where fewer than `least` are like the longest.
-    fn by_template(&mut self, longest: NodeId, fit: &[NodeId], parts: &[NodeId], least: usize, fold: NodeId) -> Option<Rows> {
+    fn by_template(&mut self, longest: NodeId, fit: &[NodeId], parts: &[NodeId], (least, is_long): (usize, bool), fold: NodeId) -> Option<Rows> {
         let places = self.coordinates(fit)?;
         // What a frame computes once is no number of a table.
         let is_place = |id: NodeId| places.all.iter().any(|(place, _)| *place == id);
         let is_whole = |id: NodeId| is_place(id) || matches!(self.graph.node(id), Node::Op(..)) && self.is_uniform(id);
         let Template { formula, slots, rows } = Template::of(self.graph, longest, fit, &is_whole)?;
-        if rows.len() < least.max(MANY) {
+        // What loops count through is worth one sooner: it needs no table.
+        let is_counted = || {
+            let column = |i: usize| rows.iter().filter_map(|(_, numbers)| numbers.get(i).copied()).collect::<Vec<f64>>();
+            let columns: Vec<Vec<f64>> = (0..rows.first().map_or(0, |(_, numbers)| numbers.len())).map(column).collect();
+            Turns::of(&columns, rows.len()).is_some()
+        };
+        let many = if is_long && places.goes_by_cells() && is_counted() { SEVERAL } else { MANY };
+        if rows.len() < least.max(many) {
             return None;
         }
         let order = self.graph.within_places(formula, &places.all)?;
@@ -289,8 +307,9 @@ impl Builder<'_> {
     /// move, as the cell that the point is in.
     fn coordinates(&mut self, parts: &[NodeId]) -> Option<Places> {
         let numbers = self.numbers(parts)?;
-        let few = numbers.len() <= COORDINATES;
-        let (coordinates, still): (Vec<NodeId>, Vec<NodeId>) = numbers.into_iter().partition(|&number| few || self.moves(number));
+        // Where nothing moves, what jumps is the point.
+        let all_still = !numbers.iter().any(|&number| self.moves(number));
+        let (coordinates, still): (Vec<NodeId>, Vec<NodeId>) = numbers.into_iter().partition(|&number| all_still || self.moves(number));
         if !(1..=COORDINATES).contains(&coordinates.len()) || still.len() > MOST_STILL {
             return None;
         }
@@ -319,7 +338,7 @@ impl Builder<'_> {
         numbers.dedup();
         let fits = |numbers: &[NodeId]| {
             let moving = numbers.iter().filter(|&&number| self.moves(number)).count();
-            numbers.len() <= COORDINATES || moving <= COORDINATES && numbers.len() - moving <= MOST_STILL
+            moving <= COORDINATES && numbers.len() - moving <= MOST_STILL
         };
         if !fits(&numbers) {
             // What moves and is computed of others among them, as a part of a cell is.

@@ -26,13 +26,14 @@ mod sides;
 mod stairs;
 mod surface;
 mod template;
+pub mod turns;
 mod uneven;
 pub mod unions;
 mod wall;
 
 pub use ahead::{Ahead, Planes};
 pub use ground::{Carry, carry, firm};
-pub use outlines::Outline;
+pub use outlines::{Outline, Outlines, outline_beside};
 
 use ahead::AMPLE;
 use crate::analysis::region::WORLD_SIDE;
@@ -78,7 +79,7 @@ pub struct Functions {
     /// Boxes that hold all points at which nodes are at most zero, of nodes of which more is known than their formulas show.
     pub solids: FxHashMap<NodeId, Box3>,
     /// What stands for long formulas of a few numbers, and for folds of many.
-    pub outlines: FxHashMap<NodeId, Outline>,
+    pub outlines: FxHashMap<NodeId, Outlines>,
 }
 
 impl Functions {
@@ -293,7 +294,7 @@ pub struct Builder<'a> {
     walled: FxHashMap<ShapeId, bool>,
     beside: FxHashMap<NodeId, NodeId>,
     /// Outlines of claims, as far as they were asked for.
-    outlines: FxHashMap<NodeId, Option<Outline>>,
+    outlines: FxHashMap<NodeId, Outlines>,
     /// Their shapes, by formula and dimensions.
     outlined: FxHashMap<(NodeId, u8), ShapeId>,
     /// Trees of one operation, and the shapes that stand for them.

@@ -6,6 +6,7 @@ use super::{Builder, Carry, Functions};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, ClaimGroup, Exactness, Function, Graph, Leaf, Node, NodeId, NodeList, Shape, ShapeId};
 use rustc_hash::FxHashSet;
+use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// So many numbers that do not move may a function be given, beside those that do.
@@ -48,6 +49,14 @@ impl Outline {
     }
 }
 
+/// What may stand for a node: the function that it is the result of, then the fold that ends in it.
+pub type Outlines = SmallVec<[Outline; 1]>;
+
+/// The one that stands for a node in the formula of a shape, which is not the shape itself.
+pub fn outline_beside(outlines: &[Outline], own: Option<ShapeId>) -> Option<&Outline> {
+    outlines.iter().find(|outline| Some(outline.shape) != own)
+}
+
 /// A formula that may be a function.
 struct Candidate {
     formula: NodeId,
@@ -72,19 +81,24 @@ impl Candidate {
 impl Builder<'_> {
     /// What stands for a node. None where its formula is short, made of more numbers than a function takes, or reads more than those.
     pub(super) fn outline(&mut self, id: NodeId) -> Option<Outline> {
-        let is_function = matches!(self.graph.node(id), Node::Claim(..)) || self.graph.result(id).is_some();
-        if !is_function && !self.ends_fold(id) {
+        let (is_function, is_fold) = (self.is_function(id), self.ends_fold(id));
+        if !is_function && !is_fold {
             return None;
         }
-        let found = match self.outlines.get(&id) {
-            Some(known) => known.clone(),
-            None => {
-                let found = if is_function { self.find_outline(id) } else { self.find_fold(id) };
-                self.outlines.insert(id, found.clone());
-                found
-            }
-        };
-        found.filter(|outline| Some(outline.shape) != self.own)
+        let own = self.own;
+        if let Some(known) = self.outlines.get(&id) {
+            return outline_beside(known, own).cloned();
+        }
+        let function = if is_function { self.find_outline(id) } else { None };
+        let fold = if is_fold { self.find_fold(id) } else { None };
+        let found: Outlines = function.into_iter().chain(fold).collect();
+        let outline = outline_beside(&found, own).cloned();
+        self.outlines.insert(id, found);
+        outline
+    }
+
+    fn is_function(&self, id: NodeId) -> bool {
+        matches!(self.graph.node(id), Node::Claim(..)) || self.graph.result(id).is_some()
     }
 
     /// Whether a shape stands for formulas.
@@ -160,37 +174,36 @@ impl Builder<'_> {
 
     /// What stands for the nodes of which the functions and the surface are computed. The answer: the shapes that stand for them.
     pub(super) fn outline_all(&mut self) -> FxHashSet<ShapeId> {
+        if !(0..self.graph.len() as u32).map(NodeId).any(|id| self.is_function(id) || self.ends_fold(id)) {
+            return FxHashSet::default();
+        }
         let mut formulas: Vec<(ShapeId, Function)> = self.built.formulas.keys().copied().collect();
         formulas.sort_unstable();
         formulas.retain(|of| !self.is_outlined(of.0));
-        let mut open = self.built.roots();
+        let mut open: Vec<(NodeId, Option<ShapeId>)> = self.built.roots().into_iter().map(|id| (id, None)).collect();
         for of in formulas {
-            open.extend(self.built.formulas.get(&of));
+            open.extend(self.built.formulas.get(&of).map(|&id| (id, None)));
         }
         let (mut seen, mut shapes) = (FxHashSet::default(), FxHashSet::default());
-        while let Some(id) = open.pop() {
-            if !seen.insert(id) {
+        while let Some((id, own)) = open.pop() {
+            if !seen.insert((id, own)) {
                 continue;
             }
+            self.own = own;
             let Some(Outline { shape, operands, .. }) = self.outline(id) else {
-                open.extend(self.graph.operands(id));
+                open.extend(self.graph.operands(id).iter().map(|&operand| (operand, own)));
                 continue;
             };
-            open.extend_from_slice(&operands);
-            if !shapes.insert(shape) {
-                continue;
-            }
-            for function in [Function::Field, Function::Gradient(0), Function::Gradient(1), Function::Gradient(2)] {
-                let Some(&formula) = self.built.formulas.get(&(shape, function)) else { continue };
-                // A shape's own formula is not what it stands for.
-                match self.outline(formula) {
-                    Some(own) if own.shape == shape => open.extend(self.graph.operands(formula)),
-                    _ => open.push(formula),
+            open.extend(operands.iter().map(|&operand| (operand, own)));
+            if shapes.insert(shape) {
+                for function in [Function::Field, Function::Gradient(0), Function::Gradient(1), Function::Gradient(2)] {
+                    open.extend(self.built.formulas.get(&(shape, function)).map(|&formula| (formula, Some(shape))));
                 }
             }
         }
+        self.own = None;
         let found = std::mem::take(&mut self.outlines);
-        self.built.outlines = found.into_iter().filter_map(|(id, outline)| Some((id, outline?))).collect();
+        self.built.outlines = found.into_iter().filter(|(_, outlines)| !outlines.is_empty()).collect();
         shapes
     }
 }

@@ -5,6 +5,7 @@ mod grid;
 mod text;
 
 use crate::functions::Functions;
+use crate::functions::turns::Turns;
 use crate::functions::unions::{FEWEST_ROWS, Join, MOST_CLASSES, Of, Operand, Step, Union};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -80,6 +81,8 @@ pub struct Table {
     pub dimensions: u8,
     /// How many numbers it is given beside the point. What they may be is not known, so there are no cells then.
     pub variables: usize,
+    /// The loops that count its numbers; none where they stand in rows.
+    pub turns: Option<Turns>,
     /// An operand does not matter where another one is smaller by more.
     pub reach: f64,
     /// What each step joins; none where that is no operand.
@@ -95,10 +98,36 @@ pub struct Table {
 pub struct Tables {
     /// By the function that each one is.
     pub tables: BTreeMap<Of, Table>,
+    /// Those of which loops count all numbers, so that they have no row and no list.
+    pub counted: BTreeMap<Of, Table>,
     /// The rows of all, four numbers in a piece.
     pub rows: Vec<[f32; 4]>,
     /// The range of each component of the parameters.
     pub parameters: Vec<Interval>,
+}
+
+impl Class {
+    /// Finds where the numbers of some rows stand. The answer: for each column a number of the form that stands in it.
+    fn find_numbers(&mut self, rows: &[Vec<f64>]) -> Vec<usize> {
+        let count = rows.first().map_or(0, Vec::len);
+        let column = |i: usize| rows.iter().map(move |row| row.get(i).copied().unwrap_or(0.0));
+        let mut columns: Vec<usize> = Vec::new();
+        for i in 0..count {
+            let first = column(i).next().unwrap_or(0.0);
+            let number = if column(i).all(|c| c == first) {
+                Number::Same(first)
+            } else {
+                let at = |f: &dyn Fn(usize) -> bool| columns.iter().position(|&j| f(j)).map(|at| at as u32);
+                let known = at(&|j| column(i).eq(column(j))).map(Number::Column);
+                known.or_else(|| at(&|j| column(i).eq(column(j).map(|c| -c))).map(Number::Opposite)).unwrap_or_else(|| {
+                    columns.push(i);
+                    Number::Column(columns.len() as u32 - 1)
+                })
+            };
+            self.numbers.push(number);
+        }
+        columns
+    }
 }
 
 impl Table {
@@ -154,6 +183,10 @@ impl Tables {
             let table = [false, true].into_iter().find_map(|fixed| tables.table(graph, functions, union, gradient, fixed, &variables));
             if let Some(mut table) = table {
                 table.dimensions = graph.shape(of.0).map_or(3, |shape| shape.dimensions);
+                if table.turns.is_some() {
+                    tables.counted.insert(*of, table);
+                    continue;
+                }
                 table.region = tables.region_of(&table);
                 table.index = tables.tables.len() as u32;
                 tables.tables.insert(*of, table);
@@ -201,10 +234,17 @@ impl Tables {
         if classes.len() * FEWEST_ROWS > union.steps.len() {
             return None;
         }
-        let mut firsts = Vec::new();
-        for (class, rows) in &mut classes {
-            firsts.push(self.fill(class, rows));
-        }
+        let columns: Vec<Vec<usize>> = classes.iter_mut().map(|(class, rows)| class.find_numbers(rows)).collect();
+        let turns = match (&classes[..], &columns[..]) {
+            // Where there are cells their lists are shorter.
+            ([(_, rows)], [columns]) if !variables.is_empty() => {
+                let column = |&i: &usize| rows.iter().filter_map(|row| row.get(i).copied()).collect();
+                Turns::of(&columns.iter().map(column).collect::<Vec<Vec<f64>>>(), rows.len())
+            }
+            _ => None,
+        };
+        let all = classes.iter().zip(&columns);
+        let firsts: Vec<(u32, u32)> = all.map(|((_, rows), columns)| if turns.is_some() { (NO_ROW, 0) } else { self.add(columns, rows) }).collect();
         let entry = |place: &Option<(usize, usize)>| match place {
             None => Some(PUSH << CLASS_SHIFT),
             Some((class, row)) => {
@@ -216,7 +256,7 @@ impl Tables {
         let entries = places.iter().map(entry).collect::<Option<Vec<u32>>>()?;
         let classes = classes.into_iter().map(|(class, _)| class).collect();
         let (start, fold, reach, depth) = (union.start(), union.fold(), union.reach, union.depth);
-        Some(Table { classes, entries, gradient, depth, start, fold, dimensions: 3, variables: variables.len(), reach, operands, index: 0, region: None })
+        Some(Table { classes, entries, gradient, depth, start, fold, dimensions: 3, variables: variables.len(), turns, reach, operands, index: 0, region: None })
     }
 
     /// Where the solid of a union of solids lies, and the row that says so.
@@ -228,26 +268,8 @@ impl Tables {
         Some((grid, row))
     }
 
-    /// Adds the rows of a class and says where its numbers stand. The answer: its first piece, and the pieces of a row.
-    fn fill(&mut self, class: &mut Class, rows: &[Vec<f64>]) -> (u32, u32) {
-        let count = rows.first().map_or(0, Vec::len);
-        let column = |i: usize| rows.iter().map(move |row| row.get(i).copied().unwrap_or(0.0));
-        // Columns that are there, by a number of the form that stands in them.
-        let mut columns: Vec<usize> = Vec::new();
-        for i in 0..count {
-            let first = column(i).next().unwrap_or(0.0);
-            let number = if column(i).all(|c| c == first) {
-                Number::Same(first)
-            } else {
-                let at = |f: &dyn Fn(usize) -> bool| columns.iter().position(|&j| f(j)).map(|at| at as u32);
-                let known = at(&|j| column(i).eq(column(j))).map(Number::Column);
-                known.or_else(|| at(&|j| column(i).eq(column(j).map(|c| -c))).map(Number::Opposite)).unwrap_or_else(|| {
-                    columns.push(i);
-                    Number::Column(columns.len() as u32 - 1)
-                })
-            };
-            class.numbers.push(number);
-        }
+    /// Adds the columns of some rows. The answer: the first piece, and the pieces of a row.
+    fn add(&mut self, columns: &[usize], rows: &[Vec<f64>]) -> (u32, u32) {
         let first = self.rows.len() as u32;
         let width = columns.len().div_ceil(4);
         for row in rows {
@@ -264,7 +286,7 @@ impl Tables {
 
     /// The table that computes a function, if there is one.
     pub fn get(&self, of: Of) -> Option<&Table> {
-        self.tables.get(&of)
+        self.tables.get(&of).or_else(|| self.counted.get(&of))
     }
 
     /// Whether there is none.

@@ -1,9 +1,11 @@
 //! The text of tables: a function for each class, and the loop.
 
 use super::{Action, BEGINS, CLASS_SHIFT, Class, ENDS, Number, PUSH, Table, Tables};
+use crate::compiled::UniformSource;
 use crate::emit::EmitError;
 use crate::emit::body::{Body, Code, ExprId, Read};
 use crate::emit::write::{self, Context};
+use crate::functions::turns::Turns;
 use crate::graph::kernel::Op;
 use crate::graph::simplify::Terms;
 use std::fmt::Write;
@@ -13,6 +15,9 @@ const MOST_PRIVATE: usize = 8192;
 /// How a table is declared that a shader picks from: of a constant, naga's SPIR-V copies all of it at each pick.
 const PRIVATE: &str = "var<private>";
 const CONSTANT: &str = "const";
+
+/// A loop of so many operations no driver writes out: Mesa stops at 832 (`nir_opt_loop_unroll`: 32 turns of 26).
+const LONG: usize = 1000;
 
 /// Numbers in a union's head, which stands at the beginning of the lists.
 pub const HEAD: u32 = 16;
@@ -34,12 +39,13 @@ pub fn write(
         let arguments = arguments(class, table, ty);
         let _ = writeln!(text, "\nfn {name}({}) -> {ty} {{", arguments.join(", "));
         body.clear();
-        let result = open(context, class, table.dimensions, gradient, body)?;
+        let result = open(context, class, table, gradient, body)?;
+        let in_rows = table.turns.is_none();
         let pieces = class.numbers.iter().filter_map(|n| Some(n.column()? / 4 + 1)).max().unwrap_or(0);
         let prefix = context.prefix;
         let mut words: Vec<String> = ["p", "d", "aside", "row"].map(str::to_owned).to_vec();
-        words.extend((0..table.variables).map(|i| format!("k{i}")));
-        for piece in 0..pieces {
+        words.extend((0..table.arguments()).map(|i| format!("k{i}")));
+        for piece in (0..pieces).filter(|_| in_rows) {
             let at = if piece == 0 { "row".to_owned() } else { format!("row + {piece}u") };
             let _ = writeln!(text, "  let r{piece} = {prefix}table[{at}];");
             words.push(format!("r{piece}"));
@@ -49,17 +55,32 @@ pub fn write(
         text.push_str("}\n");
         names.push(name);
     }
+    let count = |entry: &u32| operations.get((entry >> CLASS_SHIFT) as usize).copied().unwrap_or(0);
+    let operations: usize = table.entries.iter().map(count).sum();
     let p = context.prefix;
     let start = match gradient {
         false => format!("{:?}", table.start),
         true => format!("vec4f(0.0, 0.0, 0.0, {:?})", table.start),
     };
     let point = write::vector_type(table.dimensions);
+    let variables = |ty: &str| -> String { (0..table.variables).map(|i| format!(", k{i}{ty}")).collect() };
+    let (declared, given) = (variables(": f32"), variables(""));
+    if let (Some(turns), Some(class)) = (&table.turns, names.first()) {
+        let _ = write!(text, "\nfn {name}(p: {point}{declared}) -> {ty} {{\n  var d = {start};\n");
+        // Of a short loop drivers look up uniforms to write it out. Of a long one they don't, and what is the same for all points is faster: the point is nought but beyond all numbers.
+        let first = if operations < LONG {
+            "select(0, 1, p.x > 3e38)".to_owned()
+        } else {
+            context.uniforms.read(UniformSource::Origin);
+            format!("min(i32(abs({}.origin.x)), 0)", context.uniform_name)
+        };
+        count_turns(turns, &format!("d = {class}(p{given}"), &first, text);
+        text.push_str("  return d;\n}\n");
+        return Ok(operations);
+    }
     context.helpers.need("span");
     let place = if table.dimensions == 3 { "p" } else { "vec3f(p, 0.0)" };
     let span = format!("{p}span({}u, {place})", HEAD * table.index);
-    let variables = |ty: &str| -> String { (0..table.variables).map(|i| format!(", k{i}{ty}")).collect() };
-    let (declared, given) = (variables(": f32"), variables(""));
     let _ = write!(text, "\nfn {name}(p: {point}{declared}) -> {ty} {{\n  let span = {span};\n  var d = {start};\n");
     let join = table.join();
     // With one value aside at most and one way to join it, each entry is an operand.
@@ -103,8 +124,37 @@ pub fn write(
         let _ = writeln!(text, "    if (step & {ENDS}u) != 0u {{\n{}    }}", block("      ", &lines));
     }
     text.push_str("  }\n  return d;\n}\n");
-    let count = |entry: &u32| operations.get((entry >> CLASS_SHIFT) as usize).copied().unwrap_or(0);
-    Ok(table.entries.iter().map(count).sum())
+    Ok(operations)
+}
+
+/// Writes a loop in which a call that has begun is given what loops within each other count. It is one, whose counters are carried over as digits are, and where it begins (`first`) is no constant:
+/// drivers write out all turns of a loop if they know how often it goes around.
+fn count_turns(turns: &Turns, call: &str, first: &str, text: &mut String) {
+    let of = |at: usize| turns.columns.iter().filter(move |(own, ..)| *own == at).map(|&(_, first, turn)| (first, turn));
+    // A counter is the number itself where a turn adds one to the same whole number.
+    let start = |at: usize| {
+        let first = of(at).next().map_or(0.0, |column| column.0);
+        let is_plain = first.fract() == 0.0 && first.abs() < 1e6 && of(at).all(|column| column == (first, 1.0));
+        (if is_plain { first } else { 0.0 }, is_plain)
+    };
+    let _ = writeln!(text, "  // Nought, which no driver knows: so none writes out the turns.\n  let first = {first};");
+    for at in 0..turns.counts.len() {
+        let _ = writeln!(text, "  var i{at} = {:?};", start(at).0);
+    }
+    let total: u32 = turns.counts.iter().product();
+    let _ = write!(text, "  for (var i = first; i < {total}; i++) {{\n    {call}");
+    for &(at, first, turn) in &turns.columns {
+        let _ = if start(at).1 { write!(text, ", i{at}") } else { write!(text, ", {first:?} + {turn:?} * i{at}") };
+    }
+    text.push_str(", d);\n");
+    for (at, &count) in turns.counts.iter().enumerate().rev() {
+        let _ = writeln!(text, "    i{at} += {};", if at + 1 == turns.counts.len() { "1.0".to_owned() } else { format!("select(0.0, 1.0, over{})", at + 1) });
+        if at > 0 {
+            let (first, _) = start(at);
+            let _ = writeln!(text, "    let over{at} = i{at} > {:?};\n    i{at} = select(i{at}, {first:?}, over{at});", first + count as f32 - 0.5);
+        }
+    }
+    text.push_str("  }\n");
 }
 
 /// Writes the bound of a union that lies in a region: `field` is its value.
@@ -118,24 +168,31 @@ pub fn write_region(context: &mut Context, table: &Table, field: &str, name: &st
     );
 }
 
+impl Table {
+    /// How many numbers the function of a class is given beside the point: those of the union, then those that loops count.
+    fn arguments(&self) -> usize {
+        self.variables + self.turns.as_ref().map_or(0, |turns| turns.columns.len())
+    }
+}
+
 fn arguments(class: &Class, table: &Table, ty: &str) -> Vec<String> {
     let mut arguments = Vec::new();
     if class.pops {
         arguments.extend([format!("d: {ty}"), format!("aside: {ty}")]);
     } else {
         arguments.push(format!("p: {}", write::vector_type(table.dimensions)));
-        arguments.extend((0..table.variables).map(|i| format!("k{i}: f32")));
+        arguments.extend((0..table.arguments()).map(|i| format!("k{i}: f32")));
         arguments.push(format!("d: {ty}"));
     }
-    if class.numbers.iter().any(|n| n.column().is_some()) {
+    if table.turns.is_none() && class.numbers.iter().any(|n| n.column().is_some()) {
         arguments.push("row: u32".to_owned());
     }
     arguments
 }
 
 /// The expressions of a class.
-fn open(context: &Context, class: &Class, dimensions: u8, gradient: bool, body: &mut Body) -> Result<ExprId, EmitError> {
-    let form = &class.filled.form;
+fn open(context: &Context, class: &Class, table: &Table, gradient: bool, body: &mut Body) -> Result<ExprId, EmitError> {
+    let (form, dimensions) = (&class.filled.form, table.dimensions);
     let whole = if gradient { 4 } else { 1 };
     // What is joined, or its component. In the value's own function there is none but the value.
     let joined = |body: &mut Body, code: Code, i: u8| {
@@ -157,8 +214,12 @@ fn open(context: &Context, class: &Class, dimensions: u8, gradient: bool, body: 
         let value = match step.action {
             Action::Number(i) => match class.numbers.get(i as usize) {
                 Some(number @ (Number::Column(c) | Number::Opposite(c))) => {
-                    let piece = body.add(Code::Row(c / 4), &[]);
-                    let value = body.component(piece, (c % 4) as u8);
+                    let value = if table.turns.is_some() {
+                        body.add(Code::Variable(table.variables as u32 + c), &[])
+                    } else {
+                        let piece = body.add(Code::Row(c / 4), &[]);
+                        body.component(piece, (c % 4) as u8)
+                    };
                     if matches!(number, Number::Opposite(_)) { body.op(Op::Neg, &[value]) } else { value }
                 }
                 Some(Number::Same(number)) => body.constant(*number),

@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 /// The calls of a function that are loops, if there are any.
 pub fn find(context: &mut Context, body: &Body, root: ExprId, out: &mut String) -> Option<Vec<Batch>> {
-    if !body.may_batch(|target| context.operations.get(&target).copied().unwrap_or(0)) {
+    if !body.may_batch(|target| context.written(target)) {
         return None;
     }
     let Room { scratch, mut states, mut order, mut stack, locals, .. } = Room::default();
@@ -18,7 +18,7 @@ pub fn find(context: &mut Context, body: &Body, root: ExprId, out: &mut String) 
     let mut writer = Writer { context, body, out, scratch, states, ranges, locals, operations: 0, arms, block: 0, depth: 1, results };
     let seen = writer.order(root, &mut order, &mut stack);
     writer.part(seen.dear, &mut order);
-    let operations = |target| writer.context.operations.get(&target).copied().unwrap_or(0);
+    let operations = |target| writer.context.written(target);
     let batches = body.batches(&order, |id| writer.arms.place(id), operations);
     (!batches.is_empty()).then_some(batches)
 }
