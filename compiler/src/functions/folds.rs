@@ -223,40 +223,34 @@ impl Builder<'_> {
         // What a frame computes once is no number of a table.
         let is_place = |id: NodeId| places.all.iter().any(|(place, _)| *place == id);
         let is_whole = |id: NodeId| is_place(id) || matches!(self.graph.node(id), Node::Op(..)) && self.is_uniform(id);
-        let Template { formula, slots, rows } = Template::of(self.graph, longest, fit, &is_whole)?;
+        let Template { slots, parts: rows, columns } = Template::of(self.graph, longest, fit, &is_whole)?;
         // What loops count through is worth one sooner: it needs no table.
-        let is_counted = || {
-            let column = |i: usize| rows.iter().filter_map(|(_, numbers)| numbers.get(i).copied()).collect::<Vec<f64>>();
-            let columns: Vec<Vec<f64>> = (0..rows.first().map_or(0, |(_, numbers)| numbers.len())).map(column).collect();
-            Turns::of(&columns, rows.len()).is_some()
-        };
+        let is_counted = || Turns::of(&columns, rows.len()).is_some();
         let many = if is_long && places.goes_by_cells() && is_counted() { SEVERAL } else { MANY };
         if rows.len() < least.max(many) {
             return None;
         }
-        let order = self.graph.within_places(formula, &places.all)?;
-        let columns = rows.first().map_or(0, |(_, numbers)| numbers.len());
-        let own = self.spare_variables(MOST_STILL, columns);
+        let order = self.graph.within_places(longest, &places.all)?;
+        let own = self.spare_variables(MOST_STILL, columns.len());
         let numbers: Vec<NodeId> = own.iter().map(|&v| self.graph.leaf(Leaf::Variable(v))).collect();
         let opposites: Vec<NodeId> = numbers.iter().map(|&number| self.graph.op(Op::Neg, &[number])).collect();
         let given = |id: NodeId, i: usize| {
             let &(column, opposite) = slots.get(&(id, i))?;
             if opposite { &opposites } else { &numbers }.get(column).copied()
         };
-        let value = self.graph.abstracted_with(formula, &order, &places.all, given);
+        let value = self.graph.abstracted_with(longest, &order, &places.all, given);
         let shape = self.outlined_as(None, value, places.dimensions(), fold);
         let variables = self.graph.shape(shape).map(|s| s.variables.clone())?;
         let point = self.graph.point();
         let mut values = Vec::with_capacity(rows.len());
-        for (_, row) in &rows {
+        for at in 0..rows.len() {
             let numbers = variables.iter().map(|v| match own.iter().position(|own| own == v) {
-                Some(column) => row.get(column).map(|&number| self.graph.constant(number)),
+                Some(column) => columns.get(column)?.get(at).map(|&number| self.graph.constant(number)),
                 None => Some(self.graph.leaf(Leaf::Variable(*v))),
             });
             let arguments = point.into_iter().map(Some).chain(numbers).collect::<Option<Vec<NodeId>>>()?;
             values.push(self.graph.call(shape, Function::Field, &arguments));
         }
-        let rows: Vec<NodeId> = rows.into_iter().map(|(part, _)| part).collect();
         Some(Rows { values, beside: without(parts, &rows), places })
     }
 

@@ -13,12 +13,12 @@ pub(super) type Slot = (NodeId, usize);
 
 /// Formulas as one, of the numbers in which they differ.
 pub(super) struct Template {
-    /// The formula whose nodes the slots are in.
-    pub formula: NodeId,
     /// For each slot whose number is not the same in all formulas: the column of numbers, and whether it is the opposite of what stands there.
     pub slots: FxHashMap<Slot, (usize, bool)>,
-    /// The formulas that fit, each with a number for each column.
-    pub rows: Vec<(NodeId, Vec<f64>)>,
+    /// The formulas that fit.
+    pub parts: Vec<NodeId>,
+    /// The numbers in which they differ: in each column one for each of them.
+    pub columns: Vec<Vec<f64>>,
 }
 
 impl Template {
@@ -44,9 +44,8 @@ impl Template {
             });
             slots.insert(slot, (at, turned));
         }
-        let row = |i: usize| columns.iter().filter_map(|column| column.get(i).copied()).collect();
-        let rows = found.iter().enumerate().map(|(i, (part, _))| (*part, row(i))).collect();
-        (columns.len() <= MOST_NUMBERS).then_some(Self { formula, slots, rows })
+        let parts = found.into_iter().map(|(part, _)| part).collect();
+        (columns.len() <= MOST_NUMBERS).then_some(Self { slots, parts, columns })
     }
 }
 
