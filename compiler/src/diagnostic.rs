@@ -190,7 +190,7 @@ codes! {
         "No finite bound is known for this formula, so no ray could step safely. Keep divisors away from zero, or cut the formula with `.within(region)`.",
         "field f = p.x * exp(exp(900 + abs(p.y)))\nscene = f";
     Unproven, "unproven", Warning,
-        "No bound is proven for this formula. It is drawn with a factor measured at samples, which may be too small: rays may step through. `--strict` makes it an error. Keep divisors and the arguments of roots away from zero, clamp what grows without end, or cut the formula with `.within(region)`.",
+        "What is drawn is not proven: no finite bound is known for this formula, or one with which no ray would get anywhere, and it is drawn with a factor measured at samples; or it jumps, and both sides agree wherever one looked. Rays may step through. With `--strict` what is proven stands, and where nothing is it is an error. Keep divisors and the arguments of roots away from zero, clamp what grows without end, or cut the formula with `.within(region)`.",
         "field f = 1 / p.x\nscene = f";
     NoReach, "no-reach", Error,
         "The body of a repetition reaches too far, or without end: so many neighbours would have to be looked at. Make the cells larger or cut the body with `.within(region)`.",
@@ -213,8 +213,11 @@ codes! {
     NothingSeen, "nothing-seen", Warning,
         "Nothing solid is in sight of the camera, so the picture shows the sky alone. Look to where something is, or set `render { max_distance: … }` to how far away it is.",
         "scene = sphere(1)\ncamera { eye: (0, 0, 5), target: (0, 0, 9) }";
+    RaysLost, "rays-lost", Warning,
+        "Over a part of the picture rays spend all of their steps before they meet anything: there it shows the sky, or a surface that is none. Say where the shape lies with `.within(box(…))`, or write its formula so that it grows more evenly.",
+        "field f = { let r = floor(9 * p.z); p.y - 9 / (1 + abs(floor(9 * p.x + 0.5 * r)) + abs(r)) }\nscene = f";
     Jump, "jump", Warning,
-        "A formula jumps here; rays stop before it and look again, which takes time. Where both sides of the jump agree, nothing is said.",
+        "A formula jumps here; rays stop before it and look again, which takes time. Where both sides of the jump are proven to agree, nothing is said.",
         "field f = length(p) - 1 + floor(4 * p.x) / 9\nscene = f";
     Unused, "unused", Warning,
         "A parameter that nothing reads. Its slider would do nothing.",

@@ -9,7 +9,7 @@ use crate::reference::camera::Basis;
 use crate::reference::follow::TRACER;
 use crate::reference::march::{Ray, at_points};
 use crate::reference::vector::{Vec3, add, length, scale, sub, unit};
-use crate::reference::Reference;
+use crate::reference::{Hit, Reference};
 use crate::source::{FileId, Span};
 
 /// Pictures through which is looked, coarse ones first, in pixels.
@@ -22,6 +22,14 @@ const MOST: usize = 3_000_000;
 const AWAY: f64 = 2.5;
 /// So much of the extent one sees; the rest fades into the sky.
 const FADED: f64 = 0.99;
+/// Where such a share of rays is lost it is seen; fewer are where a plane ends in the distance.
+const HOLES: f64 = 0.1;
+/// What is farther from a place than so many pixels is not there.
+const NEAR: f64 = 8.0;
+/// Where no ray of this picture is lost, few are.
+const SMALL: (u32, u32) = (10, 6);
+/// What helps rays on.
+const EVENLY: &str = "say where the shape lies with `.within(box(…))`, or write its formula so that it grows more evenly";
 /// So many other cameras are looked through.
 const MOST_TRIED: usize = 6;
 
@@ -61,11 +69,16 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
         return lamp();
     }
     match sees(compiled, &reference, &camera, &frame, frame.max_distance)? {
-        Sight::Solid => return lamp(),
+        Sight::Solid => {
+            return lamp().or_else(|| {
+                let lost = share_lost(compiled, &reference, &camera, &frame).filter(|lost| *lost > HOLES)?;
+                let message = format!("{:.0} of 100 rays that meet anything spend their steps before they get there, so the picture is wrong in places", 100.0 * lost);
+                Some(Diagnostic::new(Code::RaysLost, place(compiled, nodes), message, EVENLY))
+            });
+        }
         Sight::Lost => {
             let message = "rays spend all of their steps before they meet anything solid";
-            let help = "say where the shape lies with `.within(box(…))`, or write its formula so that it grows more evenly";
-            return Some(Diagnostic::new(Code::NothingSeen, place(compiled, nodes), message, help));
+            return Some(Diagnostic::new(Code::NothingSeen, place(compiled, nodes), message, EVENLY));
         }
         Sight::Cut => {
             let message = format!("what is solid reaches beyond the scene's extent of {}, and nothing of it is seen", short(frame.extent));
@@ -117,22 +130,18 @@ enum Sight {
 
 /// What is in sight, up to so far away. None where that takes too long to tell.
 fn sees(compiled: &Compiled, reference: &Reference, camera: &Camera, frame: &Frame, far: f64) -> Option<Sight> {
-    let basis = Basis::of(camera);
     let mut sight = Sight::Empty;
     for (width, height) in PICTURES {
         if (width * height) as usize * compiled.module.operations.1.max(1) > MOST {
             return None;
         }
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
-        let ray = |at| Ray { origin: camera.eye, direction: basis.direction(at, (width, height)), t_min: 0.0, t_max: far };
-        let rays: Vec<Ray> = pixels.map(ray).collect();
-        let hits = reference.trace(&rays, basis.footprint(PIXELS), frame.extent);
-        let mut met = hits.iter().zip(&rays).filter(|(hit, _)| hit.hit).map(|(hit, ray)| length(ray.at(hit.t))).peekable();
+        let hits = look(reference, camera, frame, far, (width, height));
+        let mut met = hits.iter().filter(|(hit, _)| hit.hit).map(|(hit, ray)| length(ray.at(hit.t))).peekable();
         let is_cut = met.peek().is_some();
         if met.any(|out| out < FADED * frame.extent) {
             return Some(Sight::Solid);
         }
-        let lost = hits.iter().filter(|hit| hit.steps >= TRACER.budget).count();
+        let lost = hits.iter().filter(|(hit, _)| hit.steps >= TRACER.budget).count();
         sight = match 2 * lost > hits.len() {
             _ if is_cut => Sight::Cut,
             true => Sight::Lost,
@@ -140,6 +149,37 @@ fn sees(compiled: &Compiled, reference: &Reference, camera: &Camera, frame: &Fra
         };
     }
     Some(sight)
+}
+
+/// Which share of the rays that meet anything spend their steps before they come near it. None where few seem to, or that takes too long to tell.
+fn share_lost(compiled: &Compiled, reference: &Reference, camera: &Camera, frame: &Frame) -> Option<f64> {
+    let [_, more, ..] = PICTURES;
+    let share = |picture: (u32, u32)| {
+        let hits = look(reference, camera, frame, frame.max_distance, picture);
+        // Those that spend many steps take less and less care, so that they end somewhere.
+        let ended: Vec<&(Hit, Ray)> = hits.iter().filter(|(hit, _)| hit.hit || hit.steps >= TRACER.budget).collect();
+        let places: Vec<Vec3> = ended.iter().map(|(hit, ray)| ray.at(hit.t)).collect();
+        let slopes = reference.gradients(&places);
+        let mut lost = 0;
+        at_points(reference.field(), &places, &[], |i, values| {
+            let near = ended.get(i).map_or(0.0, |(hit, _)| NEAR * Basis::of(camera).footprint(PIXELS) * hit.t);
+            let slope = slopes.get(i).map_or(0.0, |slope| length(*slope));
+            lost += usize::from(values.first().is_some_and(|field| *field > near * slope));
+        });
+        lost as f64 / ended.len().max(1) as f64
+    };
+    let is_short = (more.0 * more.1) as usize * compiled.module.operations.1.max(1) <= MOST;
+    (is_short && share(SMALL) > 0.0).then(|| share(more))
+}
+
+/// What rays meet through the pixels of a picture, up to so far away.
+fn look(reference: &Reference, camera: &Camera, frame: &Frame, far: f64, (width, height): (u32, u32)) -> Vec<(Hit, Ray)> {
+    let basis = Basis::of(camera);
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
+    let ray = |at| Ray { origin: camera.eye, direction: basis.direction(at, (width, height)), t_min: 0.0, t_max: far };
+    let rays: Vec<Ray> = pixels.map(ray).collect();
+    let hits = reference.trace(&rays, basis.footprint(PIXELS), frame.extent);
+    hits.into_iter().zip(rays).collect()
 }
 
 /// The camera's block, or where there is none the scene.
@@ -269,6 +309,9 @@ mod tests {
         assert_eq!(look(&format!("field julia = {{ {julia} }}\nscene = julia")), None);
         let lost = look("field f = length(p) - 1 + 0.5 * fract(1000 * p.x * p.y) * p.x\nscene = f").unwrap();
         assert!(lost.code == Code::NothingSeen && lost.message.contains("steps"), "{lost:?}");
+        // A tower of steps, far too steep to be seen over.
+        let torn = look("field f = { let r = floor(9 * p.z); p.y - 9 / (1 + abs(floor(9 * p.x + 0.5 * r)) + abs(r)) }\nscene = f").unwrap();
+        assert!(torn.code == Code::RaysLost && torn.message.contains("of 100 rays"), "{torn:?}");
         assert_eq!(found("scene = nothing").map(|f| f.0), Some(Code::NothingSeen));
     }
 }

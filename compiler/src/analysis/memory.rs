@@ -17,6 +17,8 @@ pub struct Memory {
     /// With what the search cost.
     constants: FxHashMap<Content, (Constant, u64)>,
     regions: FxHashMap<Content, Box3>,
+    /// Whether jumps agree, and what it cost to look.
+    agreements: FxHashMap<Content, (bool, u64)>,
     /// Searches made since the memory began.
     pub searched: u64,
     /// Searches that were not made, because the result was known.
@@ -27,9 +29,10 @@ pub struct Memory {
 
 impl Memory {
     fn make_room(&mut self) {
-        if self.constants.len() + self.regions.len() > MOST {
+        if self.constants.len() + self.regions.len() + self.agreements.len() > MOST {
             self.constants.clear();
             self.regions.clear();
+            self.agreements.clear();
         }
     }
 }
@@ -86,6 +89,21 @@ impl Facts {
         self.memory.make_room();
         self.memory.regions.insert(key, found);
         found
+    }
+
+    /// By what it is kept whether the jump of an operation agrees in a formula; and whether it does and what it cost to look, where that is known.
+    pub fn agreement(&mut self, graph: &Graph, [root, site]: [NodeId; 2], domain: &Domain) -> (Content, Option<(bool, u64)>) {
+        let key = digest(&(self.content(graph, root), self.content(graph, site), self.content_of_domain(graph, domain)));
+        let known = self.memory.agreements.get(&key).copied();
+        self.memory.remembered += u64::from(known.is_some());
+        (key, known)
+    }
+
+    /// Keeps what [`Facts::agreement`] asks for.
+    pub fn keep_agreement(&mut self, key: Content, found: (bool, u64)) {
+        self.memory.searched += 1;
+        self.memory.make_room();
+        self.memory.agreements.insert(key, found);
     }
 
     fn content_of_domain(&mut self, graph: &Graph, domain: &Domain) -> Content {

@@ -57,7 +57,7 @@ impl Bench {
         let first = self.g.parameters.len() as u32;
         for (i, &value) in default.iter().enumerate() {
             let (parameter, component) = (self.parameters.len() as u32, i as u8);
-            self.g.parameters.push(ParameterComponent { parameter, component, default: value, min, max });
+            self.g.parameters.push(ParameterComponent { parameter, component, default: value, min, max, whole: false });
         }
         self.parameters.push(Parameter {
             name: name.to_owned(),

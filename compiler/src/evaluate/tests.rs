@@ -159,6 +159,7 @@ fn cook(recipe: &Recipe) -> (Graph, Functions, Vec<NodeId>) {
         default: 0.5,
         min: 0.0,
         max: 1.0,
+        whole: false,
     });
     graph.factors.push(Factor {
         name: "f".into(),

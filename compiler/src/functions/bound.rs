@@ -234,6 +234,7 @@ impl Builder<'_> {
                 None => return node,
             },
         };
+        let treatment = self.affordable(shape, node, domain, treatment);
         self.kind = self.kind.max(if self.is_exact(shape, node) { Kind::Exact } else { Kind::Lipschitz });
         let mut value = if (treatment.constant - 1.0).abs() <= 1e-6 {
             match treatment.region.is_none() && !self.is_exact(shape, node) {
@@ -241,11 +242,7 @@ impl Builder<'_> {
                 false => node,
             }
         } else {
-            let at = match treatment.region {
-                Some((region, reach)) => domain.at(region.grow(reach)),
-                None if treatment.over == Over::Space => domain.at(Box3::ALL),
-                None => domain.clone(),
-            };
+            let at = treatment.holds_in(domain);
             let uneven = match treatment.proof {
                 Proof::Derived if at.point.is_finite() => self.uneven(node, &at, treatment.constant).filter(|u| !u.is_unknown()),
                 _ => None,
@@ -290,7 +287,11 @@ impl Builder<'_> {
             return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, over: Over::Region });
         };
         let near = domain.at(region.grow(reach).intersect(&Box3::cube(self.extent)));
-        let steepest = self.facts.sampled_constant(self.graph, node, &near, SAMPLES);
+        let mut steepest = self.facts.sampled_constant(self.graph, node, &near, SAMPLES);
+        if !steepest.is_finite() {
+            // Of a shape that moves no slope may be known anywhere.
+            steepest = self.slope_by_differences(node, &near, 0.99).unwrap_or(steepest);
+        }
         // So steep that a ray would not get anywhere.
         let finite = steepest > 0.0 && steepest < 100.0 * STEEPEST;
         let (code, message) = if !finite {

@@ -23,6 +23,12 @@ pub(super) struct Found {
     pub unevens: FxHashMap<(NodeId, Key), Option<Rc<Uneven>>>,
     /// How high a formula jumps by an operation.
     pub heights: FxHashMap<(NodeId, NodeId, Key), f64>,
+    /// Whether both sides of an operation's jump agree in a formula wherever one looks.
+    pub agreements: FxHashMap<(NodeId, NodeId, Key), bool>,
+    /// How steep a formula is at most places.
+    pub slopes: FxHashMap<(NodeId, Key), f64>,
+    /// How many operations it cost to look whether jumps agree.
+    pub looked: u64,
     /// How many minima were looked at that jump as their operands do.
     pub vain_groups: usize,
 }

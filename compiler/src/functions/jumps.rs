@@ -6,6 +6,7 @@ use crate::analysis::tape::{Step, Tape};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Node, NodeId, ShapeId};
+use crate::source::Span;
 use smallvec::{SmallVec, smallvec};
 
 /// A sine times so much is meant to be random.
@@ -86,13 +87,15 @@ impl Builder<'_> {
             Some((region, reach)) => domain.at(region.grow(reach)),
             None => domain.clone(),
         };
-        let sites = self.sites(node, &near);
+        let mut sites = self.sites(node, &near);
         let span = self.place(shape, node);
         let measured = treatment.proof == Proof::Measured;
+        if !sites.is_empty() && (measured || self.past_jump(node, &sites, &near, treatment).is_none()) {
+            sites = self.without_agreeing(node, sites, &near, span);
+        }
         let (mut nearest, mut stops, mut unknown): (Option<NodeId>, _, _) = (None, None, None);
         for site in &sites {
-            let known = |n: &NodeId| self.graph.location(*n);
-            let at = known(&site.node).or_else(|| site.args.iter().find_map(known)).unwrap_or(span);
+            let at = self.stands_at(site, span);
             match self.distance_to_jump(site.op, &site.args, &near) {
                 Jump::Nowhere => {}
                 Jump::Unknown => unknown = unknown.or(Some(at)),
@@ -145,6 +148,34 @@ impl Builder<'_> {
         let inside = self.graph.op(Op::Lt, &[value, zero]);
         self.kind = self.kind.max(Kind::Bound);
         self.graph.op(Op::Select, &[inside, minus, step])
+    }
+
+    /// Where what jumps stands in the text; `else_at` where that is not known.
+    fn stands_at(&self, site: &Site, else_at: Span) -> Span {
+        let known = |n: &NodeId| self.graph.location(*n);
+        known(&site.node).or_else(|| site.args.iter().find_map(known)).unwrap_or(else_at)
+    }
+
+    /// Those of some sites of which the two sides do not agree wherever one looks. A person is told where any do.
+    fn without_agreeing(&mut self, node: NodeId, sites: Vec<Site>, near: &Domain, span: Span) -> Vec<Site> {
+        if self.strict {
+            return sites;
+        }
+        let (agreeing, mut jumping): (Vec<Site>, Vec<Site>) = sites.into_iter().partition(|site| self.agrees(node, site, near));
+        let args: Vec<NodeId> = jumping.iter().flat_map(|site| site.args.iter().copied()).collect();
+        let read = self.graph.reachable(&args);
+        let (read, passed): (Vec<Site>, Vec<Site>) = agreeing.into_iter().partition(|site| read.binary_search(&site.node).is_ok());
+        jumping.extend(read);
+        if let Some(first) = passed.first() {
+            self.kind = self.kind.max(Kind::Unproven);
+            self.diagnostics.push(Diagnostic::new(
+                Code::Unproven,
+                self.stands_at(first, span),
+                "this formula jumps; both sides agree at all places that were looked at, so rays pass it, which is no proof that they agree everywhere",
+                "nothing need be done where the picture is right; written with `abs`, `min` or `repeat` it can be proven, and with `--strict` rays stop at each jump",
+            ));
+        }
+        jumping
     }
 
     /// The operations by which a node jumps.
@@ -287,11 +318,44 @@ impl Builder<'_> {
             Op::Sign => smallvec![(a, self.graph.op(Op::Abs, &[a]))],
             Op::Lt | Op::Le | Op::Eq => {
                 let Some(&b) = args.get(1) else { return smallvec![] };
+                // Of squares as of lengths, which are as far apart as the points that they lead to.
+                let [a, b] = match [a, b].map(|side| self.root_of_squares(side)) {
+                    [Some(a), Some(b)] => [a, b],
+                    _ => [a, b],
+                };
                 let difference = self.graph.op(Op::Sub, &[a, b]);
                 smallvec![(difference, self.graph.op(Op::Abs, &[difference]))]
             }
             _ => smallvec![],
         }
+    }
+
+    /// The length of which a node is the square; of a number the root.
+    fn root_of_squares(&mut self, node: NodeId) -> Option<NodeId> {
+        if let Some(c) = self.graph.as_constant(node) {
+            return (c >= 0.0).then(|| self.graph.constant(c.sqrt()));
+        }
+        let mut of: SmallVec<[NodeId; 4]> = SmallVec::new();
+        let mut open: SmallVec<[NodeId; 4]> = smallvec![node];
+        while let Some(term) = open.pop() {
+            let Node::Op(op, args) = self.graph.node(term) else { return None };
+            match (op, args.as_ref()) {
+                (Op::Add, args) => open.extend(args.iter().rev().copied()),
+                (Op::Square, &[x]) => of.push(x),
+                (Op::Mul, &[x, y]) if x == y => of.push(x),
+                _ => return None,
+            }
+            if of.len() + open.len() > 4 {
+                return None;
+            }
+        }
+        let op = match of.len() {
+            1 => Op::Abs,
+            2 => Op::Length2,
+            3 => Op::Length3,
+            _ => Op::Length4,
+        };
+        Some(self.graph.op(op, &of))
     }
 
     /// How far it is at least to where a node has changed by `gap`.

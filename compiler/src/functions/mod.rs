@@ -4,6 +4,7 @@
 //! by one, smooth groups as a whole, and a formula without a constant over all space behind its region. The *distance* is the
 //! estimate that light and contact use: it is composed in the same way and never holds a factor.
 
+mod agree;
 mod ahead;
 mod bodies;
 mod bound;
@@ -11,6 +12,7 @@ mod capped;
 mod cell;
 mod convex;
 mod counts;
+mod dear;
 mod distance;
 mod domains;
 mod dress;
@@ -26,6 +28,8 @@ mod sides;
 mod stairs;
 mod surface;
 mod template;
+mod treatment;
+mod trial;
 pub mod turns;
 mod uneven;
 pub mod unions;
@@ -36,6 +40,7 @@ pub use ground::{Carry, carry, firm};
 pub use outlines::{Outline, Outlines, outline_beside};
 
 use ahead::AMPLE;
+use treatment::{Over, Treatment};
 use crate::analysis::region::WORLD_SIDE;
 use crate::analysis::search::{Search, Target};
 use crate::analysis::{Box3, Domain, Facts, call_domain};
@@ -225,26 +230,6 @@ const MOST_PARTS: usize = 256;
 const SAMPLES: usize = 4096;
 /// A constant up to here counts as one.
 const UNIT: f64 = 1.0 + 1e-6;
-
-/// How a formula becomes a bound.
-#[derive(Clone, Copy, Debug)]
-struct Treatment {
-    constant: f64,
-    jumps: bool,
-    /// The formula is trusted only here; beyond it the distance to this box is the bound.
-    region: Option<(Box3, f64)>,
-    proof: Proof,
-    over: Over,
-}
-
-/// Over what a constant was found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Over {
-    Space,
-    Region,
-    /// One cell of what goes by cells.
-    Cell,
-}
 
 /// A constant, how it is known, and of what over which domain.
 struct Known {

@@ -151,6 +151,8 @@ pub struct ParameterComponent {
     pub min: f64,
     /// Greatest value.
     pub max: f64,
+    /// Whether its values are whole numbers.
+    pub whole: bool,
 }
 
 /// A multiple by which a field becomes a bound.

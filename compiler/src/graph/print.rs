@@ -25,7 +25,7 @@ fn print_to(graph: &Graph, out: &mut String) -> fmt::Result {
     writeln!(out, "variables {}", graph.next_variable)?;
     for p in &graph.parameters {
         let (of, i) = (p.parameter, p.component);
-        writeln!(out, "parameter {of} {i} = {:?} in {:?} {:?}", p.default, p.min, p.max)?;
+        writeln!(out, "parameter {of} {i} = {:?} in {:?} {:?}{}", p.default, p.min, p.max, if p.whole { " whole" } else { "" })?;
     }
     for f in &graph.factors {
         write!(out, "factor {} {} {:?} {}", quoted(&f.name), f.proof.name(), f.lipschitz, quoted(&f.reason))?;
@@ -299,7 +299,8 @@ impl Reader {
                 let default = words.number()?;
                 words.expect("in")?;
                 let (min, max) = (words.number()?, words.number()?);
-                let read = ParameterComponent { parameter, component, default, min, max };
+                let whole = words.word().is_some();
+                let read = ParameterComponent { parameter, component, default, min, max, whole };
                 self.graph.parameters.push(read);
             }
             "factor" => {
@@ -520,6 +521,7 @@ mod tests {
             default: 0.1 + 0.2,
             min: -1e-7,
             max: 1e12,
+            whole: false,
         });
         let live = g.leaf(Leaf::Parameter(0));
         let time = g.leaf(Leaf::Time);

@@ -183,6 +183,7 @@ impl Elaborator<'_> {
                 default: *default,
                 min: min.get(i).copied().unwrap_or(*default),
                 max: max.get(i).copied().unwrap_or(*default),
+                whole: matches!(ty, Type::Int | Type::Bool),
             });
         }
         let degrees = domain.iter().chain(std::iter::once(value)).any(in_degrees);

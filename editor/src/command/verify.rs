@@ -127,7 +127,7 @@ fn in_words(args: &Args, compiled: &Compiled, report: &Report, device: Option<&s
     };
     let mut text = format!("{}: {verdict}\n", args.scene);
     if compiled.summary.kind == Kind::Unproven {
-        text.push_str(&format!("  {red}unproven{plain}: a factor of this scene is only measured; what is tried here proves nothing of the rest\n"));
+        text.push_str(&format!("  {red}unproven{plain}: something in this scene is only measured; what is tried here proves nothing of the rest\n"));
     }
     let moments = match report.moments.len() {
         1 => String::new(),
