@@ -11,14 +11,16 @@ const MOST: usize = 1 << 16;
 /// The content of a formula: the same for the same formula, whatever stands around it. 128 bits, so that no two are taken for each other.
 pub type Content = u128;
 
+/// Whether a jump agrees, as far as that is known, and what it cost to look.
+pub type Agreement = (Option<bool>, u64);
+
 /// Results of searches, by content, place and budget.
 #[derive(Clone, Debug, Default)]
 pub struct Memory {
     /// With what the search cost.
     constants: FxHashMap<Content, (Constant, u64)>,
     regions: FxHashMap<Content, Box3>,
-    /// Whether jumps agree, and what it cost to look.
-    agreements: FxHashMap<Content, (bool, u64)>,
+    agreements: FxHashMap<Content, Agreement>,
     /// Searches made since the memory began.
     pub searched: u64,
     /// Searches that were not made, because the result was known.
@@ -92,15 +94,15 @@ impl Facts {
     }
 
     /// By what it is kept whether the jump of an operation agrees in a formula; and whether it does and what it cost to look, where that is known.
-    pub fn agreement(&mut self, graph: &Graph, [root, site]: [NodeId; 2], domain: &Domain) -> (Content, Option<(bool, u64)>) {
-        let key = digest(&(self.content(graph, root), self.content(graph, site), self.content_of_domain(graph, domain)));
+    pub fn agreement(&mut self, graph: &Graph, [root, site]: [NodeId; 2], domain: &Domain, most: u64) -> (Content, Option<Agreement>) {
+        let key = digest(&(self.content(graph, root), self.content(graph, site), self.content_of_domain(graph, domain), most));
         let known = self.memory.agreements.get(&key).copied();
         self.memory.remembered += u64::from(known.is_some());
         (key, known)
     }
 
     /// Keeps what [`Facts::agreement`] asks for.
-    pub fn keep_agreement(&mut self, key: Content, found: (bool, u64)) {
+    pub fn keep_agreement(&mut self, key: Content, found: Agreement) {
         self.memory.searched += 1;
         self.memory.make_room();
         self.memory.agreements.insert(key, found);

@@ -17,15 +17,16 @@ use std::array::from_fn;
 /// At so many places both sides must agree, and at more where that costs less than so many operations.
 const FEWEST: usize = 1024;
 const PLACES: usize = 4096;
-const CHEAP: u64 = 20_000_000;
+const CHEAP: u64 = 10_000_000;
 /// So often a way is tried in each lane to find them.
 const TURNS: usize = 1024;
 /// A way is halved so often.
 const HALVINGS: usize = 46;
-/// What costs more than that is not looked at to the end.
-const LONGEST: u64 = 200_000_000;
+/// What costs more than that is not looked at to the end: at first, and where nothing else of the formula jumps.
+const QUICK: u64 = 15_000_000;
+const LONGEST: u64 = 100_000_000;
 /// No more is looked for once so many operations were computed.
-const MOST: u64 = 1_500_000_000;
+const MOST: u64 = 800_000_000;
 /// What is so small there is zero between both sides.
 const NOTHING: f64 = 1e-6;
 /// What is apart by less than this part of a ray's step across a jump agrees.
@@ -40,23 +41,41 @@ const MET: usize = 64;
 const SEARCHES: usize = 4096;
 const POOL: usize = 256;
 const FROM_POOL: usize = 64;
+/// What a random number costs, in additions.
+const HASH: usize = 10;
 /// So often each lane looks how steep the formula is.
 const USUAL: usize = 8;
 
 impl Builder<'_> {
-    /// Whether a formula comes to the same on both sides of where this operation of it jumps, at all of many places.
-    pub(super) fn agrees(&mut self, root: NodeId, site: &Site, near: &Domain) -> bool {
-        if self.strict || self.found.looked > MOST {
-            return false;
+    /// Those of some jumps of a formula whose sides agree at all of many places, and those whose sides do not as far as is known. Where any do not,
+    /// rays stop anyway, and the others are not worth a long look.
+    pub(super) fn agreeing(&mut self, root: NodeId, sites: Vec<Site>, near: &Domain) -> (Vec<Site>, Vec<Site>) {
+        if self.strict {
+            return (Vec::new(), sites);
         }
-        let place = (root, site.node, near.key());
+        let first: Vec<Option<bool>> = sites.iter().map(|site| self.agrees(root, site, near, QUICK)).collect();
+        let jumps = first.contains(&Some(false));
+        let mut first = first.into_iter();
+        sites.into_iter().partition(|site| match first.next().flatten() {
+            Some(known) => known,
+            None => !jumps && self.agrees(root, site, near, LONGEST) == Some(true),
+        })
+    }
+
+    /// Whether a formula comes to the same on both sides of where this operation of it jumps, at all of many places. None where that is not known
+    /// after so many operations.
+    fn agrees(&mut self, root: NodeId, site: &Site, near: &Domain, most: u64) -> Option<bool> {
+        if self.found.looked > MOST {
+            return None;
+        }
+        let place = (root, site.node, near.key(), most);
         if let Some(&agrees) = self.found.agreements.get(&place) {
             return agrees;
         }
-        let (key, known) = self.facts.agreement(self.graph, [root, site.node], near);
+        let (key, known) = self.facts.agreement(self.graph, [root, site.node], near, most);
         let (agrees, cost) = known.unwrap_or_else(|| {
             let before = std::mem::take(&mut self.found.looked);
-            let agrees = self.look_whether_agrees(root, site, near).unwrap_or(false);
+            let agrees = self.look_whether_agrees(root, site, near, most);
             let cost = std::mem::replace(&mut self.found.looked, before);
             self.facts.keep_agreement(key, (agrees, cost));
             (agrees, cost)
@@ -66,7 +85,7 @@ impl Builder<'_> {
         agrees
     }
 
-    fn look_whether_agrees(&mut self, root: NodeId, site: &Site, near: &Domain) -> Option<bool> {
+    fn look_whether_agrees(&mut self, root: NodeId, site: &Site, near: &Domain, longest: u64) -> Option<bool> {
         let zero = self.graph.constant(0.0);
         let is_angle = site.op == Op::Atan2;
         // Across its cut an angle is another one, where its second argument is below zero.
@@ -111,8 +130,8 @@ impl Builder<'_> {
             }
             found += seen.places.len();
             known.extend(seen.places.iter().take(POOL.saturating_sub(known.len())));
-            if self.found.looked > LONGEST {
-                return Some(false);
+            if self.found.looked > longest {
+                return None;
             }
             if found >= PLACES || found >= FEWEST && self.found.looked > CHEAP && turn >= many {
                 break;
@@ -120,14 +139,22 @@ impl Builder<'_> {
         }
         // Of what is rare little is known.
         if found < FEWEST {
-            return Some(false);
+            return None;
         }
         // What holds at few of them, as in one cell of many, is looked for.
         let jumps: Vec<Jump> = lives.into_iter().flatten().collect();
         for (condition, state) in (0..conditions.len()).flat_map(|condition| [(condition, false), (condition, true)]) {
             let times = met.get(condition).map_or(0, |met| met.times(state));
-            if times < MET && jumps.iter().any(|jump| jump.is_apart_where(condition, state, near, most, &mut met, &mut self.found.looked)) {
-                return Some(false);
+            if times >= MET {
+                continue;
+            }
+            for jump in &jumps {
+                if jump.is_apart_where(condition, state, near, most, &mut met, &mut self.found.looked) {
+                    return Some(false);
+                }
+                if self.found.looked > longest {
+                    return None;
+                }
             }
         }
         Some(true)
@@ -165,6 +192,11 @@ impl Builder<'_> {
 fn toward(from: &Places, ends: &Places, turn: usize) -> Places {
     let part = LONG.get(turn % LONG.len()).copied().unwrap_or(1.0);
     from_fn(|lane| mix(get(from, lane), get(ends, lane), part))
+}
+
+/// What a tape costs at one place, in additions.
+fn weight(tape: &Tape) -> usize {
+    tape.instructions().map(|(op, ..)| if op == Op::Hash { HASH } else { 1 }).sum()
 }
 
 /// A jump in a formula, for some values of what else it reads.
@@ -206,7 +238,7 @@ impl Jump {
         let mut sites = |places: &Places| values(&mut evaluator, places);
         let [[first, _], [last, _]] = [from, to].map(&mut sites);
         let differs = |a: &Lanes, b: &Lanes, lane: usize| number(a, lane) != number(b, lane);
-        *cost += (2 * self.at.operations() * LANES) as u64;
+        *cost += (2 * weight(&self.at) * LANES) as u64;
         if (0..LANES).all(|lane| !differs(&first, &last, lane)) {
             return Seen::default();
         }
@@ -234,7 +266,7 @@ impl Jump {
                 met.fails += lanes.len() - holds;
             }
         }
-        let operations = (HALVINGS + 2) * self.at.operations() + 2 * self.formula.operations() + 2 * self.conditions.operations();
+        let operations = (HALVINGS + 2) * weight(&self.at) + 2 * weight(&self.formula) + 2 * weight(&self.conditions);
         *cost += (operations * LANES) as u64;
         let apart = |&lane: &usize| {
             let [a, b, between] = [&a, &b, &between].map(|side| number(side, lane));
@@ -254,8 +286,8 @@ impl Jump {
             values(&mut evaluator, &places);
             let holds = evaluator.output(condition);
             pool.extend((0..LANES).filter(|&lane| (number(holds, lane) != 0.0) == state).map(|lane| get(&places, lane)));
-            *cost += (self.conditions.operations() * LANES) as u64;
-            if pool.len() >= POOL || *cost > LONGEST {
+            *cost += (weight(&self.conditions) * LANES) as u64;
+            if pool.len() >= POOL {
                 break;
             }
         }
@@ -265,7 +297,7 @@ impl Jump {
             let from: Places = from_fn(|_| next.next().flatten().unwrap_or_default());
             let to = toward(&from, &places(near, 0, &mut random), turn);
             let seen = self.look(&from, &to, met, cost);
-            if seen.apart > most || seen.apart.is_nan() || *cost > LONGEST {
+            if seen.apart > most || seen.apart.is_nan() {
                 return true;
             }
         }

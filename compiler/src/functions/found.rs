@@ -23,8 +23,8 @@ pub(super) struct Found {
     pub unevens: FxHashMap<(NodeId, Key), Option<Rc<Uneven>>>,
     /// How high a formula jumps by an operation.
     pub heights: FxHashMap<(NodeId, NodeId, Key), f64>,
-    /// Whether both sides of an operation's jump agree in a formula wherever one looks.
-    pub agreements: FxHashMap<(NodeId, NodeId, Key), bool>,
+    /// Whether both sides of an operation's jump agree in a formula wherever one looks, with at most so many operations.
+    pub agreements: FxHashMap<(NodeId, NodeId, Key, u64), Option<bool>>,
     /// How steep a formula is at most places.
     pub slopes: FxHashMap<(NodeId, Key), f64>,
     /// How many operations it cost to look whether jumps agree.

@@ -158,10 +158,7 @@ impl Builder<'_> {
 
     /// Those of some sites of which the two sides do not agree wherever one looks. A person is told where any do.
     fn without_agreeing(&mut self, node: NodeId, sites: Vec<Site>, near: &Domain, span: Span) -> Vec<Site> {
-        if self.strict {
-            return sites;
-        }
-        let (agreeing, mut jumping): (Vec<Site>, Vec<Site>) = sites.into_iter().partition(|site| self.agrees(node, site, near));
+        let (agreeing, mut jumping) = self.agreeing(node, sites, near);
         let args: Vec<NodeId> = jumping.iter().flat_map(|site| site.args.iter().copied()).collect();
         let read = self.graph.reachable(&args);
         let (read, passed): (Vec<Site>, Vec<Site>) = agreeing.into_iter().partition(|site| read.binary_search(&site.node).is_ok());
