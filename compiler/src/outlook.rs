@@ -18,6 +18,8 @@ const PICTURES: [(u32, u32); 4] = [(5, 3), (20, 12), (60, 36), (140, 84)];
 const PIXELS: u32 = 720;
 /// Most operations that a look at all pixels of a picture may take, once.
 const MOST: usize = 3_000_000;
+/// And where it is told which rays are lost, each of which looks as often as it may.
+const MOST_LOST: usize = MOST / 10;
 /// So many times farther away than it is wide one sees something well.
 const AWAY: f64 = 2.5;
 /// So much of the extent one sees; the rest fades into the sky.
@@ -168,8 +170,9 @@ fn share_lost(compiled: &Compiled, reference: &Reference, camera: &Camera, frame
         });
         lost as f64 / ended.len().max(1) as f64
     };
-    let is_short = (more.0 * more.1) as usize * compiled.module.operations.1.max(1) <= MOST;
-    (is_short && share(SMALL) > 0.0).then(|| share(more))
+    let is_short = |picture: (u32, u32)| (picture.0 * picture.1) as usize * compiled.module.operations.1.max(1) <= MOST_LOST;
+    let lost = is_short(SMALL).then(|| share(SMALL)).filter(|lost| *lost > 0.0)?;
+    Some(if is_short(more) { share(more) } else { lost })
 }
 
 /// What rays meet through the pixels of a picture, up to so far away.

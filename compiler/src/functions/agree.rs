@@ -5,7 +5,7 @@
 
 use super::Builder;
 use super::jumps::{Site, hair};
-use super::trial::{Places, get, number, places, values};
+use super::trial::{Places, get, number, places, values, weight};
 use crate::analysis::Domain;
 use crate::evaluate::{LANES, Lanes, Tape};
 use crate::graph::{Node, NodeId};
@@ -41,8 +41,6 @@ const MET: usize = 64;
 const SEARCHES: usize = 4096;
 const POOL: usize = 256;
 const FROM_POOL: usize = 64;
-/// What a random number costs, in additions.
-const HASH: usize = 10;
 /// So often each lane looks how steep the formula is.
 const USUAL: usize = 8;
 
@@ -192,11 +190,6 @@ impl Builder<'_> {
 fn toward(from: &Places, ends: &Places, turn: usize) -> Places {
     let part = LONG.get(turn % LONG.len()).copied().unwrap_or(1.0);
     from_fn(|lane| mix(get(from, lane), get(ends, lane), part))
-}
-
-/// What a tape costs at one place, in additions.
-fn weight(tape: &Tape) -> usize {
-    tape.instructions().map(|(op, ..)| if op == Op::Hash { HASH } else { 1 }).sum()
 }
 
 /// A jump in a formula, for some values of what else it reads.

@@ -1,7 +1,7 @@
 //! Factors that are proven and of no use: so many times as large as at the steepest place that rays would spend all of their steps before they get
 //! anywhere, as those of noise at places that noise moves.
 
-use super::trial::{Places, get, number, places, values};
+use super::trial::{Places, get, number, places, values, weight};
 use super::{BUDGET, Builder, Kind, Treatment};
 use crate::analysis::Domain;
 use crate::analysis::search::{Search, Target};
@@ -20,6 +20,9 @@ const MARGIN: f64 = 1.25;
 /// That is looked for so often in each lane, anywhere and at the surface, and uphill from the steepest place of each set of values in so many rounds, each
 /// of which looks at most so many times as near as the one before.
 const TURNS: usize = 128;
+/// No more than so many additions are spent on that, and what would be looked at less often than so in each lane is not.
+const MOST: usize = 300_000_000;
+const FEWEST: usize = 32;
 const ROUNDS: usize = 32;
 const NEARER: f64 = 0.75;
 /// The first of them looks as far as this part of the domain's size.
@@ -75,7 +78,7 @@ impl Builder<'_> {
             let tape = self.tape_of(at, &[node], life)?;
             let by = Slopes::of(&tape, at);
             let mut random = Random(life as u64);
-            for turn in 0..TURNS / lives {
+            for turn in 0..by.turns()? / lives {
                 slopes.extend(by.at(&places(at, turn, &mut random)).into_iter().filter(|slope| slope.is_finite()));
             }
         }
@@ -93,7 +96,7 @@ impl Builder<'_> {
             let slopes = Slopes::of(&tape, at);
             let mut random = Random(life as u64);
             let mut best = (0.0, [0.0; 3]);
-            for turn in 0..TURNS / lives {
+            for turn in 0..slopes.turns()? / lives {
                 let [here, there] = [0, 1].map(|_| places(at, turn, &mut random));
                 best = slopes.steeper(best, &here);
                 best = slopes.steeper(best, &slopes.surface(&here, &there));
@@ -133,6 +136,13 @@ struct Slopes<'a> {
 impl<'a> Slopes<'a> {
     fn of(tape: &'a Tape, at: &Domain) -> Self {
         Self { tape, apart: DIFFERENCE * size_of(at) }
+    }
+
+    /// How often it is looked at in each lane. None where that takes too long.
+    fn turns(&self) -> Option<usize> {
+        let looks = HALVINGS + 2 * 4 + 1;
+        let turns = MOST / (weight(self.tape) * LANES * looks).max(1);
+        (turns >= FEWEST).then_some(turns.min(TURNS))
     }
 
     /// Places of the surface on ways between places; where both ends are on one side of it, an end.

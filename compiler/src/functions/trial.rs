@@ -5,6 +5,7 @@ use crate::analysis::Domain;
 use crate::compiled::Live;
 use crate::evaluate::{Evaluator, LANES, Lanes, Tape, lanes};
 use crate::graph::interval::Interval;
+use crate::graph::kernel::Op;
 use crate::graph::{Leaf, Node, NodeId};
 use crate::reference::vector::Vec3;
 use crate::verify::Random;
@@ -97,4 +98,14 @@ pub(super) fn number(lanes: &Lanes, lane: usize) -> f64 {
 pub(super) fn values(evaluator: &mut Evaluator<'_>, places: &Places) -> [Lanes; 2] {
     evaluator.run(&lanes(places));
     [0, 1].map(|i| *evaluator.output(i))
+}
+
+/// What a tape costs at one place, in additions.
+pub(super) fn weight(tape: &Tape) -> usize {
+    let of = |op| match op {
+        Op::Hash => 10,
+        Op::Sin | Op::Cos | Op::Atan2 | Op::Exp | Op::Log | Op::Pow => 5,
+        _ => 1,
+    };
+    tape.instructions().map(|(op, ..)| of(op)).sum()
 }
