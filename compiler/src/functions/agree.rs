@@ -5,7 +5,7 @@
 
 use super::Builder;
 use super::jumps::{Site, hair};
-use super::trial::{Places, get, number, places, values, weight};
+use super::trial::{Places, get, halved, number, places, values, weight};
 use crate::analysis::Domain;
 use crate::evaluate::{LANES, Lanes, Tape};
 use crate::graph::{Node, NodeId};
@@ -235,17 +235,10 @@ impl Jump {
         if (0..LANES).all(|lane| !differs(&first, &last, lane)) {
             return Seen::default();
         }
-        let (mut here, mut there) = (*from, *to);
-        for _ in 0..HALVINGS {
-            let middle: Places = from_fn(|lane| mix(get(&here, lane), get(&there, lane), 0.5));
-            let [seen, _] = sites(&middle);
-            for lane in 0..LANES {
-                let side = if differs(&seen, &first, lane) { &mut there } else { &mut here };
-                if let Some(side) = side.get_mut(lane) {
-                    *side = get(&middle, lane);
-                }
-            }
-        }
+        let [here, there] = halved(from, to, HALVINGS, |middle| {
+            let [seen, _] = sites(middle);
+            from_fn(|lane| differs(&seen, &first, lane))
+        });
         let [[_, of_here], [_, of_there]] = [&here, &there].map(&mut sites);
         let lanes: Vec<usize> =
             (0..LANES).filter(|&lane| differs(&first, &last, lane) && (!self.is_angle || number(&of_there, lane) < 0.0)).collect();

@@ -1,14 +1,14 @@
 //! Factors that are proven and of no use: so many times as large as at the steepest place that rays would spend all of their steps before they get
 //! anywhere, as those of noise at places that noise moves.
 
-use super::trial::{Places, get, number, places, values, weight};
+use super::trial::{Places, halved, number, places, values, weight};
 use super::{BUDGET, Builder, Kind, Treatment};
 use crate::analysis::Domain;
 use crate::analysis::search::{Search, Target};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluate::{LANES, Lanes, Tape};
 use crate::graph::{NodeId, Proof, ShapeId};
-use crate::reference::vector::{Vec3, add, length, mix, scale};
+use crate::reference::vector::{Vec3, add, length, scale};
 use crate::verify::Random;
 use std::array::from_fn;
 
@@ -150,17 +150,10 @@ impl<'a> Slopes<'a> {
         let mut evaluator = self.tape.evaluator();
         let mut at = |places: &Places| values(&mut evaluator, places)[0];
         let first = at(from);
-        let (mut here, mut there) = (*from, *to);
-        for _ in 0..HALVINGS {
-            let middle: Places = from_fn(|lane| mix(get(&here, lane), get(&there, lane), 0.5));
-            let seen = at(&middle);
-            for lane in 0..LANES {
-                let beyond = (number(&seen, lane) > 0.0) != (number(&first, lane) > 0.0);
-                if let Some(side) = if beyond { there.get_mut(lane) } else { here.get_mut(lane) } {
-                    *side = get(&middle, lane);
-                }
-            }
-        }
+        let [here, _] = halved(from, to, HALVINGS, |middle| {
+            let seen = at(middle);
+            from_fn(|lane| (number(&seen, lane) > 0.0) != (number(&first, lane) > 0.0))
+        });
         here
     }
 

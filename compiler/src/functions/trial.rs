@@ -7,7 +7,7 @@ use crate::evaluate::{Evaluator, LANES, Lanes, Tape, lanes};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Leaf, Node, NodeId};
-use crate::reference::vector::Vec3;
+use crate::reference::vector::{Vec3, mix};
 use crate::verify::Random;
 use std::array::from_fn;
 
@@ -98,6 +98,20 @@ pub(super) fn number(lanes: &Lanes, lane: usize) -> f64 {
 pub(super) fn values(evaluator: &mut Evaluator<'_>, places: &Places) -> [Lanes; 2] {
     evaluator.run(&lanes(places));
     [0, 1].map(|i| *evaluator.output(i))
+}
+
+/// Both ends of ways between places, halved so often, each time to the half of which one end is beyond what is sought and the other is not.
+pub(super) fn halved(from: &Places, to: &Places, times: usize, mut beyond: impl FnMut(&Places) -> [bool; LANES]) -> [Places; 2] {
+    let (mut here, mut there) = (*from, *to);
+    for _ in 0..times {
+        let middle: Places = from_fn(|lane| mix(get(&here, lane), get(&there, lane), 0.5));
+        for (lane, beyond) in beyond(&middle).into_iter().enumerate() {
+            if let Some(side) = if beyond { there.get_mut(lane) } else { here.get_mut(lane) } {
+                *side = get(&middle, lane);
+            }
+        }
+    }
+    [here, there]
 }
 
 /// What a tape costs at one place, in additions.

@@ -299,7 +299,11 @@ impl Reader {
                 let default = words.number()?;
                 words.expect("in")?;
                 let (min, max) = (words.number()?, words.number()?);
-                let whole = words.word().is_some();
+                let whole = match words.word() {
+                    None => false,
+                    Some("whole") => true,
+                    Some(other) => return Err(format!("`whole` or nothing stands behind a range, and not `{other}`")),
+                };
                 let read = ParameterComponent { parameter, component, default, min, max, whole };
                 self.graph.parameters.push(read);
             }
@@ -521,7 +525,7 @@ mod tests {
             default: 0.1 + 0.2,
             min: -1e-7,
             max: 1e12,
-            whole: false,
+            whole: true,
         });
         let live = g.leaf(Leaf::Parameter(0));
         let time = g.leaf(Leaf::Time);
