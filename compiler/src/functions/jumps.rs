@@ -90,8 +90,12 @@ impl Builder<'_> {
         let mut sites = self.sites(node, &near);
         let span = self.place(shape, node);
         let measured = treatment.proof == Proof::Measured;
-        if !sites.is_empty() && (measured || self.past_jump(node, &sites, &near, treatment).is_none()) {
-            sites = self.without_agreeing(node, sites, &near, span);
+        let mut passed = Vec::new();
+        if !sites.is_empty() {
+            let proven = !measured && self.past_jump(node, &sites, &[], &near, treatment).is_some();
+            if !proven || self.are_nested(&sites) {
+                (sites, passed) = self.without_agreeing(node, sites, proven, &near, span);
+            }
         }
         let (mut nearest, mut stops, mut unknown): (Option<NodeId>, _, _) = (None, None, None);
         for site in &sites {
@@ -137,7 +141,7 @@ impl Builder<'_> {
         let zero = self.graph.constant(0.0);
         let size = self.graph.op(Op::Abs, &[value]);
         let mut way = nearest;
-        if let Some(past) = self.past_jump(node, &sites, &near, treatment) {
+        if let Some(past) = self.past_jump(node, &sites, &passed, &near, treatment) {
             way = self.graph.op(Op::Max, &[way, past]);
         }
         let mut step = self.graph.op(Op::Min, &[size, way]);
@@ -156,12 +160,23 @@ impl Builder<'_> {
         known(&site.node).or_else(|| site.args.iter().find_map(known)).unwrap_or(else_at)
     }
 
-    /// Those of some sites of which the two sides do not agree wherever one looks. A person is told where any do.
-    fn without_agreeing(&mut self, node: NodeId, sites: Vec<Site>, near: &Domain, span: Span) -> Vec<Site> {
+    /// Whether where one of some jumps is follows from another one.
+    fn are_nested(&self, sites: &[Site]) -> bool {
+        sites.iter().any(|site| {
+            let read = self.graph.reachable(&site.args);
+            sites.iter().any(|other| other.node != site.node && read.binary_search(&other.node).is_ok())
+        })
+    }
+
+    /// Some sites, parted by whether the two sides of each agree wherever one looks: those at which rays stop, and those that they pass. A person is
+    /// told of the latter. Where rays are proven to get past all of them, some are as good as all.
+    fn without_agreeing(&mut self, node: NodeId, sites: Vec<Site>, proven: bool, near: &Domain, span: Span) -> (Vec<Site>, Vec<Site>) {
         let (agreeing, mut jumping) = self.agreeing(node, sites, near);
-        let args: Vec<NodeId> = jumping.iter().flat_map(|site| site.args.iter().copied()).collect();
-        let read = self.graph.reachable(&args);
-        let (read, passed): (Vec<Site>, Vec<Site>) = agreeing.into_iter().partition(|site| read.binary_search(&site.node).is_ok());
+        if proven && !jumping.is_empty() {
+            jumping.extend(agreeing);
+            return (jumping, Vec::new());
+        }
+        let (read, passed) = self.that_move(&jumping, agreeing, near);
         jumping.extend(read);
         if let Some(first) = passed.first() {
             self.kind = self.kind.max(Kind::Unproven);
@@ -172,7 +187,21 @@ impl Builder<'_> {
                 "nothing need be done where the picture is right; written with `abs`, `min` or `repeat` it can be proven, and with `--strict` rays stop at each jump",
             ));
         }
-        jumping
+        (jumping, passed)
+    }
+
+    /// Some seams, parted by whether a number by which one of some jumps comes about jumps at them: how near a jump is by how fast its number changes
+    /// holds only as long as that does not jump itself.
+    fn that_move(&mut self, jumps: &[Site], seams: Vec<Site>, near: &Domain) -> (Vec<Site>, Vec<Site>) {
+        let mut numbers: Vec<(NodeId, Vec<NodeId>)> = Vec::new();
+        for jump in jumps.iter().filter(|_| !seams.is_empty()) {
+            let own = self.gaps(jump.op, &jump.args, near).into_iter().map(|(number, _)| number);
+            let own: Vec<NodeId> = if jump.op == Op::Atan2 { jump.args.clone() } else { own.collect() };
+            numbers.extend(own.into_iter().map(|number| (number, self.graph.reachable(&[number]))));
+        }
+        seams.into_iter().partition(|seam| {
+            numbers.iter().any(|(number, read)| read.binary_search(&seam.node).is_ok() && self.jump_height(*number, seam, near) > 0.0)
+        })
     }
 
     /// The operations by which a node jumps.
@@ -239,10 +268,8 @@ impl Builder<'_> {
                 }
             }
         }
-        // How near a jump is by how fast its argument changes holds only as long as that does not jump itself.
-        let args: Vec<NodeId> = sites.iter().skip(before).flat_map(|site| site.args.iter().copied()).collect();
-        let read = if seams.is_empty() { Vec::new() } else { self.graph.reachable(&args) };
-        sites.extend(seams.into_iter().filter(|seam: &Site| read.binary_search(&seam.node).is_ok()));
+        let moving = self.that_move(sites.get(before..).unwrap_or_default(), seams, near).0;
+        sites.extend(moving);
         for call in opened {
             let Node::Call(shape, _, args) = self.graph.node(call).clone() else { continue };
             let Some(value) = self.graph.shape(shape).map(|s| s.value).filter(|_| self.graph.len() < most) else { continue };

@@ -106,6 +106,9 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
     let b = args.get(1).copied().unwrap_or(a);
     let (ca, cb) = (graph.as_constant(a), graph.as_constant(b));
     let is = |c: Option<f64>, v: f64| c == Some(v);
+    if let Some(chosen) = chosen(graph, op, a, b) {
+        return Some(chosen);
+    }
     match op {
         Op::Add if is(ca, 0.0) => Some(b),
         Op::Add | Op::Sub if is(cb, 0.0) => Some(a),
@@ -168,6 +171,7 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
             (Op::Sub, &[x, y]) => Some(graph.op(Op::Sub, &[y, x])),
             _ => None,
         },
+        Op::Min if let Some(step) = step(graph, a, b).or(step(graph, b, a)) => Some(step),
         Op::Min if a == b => Some(a),
         Op::Min if is(ca, FAR) => Some(b),
         Op::Min if is(cb, FAR) => Some(a),
@@ -261,6 +265,59 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
         },
         _ => None,
     }
+}
+
+/// `min(1 + sign(x - e), 1)`: a choice, of which more is known than of a sign.
+fn step<T: Terms>(graph: &mut T, sum: T::Id, one: T::Id) -> Option<T::Id> {
+    let is_one = |graph: &T, term: T::Id| graph.as_constant(term) == Some(1.0);
+    let (Op::Add, &[x, y]) = graph.operation(sum)? else { return None };
+    let sign = if is_one(graph, x) { y } else { x };
+    if !is_one(graph, one) || !is_one(graph, x) && !is_one(graph, y) {
+        return None;
+    }
+    let (Op::Sign, &[of]) = graph.operation(sign)? else { return None };
+    let sides = match graph.operation(of) {
+        Some((Op::Sub, &[x, edge])) => [x, edge],
+        _ => [of, graph.constant(0.0)],
+    };
+    let below = graph.op(Op::Lt, &sides);
+    let zero = graph.constant(0.0);
+    Some(graph.op(Op::Select, &[below, zero, one]))
+}
+
+/// What a sum, difference or product comes to for each answer to a condition, where that takes no operation but the choice: so a mean by a choice of 0
+/// and 1 is a choice itself.
+fn chosen<T: Terms>(graph: &mut T, op: Op, a: T::Id, b: T::Id) -> Option<T::Id> {
+    if !matches!(op, Op::Add | Op::Sub | Op::Mul) {
+        return None;
+    }
+    let ca = graph.as_constant(a);
+    let arms = |graph: &T, term: T::Id| match graph.operation(term) {
+        Some((Op::Select, &[condition, yes, no])) => Some((condition, [yes, no])),
+        _ => None,
+    };
+    let (condition, [first, second]) = match (arms(graph, a), arms(graph, b)) {
+        (None, None) => return None,
+        (Some((condition, first)), Some((other, second))) if condition == other => (condition, [first, second]),
+        (Some((condition, first)), None) => (condition, [first, [b, b]]),
+        (None, Some((condition, second))) => (condition, [[a, a], second]),
+        _ => return None,
+    };
+    // A choice of 0 and 1, or of which one is 0.
+    let masks = |arms: &[T::Id; 2]| arms.iter().all(|&arm| matches!(graph.as_constant(arm), Some(0.0 | 1.0)));
+    let is_zero = |term: T::Id| graph.as_constant(term) == Some(0.0);
+    let free = match op {
+        Op::Mul => masks(&first) || masks(&second),
+        Op::Sub => ca == Some(1.0) && masks(&second),
+        _ => first.iter().zip(&second).all(|(&x, &y)| is_zero(x) || is_zero(y)),
+    };
+    let ([x, y], [u, v]) = (first, second);
+    let [yes, no] = [(x, u), (y, v)];
+    if !free {
+        return None;
+    }
+    let [yes, no] = [yes, no].map(|(x, y)| graph.op(op, &[x, y]));
+    Some(graph.op(Op::Select, &[condition, yes, no]))
 }
 
 /// The logarithm of a sum of powers of e, where nothing overflows and each slope is between 0 and 1: log(exp(u) + exp(v)) is
