@@ -143,14 +143,7 @@ impl Finder<'_, '_> {
         {
             return;
         }
-        let radius = 1.001 * half.iter().map(|h| h * h).sum::<f64>().sqrt();
-        let reach = center.iter().fold(0.0, |m: f64, c| m.max(c.abs())) + radius;
-        let slack = ROUNDING * reach;
-        let kept = match self.table.fold {
-            Some(Op::Max) => self.matter_to_greatest(steps, center, radius, slack),
-            Some(Op::Add | Op::Mul) => self.evaluator.changing(steps, center, half.map(|h| 1.001 * h + slack)),
-            _ => self.matter(steps, center, radius, slack),
-        };
+        let kept = self.kept(steps, center, half);
         let divisible = (0..3).zip(size).zip(half).filter(|((_, n), _)| *n > 1);
         match divisible.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
             None => {
@@ -172,6 +165,18 @@ impl Finder<'_, '_> {
                 self.block(first, a, &kept, spans);
                 self.block(start, b, &kept, spans);
             }
+        }
+    }
+
+    /// The steps that matter in a box.
+    fn kept(&mut self, steps: &[u32], center: [f64; 3], half: [f64; 3]) -> Vec<u32> {
+        let radius = 1.001 * half.iter().map(|h| h * h).sum::<f64>().sqrt();
+        let reach = center.iter().fold(0.0, |m: f64, c| m.max(c.abs())) + radius;
+        let slack = ROUNDING * reach;
+        match self.table.fold {
+            Some(Op::Max) => self.matter_to_greatest(steps, center, radius, slack),
+            Some(Op::Add | Op::Mul) => self.evaluator.changing(steps, center, half.map(|h| 1.001 * h + slack)),
+            _ => self.matter(steps, center, radius, slack),
         }
     }
 
@@ -242,19 +247,22 @@ fn steepness(table: &Table, step: u32) -> f64 {
     table.operands.get(step as usize).and_then(|o| *o).map_or(f64::INFINITY, |o| o.steepness)
 }
 
-/// Whether lists of its cells are shorter than the whole: some places are looked at, so that no time is lost where they are not.
+/// Whether lists of its cells are shorter than the whole: some places are looked at, so that no time is lost where they are not, as where each operand of
+/// a union may move through all of its box.
 fn is_worth_cells(grid: &Grid, table: &Table, tables: &Tables) -> bool {
-    if !matches!(table.fold, Some(Op::Add | Op::Mul)) {
+    let mut evaluator = Evaluator::new(table, tables);
+    if evaluator.still.iter().all(|still| *still) && !matches!(table.fold, Some(Op::Add | Op::Mul)) {
         return true;
     }
     let all: Vec<u32> = (0..table.entries.len() as u32).collect();
-    let mut evaluator = Evaluator::new(table, tables);
-    let cell = with(grid.half, grid.counts.map(|n| n as f64), |h, n| h / n);
+    let cell = with(grid.half, grid.counts.map(|n| n as f64), |h, n| 2.0 * h / n);
+    let level = Level { low: with(grid.center, grid.half, |c, h| c - h), cell, counts: grid.counts, inner: None };
+    let mut finder = Finder { table, evaluator: &mut evaluator, level: &level, before: 0, lists: Vec::new(), known: FxHashMap::default() };
     let mut kept = 0;
     for i in 0..PLACES {
         let shares = [i & 3, i >> 2 & 3, i >> 4].map(|n| 0.5 * n as f64 - 0.75);
         let center = with(grid.center, with(grid.half, shares, |h, s| h * s), |a, b| a + b);
-        kept += evaluator.changing(&all, center, cell).len();
+        kept += finder.kept(&all, center, cell.map(|side| 0.5 * side)).len();
     }
     3 * kept < 2 * PLACES * all.len()
 }
@@ -280,6 +288,38 @@ fn needed(class: &Class) -> Vec<u32> {
     (0..wanted.len() as u32).filter(|&i| wanted.get(i as usize) == Some(&true)).collect()
 }
 
+/// Those of a class's steps that are the same at all places, those that are not, and those of the former that the latter read.
+struct Placed {
+    same: Vec<u32>,
+    moving: Vec<u32>,
+    read: Vec<u32>,
+}
+
+impl Placed {
+    /// Of a class that needs these steps.
+    fn of(class: &Class, needed: &[u32]) -> Self {
+        let form = &class.filled.form;
+        let mut moves = vec![false; form.steps.len()];
+        let mut read = vec![false; form.steps.len()];
+        for (at, step) in needed.iter().filter_map(|&at| Some((at, form.steps.get(at as usize)?))) {
+            let arguments = match step.action {
+                Action::Op(op) => step.arguments.get(..op.row().arity.into()).unwrap_or(&step.arguments),
+                _ => &[],
+            };
+            let moved = matches!(step.action, Action::Point(_)) || arguments.iter().any(|&a| moves.get(a as usize) == Some(&true));
+            if let (Some(slot), true) = (moves.get_mut(at as usize), moved) {
+                *slot = true;
+                arguments.iter().for_each(|&a| read.get_mut(a as usize).into_iter().for_each(|slot| *slot = true));
+            }
+        }
+        // What is the same everywhere is read as the result.
+        form.operand.and_then(|o| read.get_mut(o as usize)).into_iter().for_each(|slot| *slot = true);
+        let (moving, same): (Vec<u32>, Vec<u32>) = needed.iter().partition(|&&at| moves.get(at as usize) == Some(&true));
+        let read = same.iter().copied().filter(|&at| read.get(at as usize) == Some(&true)).collect();
+        Self { same, moving, read }
+    }
+}
+
 /// Whether the operands of a class, which need these steps, are the same at all times.
 fn is_still(class: &Class, needed: &[u32]) -> bool {
     let live = |a: Action| matches!(a, Action::Time | Action::Parameter(_) | Action::Factor(_));
@@ -300,6 +340,10 @@ struct Evaluator<'a> {
     members: Vec<Vec<(usize, u32)>>,
     /// The same for operands that read parameters or the time.
     ranges: Vec<Interval>,
+    /// The steps of each class by where they are the same.
+    placed: Vec<Placed>,
+    /// For a class and a row what its steps say that are read and the same at all places.
+    same: FxHashMap<(usize, u32), Vec<Interval>>,
 }
 
 impl<'a> Evaluator<'a> {
@@ -309,7 +353,8 @@ impl<'a> Evaluator<'a> {
         let longest = table.classes.iter().map(|c| c.filled.form.steps.len()).max().unwrap_or(0);
         let (registers, ranges) = (vec![[0.0; LANES]; longest], vec![Interval::ALL; longest]);
         let members = vec![Vec::new(); table.classes.len()];
-        Self { table, tables, needed, still, registers, members, ranges }
+        let placed = table.classes.iter().zip(&needed).map(|(class, needed)| Placed::of(class, needed)).collect();
+        Self { table, tables, needed, still, registers, members, ranges, placed, same: FxHashMap::default() }
     }
 
     /// The values of steps at a point; of those without an operand, infinity.
@@ -358,28 +403,41 @@ impl<'a> Evaluator<'a> {
 
     /// All values of a row's operand at the points of a box.
     fn range(&mut self, index: usize, class: &Class, row: u32, place: [Interval; 3]) -> Interval {
-        let form = &class.filled.form;
-        let mut arguments = [Interval::ALL; 4];
-        for &at in self.needed.get(index).map_or(&[][..], Vec::as_slice) {
-            let Some(step) = form.steps.get(at as usize) else { continue };
-            let range = match step.action {
-                Action::Number(i) => class.numbers.get(i as usize).map_or(Interval::ALL, |n| Interval::point(self.number(*n, row))),
-                Action::Point(i) => place.get(usize::from(i)).copied().unwrap_or(Interval::ZERO),
-                Action::Op(op) => {
-                    for (slot, &a) in arguments.iter_mut().zip(&step.arguments) {
-                        *slot = self.ranges.get(a as usize).copied().unwrap_or(Interval::ALL);
-                    }
-                    kernel::interval(op, arguments.get(..op.row().arity.into()).unwrap_or(&arguments))
+        let placed = std::mem::take(&mut self.placed);
+        if let Some(Placed { same, moving, read }) = placed.get(index) {
+            let mut known = self.same.remove(&(index, row)).unwrap_or_default();
+            if known.len() == read.len() {
+                for (&at, &range) in read.iter().zip(&known) {
+                    self.ranges.get_mut(at as usize).into_iter().for_each(|slot| *slot = range);
                 }
-                Action::Time => ANY_TIME,
-                Action::Parameter(i) => self.tables.parameters.get(i as usize).copied().unwrap_or(Interval::ALL),
-                Action::Variable(_) | Action::Factor(_) | Action::Older(_) | Action::Newer(_) => Interval::ALL,
-            };
-            if let Some(slot) = self.ranges.get_mut(at as usize) {
-                *slot = range;
+            } else {
+                same.iter().for_each(|&at| self.step(class, row, place, at));
+                known = read.iter().map(|&at| self.ranges.get(at as usize).copied().unwrap_or(Interval::ALL)).collect();
             }
+            self.same.insert((index, row), known);
+            moving.iter().for_each(|&at| self.step(class, row, place, at));
         }
-        form.operand.and_then(|o| self.ranges.get(o as usize)).copied().unwrap_or(Interval::ALL)
+        self.placed = placed;
+        class.filled.form.operand.and_then(|o| self.ranges.get(o as usize)).copied().unwrap_or(Interval::ALL)
+    }
+
+    /// All values of a step for a row at the points of a box.
+    fn step(&mut self, class: &Class, row: u32, place: [Interval; 3], at: u32) {
+        let Some(step) = class.filled.form.steps.get(at as usize) else { return };
+        let range = match step.action {
+            Action::Number(i) => class.numbers.get(i as usize).map_or(Interval::ALL, |n| Interval::point(self.number(*n, row))),
+            Action::Point(i) => place.get(usize::from(i)).copied().unwrap_or(Interval::ZERO),
+            Action::Op(op) => {
+                let arguments = step.arguments.map(|a| self.ranges.get(a as usize).copied().unwrap_or(Interval::ALL));
+                kernel::interval(op, arguments.get(..op.row().arity.into()).unwrap_or(&arguments))
+            }
+            Action::Time => ANY_TIME,
+            Action::Parameter(i) => self.tables.parameters.get(i as usize).copied().unwrap_or(Interval::ALL),
+            Action::Variable(_) | Action::Factor(_) | Action::Older(_) | Action::Newer(_) => Interval::ALL,
+        };
+        if let Some(slot) = self.ranges.get_mut(at as usize) {
+            *slot = range;
+        }
     }
 
     /// A number of a row.
@@ -442,5 +500,25 @@ fn lanes(op: Op, out: &mut [f64; LANES], [a, b, c, d]: [&[f64; LANES]; 4]) {
             let all = [*a, *b, *c, *d];
             *out = kernel::value(op, all.get(..op.row().arity.into()).unwrap_or(&all));
         }),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::indexing_slicing)]
+mod tests {
+    use crate::{MemoryLoader, Options, compile};
+
+    /// How many levels of cells the first table of a scene has.
+    fn levels(scene: &str) -> u32 {
+        let loader = MemoryLoader::new().with("main.sdf", scene);
+        let scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
+        scene.module.tables.unwrap().lists()[2]
+    }
+
+    #[test]
+    fn what_may_be_anywhere_has_no_cells() {
+        let fragments = |moved: &str| format!("let t = time\nscene = for i in 0..40 {{ box(0.2).rotate(normalize(hash3(i, 5) - 0.5), {moved} * hash(i, 9)).translate(3 * (hash3(i) - 0.5) * {moved}) }}");
+        assert!(levels(&fragments("4")) > 0);
+        assert_eq!(levels(&fragments("(1 + 3 * smoothstep(0, 3, t))")), 0);
     }
 }

@@ -40,7 +40,10 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
     let frame = compiled.frame(live);
     let which = frame.cameras.iter().position(|(known, _)| name.is_none_or(|name| name == known))?;
     let (camera, nodes) = (frame.cameras.get(which)?.1, compiled.blocks.cameras.get(which));
-    let reference = Reference::new(compiled, live).ok()?;
+    // By the factors that hold where the sliders stand, as a picture goes.
+    let mut followed = live.clone();
+    compiled.follow(&mut followed, Compiled::QUICK);
+    let reference = Reference::new(compiled, &followed).ok()?;
     let field = |place: Vec3| field_at(&reference, place);
     let known = compiled.functions.ahead;
     let region = known.home.or(known.region).filter(|region| region.size() > SMALLEST);

@@ -173,7 +173,7 @@ impl Facts {
         if let Some(tape) = self.tapes.get(&node) {
             return tape.clone();
         }
-        let tape = Rc::new(Tape::new(graph, &[node]));
+        let tape = Rc::new(Tape::new(graph, &[node]).with_pinned(&self.pinned));
         self.tapes.insert(node, tape.clone());
         tape
     }

@@ -392,6 +392,29 @@ mod tests {
     }
 
     #[test]
+    fn where_a_slider_stands_they_are_as_steep_as_if_its_value_were_written() {
+        let exponential = "blend e(a, b, k: float) = -log(exp(-k * a) + exp(-k * b)) / k\nparam k = 8 in 1..40\n\
+            scene = e(e(sphere(0.6).translate(-0.6, 0, 0), sphere(0.5), k), torus(0.8, 0.15), k)";
+        let cubic = "blend c(a, b, k: float) = { let h = max(k - abs(a - b), 0) / k; min(a, b) - h * h * h * k / 6 }\n\
+            param k = 0.5 in 0.05..1\nscene = c(box((2, 0.6, 1)), cylinder(0.3, 2), k)";
+        let norm = "param n = 4 in 2..12\nfield f = pow(pow(abs(p.x), n) + pow(abs(p.y), n) + pow(abs(p.z), n), 1 / n) - 1\nscene = f.within(box(4))";
+        for text in [exponential, cubic, norm] {
+            let outcome = compile(&MemoryLoader::new().with("main.sdf", text.to_owned()), "main.sdf", &Options::default());
+            let scene = outcome.compiled.unwrap_or_else(|| panic!("{text}: {:?}", outcome.diagnostics));
+            let mut live = scene.live();
+            for share in [0.0, 0.3, 1.0] {
+                let range = &scene.graph.parameters[0];
+                live.components[0] = range.min + share * (range.max - range.min);
+                scene.follow(&mut live, crate::Compiled::QUICK);
+                for index in 0..scene.graph.factors.len() as u32 {
+                    let factor = live.factor(&scene.graph, index);
+                    assert!(factor < 1.001, "{factor} at {}: {text}", live.components[0]);
+                }
+            }
+        }
+    }
+
+    #[test]
     fn soft_minima_are_as_steep_as_what_they_are_of() {
         for formula in [
             "{ let a = length(p) - 1; let b = p.y; let h = max(0.2 - abs(a - b), 0) / 0.2; min(a, b) - h * h * 0.2 / 4 }",

@@ -1,7 +1,7 @@
 //! The steps that compute nodes, in order, ready to be run over any algebra again and again.
 
 use crate::graph::algebra::Algebra;
-use crate::graph::kernel::Op;
+use crate::graph::kernel::{self, Op};
 use crate::graph::{Claim, Graph, Leaf, Node, NodeId, ShapeId};
 use smallvec::SmallVec;
 use std::cell::{OnceCell, RefCell};
@@ -82,6 +82,24 @@ impl Tape {
             .collect();
         let roots = roots.iter().map(at).collect();
         Self { steps, nodes, roots, kinks: OnceCell::new(), chains: RefCell::default(), by_distance: false, softs: OnceCell::new(), tight: OnceCell::new() }
+    }
+
+    /// The same tape at these values of the parameters, as if they were written in it: more is known of a power whose exponent is a number.
+    pub(super) fn with_pinned(mut self, pinned: &[f64]) -> Self {
+        for i in 0..if pinned.is_empty() { 0 } else { self.steps.len() } {
+            let value = match self.steps.get(i) {
+                Some(Step::Leaf(Leaf::Parameter(component))) => pinned.get(*component as usize).copied(),
+                Some(Step::Op(op, args)) => {
+                    let constants: Option<SmallVec<[f64; 4]>> = args.iter().map(|&a| self.constant(a)).collect();
+                    constants.map(|constants| kernel::value(*op, &constants))
+                }
+                _ => None,
+            };
+            if let (Some(value), Some(step)) = (value.filter(|value| value.is_finite()), self.steps.get_mut(i)) {
+                *step = Step::Constant(value);
+            }
+        }
+        self
     }
 
     /// Steps in order, of which the last is the root, with their nodes.

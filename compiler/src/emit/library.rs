@@ -362,7 +362,13 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
       radius = select(free, radius, back);
     }
     if near {
-      let share = sharpness * sf_distance(origin + direction * seen) / apart;
+      let distance = sf_distance(origin + direction * seen);
+      let share = sharpness * distance / apart;
+      // Where the bound is much less, between two looks so near to each other it is hardly less.
+      if t > seen && share < 1.25 * lit && distance > 1.5 * free {
+        stride = min(stride, max(0.4 * distance, tolerance));
+        t = seen + stride;
+      }
       lit = select(min(lit, share), 0.0, free <= tolerance);
     }
   }

@@ -82,12 +82,7 @@ impl Builder<'_> {
                 {
                     return scaled;
                 }
-                let has_parts = matches!(
-                    self.graph.node(inner),
-                    Node::Op(Op::Min | Op::Max | Op::Neg | Op::Select | Op::Mul | Op::Div, _)
-                        | Node::Call(..)
-                        | Node::Claim(_, Claim::Continuous)
-                );
+                let has_parts = self.has_parts(inner);
                 if has_parts && range.lo > 0.0 {
                     self.bound(shape, inner, domain, continuous)
                 } else if has_parts && range.hi < 0.0 {
@@ -104,6 +99,20 @@ impl Builder<'_> {
                 self.bound_of_call(shape, node, inner, &args, domain, continuous)
             }
             _ => self.normalised(shape, node, domain, continuous),
+        }
+    }
+
+    /// Whether a formula is put together of others, each of which has a bound of its own; by themselves a sign and a multiple put nothing together.
+    fn has_parts(&self, node: NodeId) -> bool {
+        match self.graph.node(node) {
+            Node::Op(Op::Min | Op::Max | Op::Select, _) | Node::Call(..) | Node::Claim(_, Claim::Continuous) => true,
+            Node::Op(Op::Neg, args) => args.first().is_some_and(|&a| self.has_parts(a)),
+            Node::Op(Op::Mul | Op::Div, args) => match *args.as_ref() {
+                [a, b] if self.is_uniform(b) => self.has_parts(a),
+                [a, b] if self.is_uniform(a) => self.has_parts(b),
+                _ => false,
+            },
+            _ => false,
         }
     }
 

@@ -18,6 +18,10 @@ const FLAT: f64 = 0.99;
 const CLOSE: f64 = 0.01;
 const WIDE: f64 = 20.0;
 
+/// Of what may be more than so many times as steep as it is, the estimate looks twice wherever that is: what is proven of it would throw a shadow of the
+/// region.
+const GENTLER: f64 = 2.0;
+
 /// How much of its first way the second look goes, and by how much it may shorten it.
 const MOST: f64 = 0.75;
 
@@ -48,11 +52,13 @@ pub(super) struct Steepness {
     flat: bool,
     /// What more is known of what is gentle at its surface and many times as steep elsewhere.
     uneven: Option<Rc<Uneven>>,
+    /// How large the region is of which that is known; without end elsewhere.
+    size: f64,
 }
 
 impl Steepness {
     fn same(constant: f64) -> Self {
-        Steepness { constant, gentlest: constant, flat: false, uneven: None }
+        Steepness { constant, gentlest: constant, flat: false, uneven: None, size: f64::INFINITY }
     }
 }
 
@@ -115,7 +121,7 @@ impl Builder<'_> {
                 let steepness = self.steepness(node, if known { &everywhere } else { &near }, constant.lipschitz);
                 let uneven = self.uneven(node, &near, constant.lipschitz);
                 let is_uneven = uneven.is_some();
-                let steepness = Steepness { uneven, ..steepness };
+                let steepness = Steepness { uneven, size: region.grow(reach).size(), ..steepness };
                 let mut estimate = self.part_by_part(node, &steepness);
                 if is_uneven {
                     // Far from its surface the shape knows more of itself; nothing is nearer by more than the map stretches.
@@ -133,7 +139,7 @@ impl Builder<'_> {
                 let near = treatment.region.map(|(region, reach)| domain.at(region.grow(reach)));
                 let around = near.as_ref().unwrap_or(domain);
                 let uneven = if around.point.is_finite() { self.uneven(node, around, treatment.constant) } else { None };
-                let steepness = Steepness { uneven, ..self.steepness(node, around, treatment.constant) };
+                let steepness = Steepness { uneven, size: around.point.size(), ..self.steepness(node, around, treatment.constant) };
                 // Where the bound takes that way; what is flatter than a distance as a whole is divided by its constant.
                 let way = match (treatment.constant - 1.0).abs() <= 1e-6 && treatment.region.is_none() {
                     true => self.convex_way(node, domain),
@@ -313,7 +319,7 @@ impl Builder<'_> {
 
     /// The field over its gradient: right to first order. Close to the surface a second look further on tells how the field goes on.
     pub(super) fn over_gradient(&mut self, node: NodeId, steepness: &Steepness) -> NodeId {
-        let &Steepness { constant, gentlest, flat, ref uneven } = steepness;
+        let &Steepness { constant, gentlest, flat, ref uneven, size } = steepness;
         // What is flatter than a distance everywhere is as much less than one.
         if constant < FLAT && constant > 1e-6 {
             let steepness = self.graph.constant(constant);
@@ -322,7 +328,9 @@ impl Builder<'_> {
         if constant <= UNIT && !flat || !constant.is_finite() {
             return node;
         }
-        let least = self.graph.constant((constant / TIMES).min(gentlest / TIMES_GENTLEST));
+        let least = (constant / TIMES).min(gentlest / TIMES_GENTLEST);
+        let may_be_gentler = uneven.is_some() || least > GENTLER;
+        let least = self.graph.constant(least);
         // What comes from around the shape moves with the point in ways that are not seen further on.
         if self.graph.reads(node).variables != 0 {
             let gradient = self.gradient(node);
@@ -341,16 +349,28 @@ impl Builder<'_> {
         let slope = self.graph.op(Op::Length3, &gradient);
         let length = self.graph.op(Op::Max, &[slope, least]);
         let proven = self.graph.op(Op::Div, &[node, length]);
-        let (mut least, mut length, mut first) = (least, length, proven);
-        if uneven.is_some() {
-            let times = self.graph.constant(1.0 / TIMES_NEAR);
-            least = self.graph.op(Op::Mul, &[least, times]);
-            length = self.graph.op(Op::Max, &[slope, least]);
-            first = self.graph.op(Op::Div, &[node, length]);
+        if may_be_gentler {
+            // Nothing of it is farther away than its region is large.
+            let size = if size.is_finite() { size } else { self.extent };
+            let [times, share] = [1.0 / TIMES_NEAR, 1.0 / size].map(|c| self.graph.constant(c));
+            let value = self.graph.op(Op::Abs, &[node]);
+            let across = self.graph.op(Op::Mul, &[value, share]);
+            let least = self.graph.op(Op::Mul, &[least, times]);
+            let least = self.graph.op(Op::Max, &[least, across]);
+            let length = self.graph.op(Op::Max, &[slope, least]);
+            let first = self.graph.op(Op::Div, &[node, length]);
+            let less = self.too_far(part, node, gradient, length, least);
+            let less = self.graph.op(Op::Mul, &[first, less]);
+            let nearer = self.graph.op(Op::Sub, &[first, less]);
+            let estimate = self.further(node, nearer, [proven, proven]);
+            return match uneven {
+                Some(uneven) => self.gentler_way(node, estimate, uneven),
+                None => estimate,
+            };
         }
         let near = self.graph.constant(CLOSE * self.extent.min(WIDE));
         let [one, two, end] = [1.0, 2.0, 1.5].map(|c| self.graph.constant(c));
-        let away = self.graph.op(Op::Abs, &[first]);
+        let away = self.graph.op(Op::Abs, &[proven]);
         let away = self.graph.op(Op::Div, &[away, near]);
         let is_near = self.graph.op(Op::Lt, &[away, end]);
         // All of it where it is near, less and less up to half as far again.
@@ -358,25 +378,10 @@ impl Builder<'_> {
         let weight = self.graph.op(Op::Mul, &[weight, two]);
         let weight = self.graph.op(Op::Min, &[weight, one]);
         let less = self.too_far(part, node, gradient, length, least);
-        let Some(uneven) = uneven else {
-            let less = self.graph.op(Op::Mul, &[weight, less]);
-            let less = self.graph.op(Op::Mul, &[first, less]);
-            let nearer = self.graph.op(Op::Sub, &[first, less]);
-            return self.graph.op(Op::Select, &[is_near, nearer, first]);
-        };
-        let less = self.graph.op(Op::Mul, &[first, less]);
-        let nearer = self.graph.op(Op::Sub, &[first, less]);
-        // Further away what is proven would darken all light: as much as the second look leaves at least, and no more than where it ends.
-        let left = self.graph.constant((1.0 - MOST) * CLOSE * self.extent.min(WIDE));
-        let kept = self.graph.op(Op::Min, &[away, end]);
-        let kept = self.graph.op(Op::Mul, &[kept, left]);
-        let back = self.graph.op(Op::Neg, &[kept]);
-        let far = self.further(node, proven, [kept, back]);
-        let more = self.graph.op(Op::Sub, &[nearer, far]);
-        let more = self.graph.op(Op::Mul, &[weight, more]);
-        let nearer = self.graph.op(Op::Add, &[far, more]);
-        let estimate = self.graph.op(Op::Select, &[is_near, nearer, far]);
-        self.gentler_way(node, estimate, uneven)
+        let less = self.graph.op(Op::Mul, &[weight, less]);
+        let less = self.graph.op(Op::Mul, &[proven, less]);
+        let nearer = self.graph.op(Op::Sub, &[proven, less]);
+        self.graph.op(Op::Select, &[is_near, nearer, proven])
     }
 
     /// By which part of it the way `node / length` against the gradient is too far. Most of that way further on the tangent plane is as far from here

@@ -139,6 +139,7 @@ impl Elaborator<'_> {
                 let names: Vec<&str> = parameters.iter().map(|p| &*p.name.text).collect();
                 let help = match nearest(&label.text, names.iter().copied()) {
                     Some(near) => format!("did you mean `{near}`?"),
+                    None if matches!((&*label.text, names.as_slice()), ("x" | "y" | "z", ["v"])) => "write all three in order, as in `(1, 0, 0)`, without names".to_owned(),
                     None => format!("its arguments are {}", names.join(", ")),
                 };
                 self.error(

@@ -349,6 +349,10 @@ impl Elaborator<'_> {
             if let (Value::List(items), "count") = (&value, &*name.text) {
                 return Ok(self.constant(items.len() as f64));
             }
+            if let (Value::List(_), "length" | "len" | "size") = (&value, &*name.text) {
+                let message = format!("a list has no `{}`", name.text);
+                return Err(self.error(Code::UnknownMember, name.span, message, "write `.count`, how many it has"));
+            }
             if let Value::Number(..) | Value::Bool(_) | Value::Text(_) | Value::Matrix(..) = &value
                 && !self.is_called(&name.text, env)
             {

@@ -173,6 +173,10 @@ pub fn instead(word: &str) -> Option<&'static str> {
         "random" | "rand" | "rnd" => "write `hash(i)`, a number from 0 to 1 that is another for each `i`",
         "rounded_cylinder" | "roundedcylinder" | "round_cylinder" => "write `cylinder(1, 2).round(0.1)`",
         "text" | "letter" | "font" => "there are no letters: draw them with `segment`, `arc` and `polygon`",
+        "fillet" => "write `.round(0.1)` for all edges of a shape, `a.round_union(b, 0.1)` where two meet, `.extrude(1, 0.1)` for those of a drawing",
+        "chamfer" | "bevel" => "write `a.chamfer_union(b, 0.1)` where two shapes meet, `.extrude(1, 0.1)` for the edges of a drawing",
+        "len" => "write `length(v)` for a vector, `list.count` for a list",
+        "texture2d" | "texture" | "sampler2d" | "ichannel0" | "ichannel1" => "an image is laid on by a material: `material m { texture: \"image.png\" }`",
         "t" => "write `time`, in seconds, or declare it: `let t = …`",
         "return" => words::NO_RETURN,
         "uniform" => "write `param name = 1 in 0..2`, which makes a slider",
@@ -270,6 +274,12 @@ mod tests {
             ("render { ao: off }\nscene = sphere(1)\n", "`ambient_occlusion`", "render { ambient_occlusion: off }\nscene = sphere(1)\n"),
             ("field f = { p.xz *= rot(0.5); length(p) - 1 }\nscene = f\n", "`let p2 = rotate(p, y, 0.5);`", "field f = { let p2 = rotate(p, y, 0.5); length(p2) - 1 }\nscene = f\n"),
             ("field f = { let q = rot(0.5) * p; length(q) - 1 }\nscene = f\n", "`rotate(p, y, 0.5)`", "field f = { let q = rotate(p, y, 0.5); length(q) - 1 }\nscene = f\n"),
+            ("let a = [1, 2]\nscene = for i in 0..a.length { sphere(a[i]) }\n", "`.count`", "let a = [1, 2]\nscene = for i in 0..a.count { sphere(a[i]) }\n"),
+            ("field f = { let q = abs(p); q.y -= 0.5; length(q) - 1 }\nscene = f\n", "`let q2 = q - … * (0, 1, 0);`", "field f = { let q = abs(p); let q2 = q - 0.5 * (0, 1, 0); length(q2) - 1 }\nscene = f\n"),
+            ("scene = sphere(1).translate(x: 1)\n", "`(1, 0, 0)`", "scene = sphere(1).translate(1, 0, 0)\n"),
+            ("scene = box(1).fillet(0.1)\n", "`.round(0.1)`", "scene = box(1).round(0.1)\n"),
+            ("scene = box(1).chamfer(0.1)\n", "`.extrude(1, 0.1)`", "scene = rectangle((1, 1)).extrude(1, 0.1)\n"),
+            ("scene = sphere(1).material(red)\n", "`swatch(#ff0000)`", "scene = sphere(1).material(swatch(#ff0000))\n"),
             ("scene = sphere(hash(1.5))\n", "`hash(floor(a))`", "scene = sphere(hash(floor(1.5)))\n"),
         ] {
             let found = errors(wrong);

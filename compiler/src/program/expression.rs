@@ -261,7 +261,7 @@ impl Elaborator<'_> {
             .map(str::to_owned);
         let help = match (instead(name), near) {
             (Some(instead), _) => instead.to_owned(),
-            _ if let Some(color) = color(name) => format!("write a colour as `{color}`"),
+            _ if let Some(color) = color(name) => format!("write a colour as `{color}`, a material of it as `swatch({color})`"),
             (None, Some(near)) if is_of_point(name) => {
                 format!("did you mean `{near}`? Of a point `q` it is `{near}(…).at(q)`, and sizes are whole ones, not half")
             }

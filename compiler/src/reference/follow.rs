@@ -106,8 +106,21 @@ const MOST_SHADOW_STEPS: u32 = 256;
 const SHORTEST_REST: f64 = 0.25;
 /// It goes back where the bound is less than this share of the step.
 const CLOSE: f64 = 0.75;
+/// Where the distance matters, and is so many times the bound, it goes on by no more than this part of it: a passage between two looks is hardly nearer.
+const MATTERS: f64 = 1.25;
+const MUCH_MORE: f64 = 1.5;
+const BETWEEN: f64 = 0.4;
 /// Less light counts as none.
 pub const DARK: f64 = 0.002;
+
+/// What a shadow's ray passes.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage {
+    /// The softness times the distance as an angle.
+    pub share: f64,
+    /// The distance.
+    pub distance: f64,
+}
 
 /// The variables of `sf_shadow`.
 #[derive(Clone, Copy, Debug)]
@@ -125,13 +138,13 @@ impl Shadow {
     /// At the ray's beginning, before the first look.
     pub const START: Self = Self { lit: 1.0, radius: 1e18, stride: 1.0, steps: 0 };
 
-    /// One look. `share`: the softness times the distance as an angle, where that can matter. `end`: of the ray. The answer: where to look next.
-    pub fn turn(&mut self, look: &Look, share: Option<f64>, tolerance: f64, end: f64) -> Option<f64> {
-        let Self { radius, stride, .. } = *self;
+    /// One look. `passage`: what it passes, where that can matter. `end`: of the ray. The answer: where to look next.
+    pub fn turn(&mut self, look: &Look, passage: Option<Passage>, tolerance: f64, end: f64) -> Option<f64> {
+        let Self { radius, stride, lit, .. } = *self;
         let (t, free) = (look.t, look.free);
         self.steps += 1;
-        if let Some(share) = share {
-            self.lit = self.lit.min(share);
+        if let Some(passage) = &passage {
+            self.lit = lit.min(passage.share);
         }
         if free <= tolerance || self.lit < DARK {
             self.lit = 0.0;
@@ -144,6 +157,13 @@ impl Shadow {
             self.stride = radius;
         } else {
             (self.radius, self.stride) = (free, next - t);
+            if let Some(Passage { share, distance }) = passage
+                && share < MATTERS * lit
+                && distance > MUCH_MORE * free
+            {
+                self.stride = self.stride.min(tolerance.max(BETWEEN * distance));
+                next = t + self.stride;
+            }
         }
         (next <= end && self.steps < MOST_SHADOW_STEPS).then_some(next)
     }

@@ -18,7 +18,7 @@ use crate::functions::{Planes, Surface};
 use crate::images::{Images, Texture, TextureKind, sides};
 use ahead::PlanesApart;
 use camera::Basis;
-use follow::{DARK, Follow, Shadow, Small, TRACER, Turn};
+use follow::{DARK, Follow, Passage, Shadow, Small, TRACER, Turn};
 use march::{Look, Ray, Scene, at_points, march, sizes};
 use shade::{Leaving, Seen, Shading, SurfaceValues};
 use std::cell::Cell;
@@ -304,7 +304,8 @@ impl Reference {
             |look, distance| {
                 let end = clipped.get(look.ray).copied().flatten()?.t_max;
                 let mut shadow = state(look);
-                let t = shadow.turn(look, distance.map(|d| softness * d / apart(look)), tolerance(look), end);
+                let passage = distance.map(|d| Passage { share: softness * d / apart(look), distance: d });
+                let t = shadow.turn(look, passage, tolerance(look), end);
                 states.get(look.ray)?.set(shadow);
                 t
             },

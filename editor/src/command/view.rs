@@ -3,7 +3,7 @@
 use super::{Exit, Failure, compile_file, show_broken, show_diagnostics};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::path::{Path, PathBuf};
-use surefoot_compiler::Options;
+use surefoot_compiler::{Compiled, Options};
 
 /// What to show.
 #[derive(Clone, Debug, clap::Args)]
@@ -74,7 +74,8 @@ fn picture(args: &Args, why: &str) -> Result<Exit, Failure> {
         eprintln!("note: {note}");
     }
     let exit = show_broken(&outcome, painter.broken());
-    let live = compiled.live();
+    let mut live = compiled.live();
+    compiled.follow(&mut live, Compiled::QUICK);
     let frame = compiled.frame(&live);
     let Some(&(_, camera)) = frame.cameras.first() else {
         return Err(Failure::usage(format!("{scene}: the scene has no camera")));

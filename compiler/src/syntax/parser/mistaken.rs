@@ -174,9 +174,22 @@ impl Parser<'_> {
             _ => None,
         });
         let point = self.at.checked_sub(4).map_or("", |i| self.word_of(self.token_at(i)));
+        let (before, named) = (self.at.checked_sub(3).map(|i| self.token_at(i)), self.at.checked_sub(2).map_or("", |i| self.word_of(self.token_at(i))));
+        let is_part = before.is_some_and(|dot| dot.kind == TokenKind::Dot);
+        let name = if named.is_empty() { "d" } else { named };
+        let component = match named {
+            "x" | "r" => Some("(1, 0, 0)"),
+            "y" | "g" => Some("(0, 1, 0)"),
+            "z" | "b" => Some("(0, 0, 1)"),
+            _ => None,
+        };
         let help = match axis {
+            None if is_part && !point.is_empty() => match component.filter(|_| matches!(operator, "+" | "-")) {
+                Some(unit) => format!("a component is not changed by itself: write `let {point}2 = {point} {operator} … * {unit};`, and `{point}2` from there on"),
+                None => format!("a component is not changed by itself: write all of them, `let {point}2 = ({point}.x, {point}.y {operator} …, {point}.z);`, and `{point}2` from there on"),
+            },
             Some(axis) => format!("a turn makes a new point: write `let {point}2 = rotate({point}, {axis}, 0.5);`, and `{point}2` from there on"),
-            None => format!("a name is given its value once: write `let d2 = d {operator} …;`, and `d2` from there on"),
+            None => format!("a name is given its value once: write `let {name}2 = {name} {operator} …;`, and `{name}2` from there on"),
         };
         self.unexpected(format!("`{operator}=` changes a value, and none can be changed"), help);
         self.bump();
