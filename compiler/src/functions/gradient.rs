@@ -192,7 +192,7 @@ impl Builder<'_> {
             Node::Op(op @ (Op::Min | Op::Max), args) => {
                 let (Some(&a), Some(&b)) = (args.first(), args.get(1)) else { return flat };
                 let (ga, gb) = (of(slopes, &a), of(slopes, &b));
-                let [a, b] = [a, b].map(|side| if seen == Seen::Walls { self.beside_walls(side) } else { side });
+                let [a, b] = [a, b].map(|side| if seen == Seen::Walls { self.beside_walls(side, op == Op::Max) } else { side });
                 let first = self.graph.op(Op::Le, &if op == Op::Min { [a, b] } else { [b, a] });
                 self.pick(first, ga, gb)
             }
@@ -233,20 +233,31 @@ impl Builder<'_> {
     }
 
     /// A field that is as near to zero at a wall as the wall is: where shapes with walls are put together by the least or the greatest of them, what
-    /// is met is found by their bounds.
-    fn beside_walls(&mut self, node: NodeId) -> NodeId {
-        if let Some(known) = self.beside.get(&node) {
+    /// is met is found by their bounds. `deep`: within a drawing, as beneath a bevel, it is the field itself where no wall of its own is seen.
+    fn beside_walls(&mut self, node: NodeId, deep: bool) -> NodeId {
+        if let Some(known) = self.beside.get(&(node, deep)) {
             return *known;
         }
         let found = match self.graph.node(node).clone() {
-            Node::Call(shape, Function::Field, args) if self.has_walls(shape) => self.graph.call(shape, Function::Bound, &args),
+            Node::Call(shape, Function::Field, args) if self.has_walls(shape) => {
+                let bound = self.graph.call(shape, Function::Bound, &args);
+                match &*self.wall(shape) {
+                    Some(wall) if deep && self.graph.shape(shape).is_some_and(|s| s.dimensions == 2) => {
+                        let steep = self.graph.open(shape, wall.steep, &args);
+                        let zero = self.graph.constant(0.0);
+                        let apart = self.graph.op(Op::Eq, &[steep, zero]);
+                        self.graph.op(Op::Select, &[apart, node, bound])
+                    }
+                    _ => bound,
+                }
+            }
             Node::Op(op @ (Op::Min | Op::Max | Op::Neg), args) => {
-                let args: SmallVec<[NodeId; 2]> = args.iter().map(|&a| self.beside_walls(a)).collect();
+                let args: SmallVec<[NodeId; 2]> = args.iter().map(|&a| self.beside_walls(a, deep)).collect();
                 self.graph.op(op, &args)
             }
             _ => node,
         };
-        self.beside.insert(node, found);
+        self.beside.insert((node, deep), found);
         found
     }
 
@@ -342,6 +353,22 @@ mod tests {
         let stairs = "field f = p.y - 0.25 * floor(4 * p.x)\nscene = smooth_union(f, sphere(1), 0.1).within(box(8))";
         let [beside, at] = [0.26, 0.250_001].map(|x| seen(stairs, [x, 2.5, 0.0]).1);
         assert!((beside - at).abs() < 0.02 && at > 0.5, "{beside} {at}");
+    }
+
+    #[test]
+    fn beneath_a_bevel_a_wall_is_not_near_where_it_might_be() {
+        // The bore of a gear by angle; of a number of teeth that may be another one nobody knows that the angle's cut is none.
+        let gear = |teeth: &str| {
+            format!(
+                "{teeth}\nfield2 f = length(p) - 1.5 - 0.12 * clamp(3 * cos(n * atan(p.y, p.x)), -1, 1)\nscene = (f - circle(0.4)).extrude(0.5, 0.05)"
+            )
+        };
+        let [live, still] = ["param n: int = 18 in 6..40", "let n = 18"].map(gear);
+        for i in 0..16 {
+            let angle = 0.1 + 0.39 * f64::from(i);
+            let place = [0.42 * angle.cos(), 0.42 * angle.sin(), 0.22];
+            assert_near(seen(&live, place).0, seen(&still, place).0);
+        }
     }
 
     #[test]

@@ -277,7 +277,7 @@ pub struct Builder<'a> {
     /// Jumps of shapes as light sees them, which shapes have any in or under them, and what fields are by which such shapes are told apart.
     walls: FxHashMap<ShapeId, Rc<Option<gradient::Wall>>>,
     walled: FxHashMap<ShapeId, bool>,
-    beside: FxHashMap<NodeId, NodeId>,
+    beside: FxHashMap<(NodeId, bool), NodeId>,
     /// Outlines of claims, as far as they were asked for.
     outlines: FxHashMap<NodeId, Outlines>,
     /// Their shapes, by formula and dimensions.
