@@ -18,7 +18,11 @@ const PICTURES: [(u32, u32); 4] = [(5, 3), (20, 12), (60, 36), (140, 84)];
 const PIXELS: u32 = 720;
 /// Most operations that a look at all pixels of a picture may take, once.
 const MOST: usize = 3_000_000;
-/// And where it is told which rays are lost, each of which looks as often as it may.
+/// What takes more operations by itself is not looked at.
+const LONGEST: usize = 10_000;
+/// And where a ray is lost, so that others look as often as they may.
+const MOST_AFTER_LOST: usize = MOST / 25;
+/// And where it is told which rays are lost.
 const MOST_LOST: usize = MOST / 10;
 /// So many times farther away than it is wide one sees something well.
 const AWAY: f64 = 2.5;
@@ -135,10 +139,12 @@ enum Sight {
 
 /// What is in sight, up to so far away. None where that takes too long to tell.
 fn sees(compiled: &Compiled, reference: &Reference, camera: &Camera, frame: &Frame, far: f64) -> Option<Sight> {
-    let mut sight = Sight::Empty;
+    let (mut sight, mut most) = (Sight::Empty, MOST);
     for (width, height) in PICTURES {
-        if (width * height) as usize * compiled.module.operations.1.max(1) > MOST {
-            return None;
+        let cost = compiled.module.operations.1.max(1);
+        if cost > LONGEST || (width * height) as usize * cost > most {
+            // What is lost so far may be said to be.
+            return (sight == Sight::Lost).then_some(sight);
         }
         let hits = look(reference, camera, frame, far, (width, height));
         let mut met = hits.iter().filter(|(hit, _)| hit.hit).map(|(hit, ray)| length(ray.at(hit.t))).peekable();
@@ -147,6 +153,9 @@ fn sees(compiled: &Compiled, reference: &Reference, camera: &Camera, frame: &Fra
             return Some(Sight::Solid);
         }
         let lost = hits.iter().filter(|(hit, _)| hit.steps >= TRACER.budget).count();
+        if lost > 0 {
+            most = MOST_AFTER_LOST;
+        }
         sight = match 2 * lost > hits.len() {
             _ if is_cut => Sight::Cut,
             true => Sight::Lost,
