@@ -40,6 +40,10 @@ fn values(compiled: &Compiled, live: &Live, function: Function, points: &[[f32; 
     all
 }
 
+/// From a factor like this on the distance is estimated by its slope alone, also from so far away, where it is a guess.
+const STEEP: f64 = 7.5;
+const FAR: f64 = 0.5;
+
 /// The device's field, distance and gradient are those of the formulas, and its bound is no more than that.
 fn agrees(gpu: &Gpu, compiled: &Compiled, half: f64) {
     agrees_at(gpu, compiled, &compiled.live(), half);
@@ -52,10 +56,18 @@ fn agrees_at(gpu: &Gpu, compiled: &Compiled, live: &Live, half: f64) {
     let of = |export| evaluate(gpu, compiled, live, [0.0; 3], export, &points).unwrap();
     let gradients: Vec<f32> = of(Export::Gradient).chunks(4).map(|g| g[3]).collect();
     let found = [of(Export::Field), gradients, of(Export::Distance)];
+    // The estimate of the distance divides by a slope, which is off by as much as it changes over what a point is off: of waves as the square of how steep
+    // they are. Far from what is steep it goes by slopes of whichever is the least there, and is a guess.
+    let steepest = compiled.graph.factors.iter().map(|f| f.lipschitz).fold(1.0, f64::max);
     for (i, point) in points.iter().enumerate() {
         for ((name, formula), values) in [("field", &field), ("gradient", &field), ("distance", &distance)].iter().zip(&found) {
             let off = (f64::from(values[i]) - formula[i]).abs();
-            assert!(off < room(point), "{name} at {point:?}: {} and not {}", values[i], formula[i]);
+            let allowed = match *name {
+                "distance" if steepest > STEEP && formula[i].abs() > FAR => 0.5 * formula[i].abs(),
+                "distance" if steepest > STEEP => steepest * steepest * room(point),
+                _ => room(point),
+            };
+            assert!(off < allowed, "{name} at {point:?}: {} and not {}", values[i], formula[i]);
         }
     }
     bounds(gpu, compiled, live, &points);
