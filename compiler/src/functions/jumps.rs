@@ -162,10 +162,13 @@ impl Builder<'_> {
 
     /// Whether where one of some jumps is follows from another one.
     fn are_nested(&self, sites: &[Site]) -> bool {
-        sites.iter().any(|site| {
-            let read = self.graph.reachable(&site.args);
-            sites.iter().any(|other| other.node != site.node && read.binary_search(&other.node).is_ok())
-        })
+        sites.iter().any(|site| self.follows(&site.args, sites, Some(site.node)))
+    }
+
+    /// Whether some numbers are computed from one of some jumps, apart from this one.
+    pub(super) fn follows(&self, numbers: &[NodeId], jumps: &[Site], but: Option<NodeId>) -> bool {
+        let read = self.graph.reachable(numbers);
+        jumps.iter().any(|jump| Some(jump.node) != but && read.binary_search(&jump.node).is_ok())
     }
 
     /// Some sites, parted by whether the two sides of each agree wherever one looks: those at which rays stop, and those that they pass. A person is

@@ -129,8 +129,7 @@ impl Builder<'_> {
     /// How far it is at least to a jump that is not the nearest, neither as things are here nor as they are across the nearest, where its argument may
     /// be another one. None where that is not known.
     fn way_on_both(&mut self, side: &Side, sites: &[Site], nearest: (&[Side], &[Option<NodeId>]), near: &Domain) -> Option<NodeId> {
-        let read = self.graph.reachable(&[side.argument]);
-        if !sites.iter().any(|other| other.node != side.site && read.binary_search(&other.node).is_ok()) {
+        if !self.follows(&[side.argument], sites, Some(side.site)) {
             return Some(side.nearest);
         }
         // As what jumps goes on where the other side is, it may be steeper.
@@ -237,10 +236,10 @@ impl Builder<'_> {
         let size = self.graph.op(Op::Mul, &[size, share]);
         let mut past = sides.beyond.map_or(size, |beyond| self.graph.op(Op::Min, &[size, beyond]));
         for seam in seams {
-            let read = self.graph.reachable(&seam.args);
+            let follows = self.follows(&seam.args, sites, None);
             match self.distance_to_jump(seam.op, &seam.args, near) {
                 Jump::Nowhere => {}
-                Jump::From(seam) if !sites.iter().any(|site| read.binary_search(&site.node).is_ok()) => past = self.graph.op(Op::Min, &[past, seam]),
+                Jump::From(seam) if !follows => past = self.graph.op(Op::Min, &[past, seam]),
                 _ => return None,
             }
         }
