@@ -6,17 +6,17 @@ pub use crate::frame::{CAPTURE_SIZES, Camera, CameraNodes, CaptureNodes, Frame, 
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::emit::tracer::Ways;
+use crate::followed::Followed;
 use crate::functions::{self, Functions, Summary};
 use crate::graph::algebra::Reals;
 use crate::outlook::outlook;
 use crate::pipeline::tidy;
 pub use crate::home::Home;
-use crate::graph::{multiple_of, Graph, Leaf, Node, NodeId, Proof, ShapeId};
+use crate::graph::{multiple_of, Graph, Leaf, Node, NodeId, ShapeId};
 pub use crate::loader::{Loader, MemoryLoader};
 use crate::source::{Sources, Span};
 use crate::syntax::ast::Type;
 use std::ops::Range;
-use std::rc::Rc;
 use std::sync::Arc;
 
 /// Functions that a module can hold, in the order in which they are emitted.
@@ -158,13 +158,6 @@ pub struct Live {
     pub tightened: Vec<f64>,
 }
 
-/// Lipschitz factors for some values of the parameters, found by [`Compiled::follow`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct Followed {
-    components: Vec<f64>,
-    factors: Vec<f64>,
-}
-
 impl Live {
     /// Time zero and every parameter of a graph at its default.
     pub fn start(graph: &Graph) -> Self {
@@ -183,19 +176,6 @@ impl Live {
             },
             |_, _, _, _| 0.0,
         )
-    }
-
-    /// A factor for the values at hand where it was found, else for the whole ranges.
-    pub fn factor(&self, graph: &Graph, index: u32) -> f64 {
-        let index = index as usize;
-        let first = graph.factors.get(index).map_or(1.0, |f| f.lipschitz);
-        let whole = self.tightened.get(index).map_or(first, |f| f.min(first));
-        match &self.followed {
-            Some(followed) if followed.components == self.components => {
-                followed.factors.get(index).map_or(whole, |f| f.min(whole))
-            }
-            _ => whole,
-        }
     }
 
     /// A component of a parameter, clamped to its range; its default where there is none.
@@ -419,56 +399,5 @@ impl Compiled {
             }
         }
         bytes
-    }
-
-    /// Boxes for [`Compiled::follow`] that take no longer than a frame.
-    pub const QUICK: usize = 64;
-
-    /// Finds the factors for the values at hand, where they depend on parameters, with at most so many boxes each. They are no larger than
-    /// those for the whole ranges, and proven in the same way.
-    pub fn follow(&self, live: &mut Live, boxes: usize) {
-        let known = live.followed.as_ref().is_some_and(|f| f.components == live.components);
-        let any = self.functions.searches.iter().flatten().any(|s| !s.parameters.is_empty());
-        if known || !any {
-            return;
-        }
-        // As 32 bits hold them: that is what the shader reads.
-        let pinned: Rc<[f64]> =
-            (0..self.graph.parameters.len() as u32).map(|i| f64::from(live.component(&self.graph, i) as f32)).collect();
-        let factors = self
-            .graph
-            .factors
-            .iter()
-            .zip(&self.functions.searches)
-            .map(|(factor, search)| match search {
-                Some(search) if !search.parameters.is_empty() => {
-                    search.run(&self.graph, pinned.clone(), boxes).min(factor.lipschitz)
-                }
-                _ => factor.lipschitz,
-            })
-            .collect();
-        live.followed = Some(Followed { components: live.components.clone(), factors });
-    }
-
-    /// Whether a longer search can make a factor smaller.
-    pub fn can_tighten(&self, factor: usize) -> bool {
-        let searched = self.graph.factors.get(factor).is_some_and(|f| matches!(f.proof, Proof::Derived | Proof::Claimed));
-        searched && self.functions.searches.get(factor).is_some_and(Option::is_some)
-    }
-
-    /// A factor for the whole ranges of the parameters, looked for with at most so many boxes: a number for [`Live::tightened`]. It is never
-    /// above the one that the compiler found at once.
-    pub fn tighten(&self, factor: usize, boxes: usize) -> f64 {
-        let first = self.graph.factors.get(factor).map_or(1.0, |f| f.lipschitz);
-        match self.functions.searches.get(factor) {
-            Some(Some(search)) if self.can_tighten(factor) => search.run(&self.graph, Rc::new([]), boxes).min(first),
-            _ => first,
-        }
-    }
-
-    /// How steep what a factor was found from is at the steepest place found, from so many samples uphill: no constant is smaller.
-    pub fn sampled_factor(&self, factor: usize, samples: usize) -> f64 {
-        let search = self.functions.searches.get(factor).and_then(Option::as_ref);
-        search.map_or(1.0, |s| s.sample(&self.graph, samples))
     }
 }

@@ -8,6 +8,7 @@ pub mod diagnostic;
 pub mod emit;
 pub mod evaluate;
 pub mod factors;
+pub mod followed;
 mod frame;
 pub mod functions;
 pub mod graph;

@@ -46,7 +46,7 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
     let (camera, nodes) = (frame.cameras.get(which)?.1, compiled.blocks.cameras.get(which));
     // By the factors that hold where the sliders stand, as a picture goes.
     let mut followed = live.clone();
-    compiled.follow(&mut followed, Compiled::QUICK);
+    compiled.settle(&mut followed);
     let reference = Reference::new(compiled, &followed).ok()?;
     let field = |place: Vec3| field_at(&reference, place);
     let known = compiled.functions.ahead;

@@ -204,7 +204,7 @@ fn moments(compiled: &Compiled, random: &mut Random) -> Vec<Live> {
                 }
             }
             if i % 2 == 1 {
-                compiled.follow(&mut live, Compiled::QUICK);
+                compiled.settle(&mut live);
             }
             live
         })

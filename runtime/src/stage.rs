@@ -186,6 +186,11 @@ impl Stage {
         self.playing && (self.animated || self.balls.is_some())
     }
 
+    /// Whether gentler factors for where the parameters stand are being looked for.
+    pub fn settles(&self) -> bool {
+        self.tightening.is_some() && self.scene.as_ref().zip(self.live.as_ref()).is_some_and(|(scene, live)| scene.can_settle(live))
+    }
+
     /// Writes to the GPU what changed since the last call. Answers whether there is anything new to draw: where not, the last picture
     /// is still the right one.
     pub fn update(&mut self, queue: &wgpu::Queue, view: &View) -> bool {
@@ -193,10 +198,12 @@ impl Stage {
         else {
             return false;
         };
-        if let Some(factors) = self.tightening.as_ref().and_then(Tightening::newest) {
-            live.tightened = factors;
+        if let Some(tightening) = &self.tightening {
+            tightening.take(live);
         }
-        scene.follow(live, Compiled::QUICK);
+        if scene.follow(live, Compiled::QUICK) && scene.can_settle(live) {
+            self.tightening.iter().for_each(|tightening| tightening.ask(live));
+        }
         if let Some(balls) = &mut self.balls {
             match balls.advance(scene, live, std::mem::take(&mut self.passed), MOST_STEPS) {
                 Ok(steps) => self.fresh |= steps > 0,

@@ -243,6 +243,14 @@ impl Builder<'_> {
                 None => return node,
             },
         };
+        if let Some(parts) = self.by_operands(shape, node, domain, continuous, &treatment) {
+            return parts;
+        }
+        self.over_its_constant(shape, node, domain, continuous, treatment)
+    }
+
+    /// A formula over a constant of its own, behind its region where it has one.
+    pub(super) fn over_its_constant(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool, treatment: Treatment) -> NodeId {
         let treatment = self.affordable(shape, node, domain, treatment);
         self.kind = self.kind.max(if self.is_exact(shape, node) { Kind::Exact } else { Kind::Lipschitz });
         let mut value = if (treatment.constant - 1.0).abs() <= 1e-6 {

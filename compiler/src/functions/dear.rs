@@ -49,11 +49,7 @@ impl Builder<'_> {
         if steepest <= 0.0 || proven <= TIMES_STEEPEST * steepest {
             return treatment;
         }
-        // As the parameters stand it may be another one.
-        let target = Target::Value(node);
-        let search = Search { parameters: self.parameters_of(&target), target, domain: at };
-        let start: Vec<f64> = self.graph.parameters.iter().map(|p| p.default).collect();
-        let now = if search.parameters.is_empty() { proven } else { search.run(self.graph, start.into(), BUDGET) };
+        let now = self.as_parameters_stand(node, &at, proven);
         if now <= DEAR || now <= TIMES_STEEPEST * steepest {
             return treatment;
         }
@@ -68,6 +64,14 @@ impl Builder<'_> {
         ));
         self.kind = self.kind.max(Kind::Unproven);
         Treatment { constant: steepest, proof: Proof::Measured, ..treatment }
+    }
+
+    /// A constant over a domain at the defaults of parameters; the one that is known of their ranges where it reads none.
+    pub(super) fn as_parameters_stand(&self, node: NodeId, at: &Domain, known: f64) -> f64 {
+        let target = Target::Value(node);
+        let search = Search { parameters: self.parameters_of(&target), target, domain: at.clone() };
+        let start: Vec<f64> = self.graph.parameters.iter().map(|p| p.default).collect();
+        if search.parameters.is_empty() { known } else { search.run(self.graph, start.into(), BUDGET) }
     }
 
     /// The slope that such a share of places of a domain do not exceed, by differences.

@@ -6,6 +6,7 @@
 
 mod agree;
 mod ahead;
+mod apart;
 mod bodies;
 mod bound;
 mod capped;
@@ -295,6 +296,8 @@ pub struct Builder<'a> {
     dresses: FxHashMap<NodeId, dress::Dress>,
     /// How many shapes of several materials were looked at.
     looked: usize,
+    /// Within how many smooth unions, each taken apart, the bound that is being made lies.
+    parting: u32,
 }
 
 /// The numbers of a surface, and the images on it.
@@ -356,6 +359,7 @@ pub fn build(
         looks: FxHashMap::default(),
         dresses: FxHashMap::default(),
         looked: 0,
+        parting: 0,
     };
     builder.graph.is_spread = builder.graph.spreads();
     builder.find_domains();

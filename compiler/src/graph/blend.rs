@@ -2,8 +2,11 @@
 //!
 //! `h = clamp(1/2 + (b - a)/(2k), 0, 1)` and `b (1 - h) + a h - k h (1 - h)` (Quilez, "smooth minimum") is a polynomial of a clamped share
 //! whose terms cancel only together: its slopes by a and b are h and 1 - h, for k above zero and below. However it is written, its terms
-//! multiplied out are the same, and by them it is recognised.
+//! multiplied out are the same, and by them it is recognised. It becomes `min(a, b) - k/4 h²` with `h = max(1 - |a - b|/k, 0)`, which is the same:
+//! so intervals show how little lower than both operands it is.
 
+use super::algebra::Intervals;
+use super::interval::Interval;
 use super::kernel::Op;
 use super::{Claim, ClaimGroup, Graph, Leaf, Node, NodeId};
 use std::collections::BTreeMap;
@@ -20,12 +23,119 @@ impl Graph {
     /// A sum or a difference, with the claim that it is no steeper than what it blends where it is a smooth union that is written out.
     pub(super) fn recognised(&mut self, op: Op, a: NodeId, b: NodeId) -> Option<NodeId> {
         let (share, radius) = self.dip(b)?;
-        let (first, second) = self.blended(op, a, share, radius)?;
-        let blend = self.intern(Node::Op(op, [a, b].into()));
+        let (first, second) = self.blended(op, a, share, radius.clone())?;
+        let size = radius.into_iter().reduce(|one, other| self.op(Op::Mul, &[one, other]))?;
+        let size = if op == Op::Sub { size } else { self.op(Op::Neg, &[size]) };
+        let blend = self.smooth(first, second, size).unwrap_or_else(|| self.intern(Node::Op(op, [a, b].into())));
         let constants = [self.leaf(Leaf::Variable(0)), self.leaf(Leaf::Variable(1))];
         let larger = self.op(Op::Max, &constants);
         let groups = [ClaimGroup::Vector(1), ClaimGroup::Vector(1)].into();
         Some(self.intern(Node::Claim([blend, first, second].into(), Claim::Lipschitz(larger, groups, None))))
+    }
+
+    /// The smooth minimum of two within a size that is the same everywhere and above zero, or the smooth maximum where it is below; none where that
+    /// may change.
+    fn smooth(&mut self, a: NodeId, b: NodeId, size: NodeId) -> Option<NodeId> {
+        let range = self.evaluate(&mut Intervals, &[size], |_, leaf| self.range_of(leaf), |_, _, _, _| Interval::ALL);
+        let range = range.first()?;
+        let below = if range.lo > 0.0 { true } else if range.hi < 0.0 { false } else { return None };
+        let size = if below { size } else { self.op(Op::Neg, &[size]) };
+        let sharp = self.op(if below { Op::Min } else { Op::Max }, &[a, b]);
+        let apart = self.op(Op::Sub, &[a, b]);
+        let apart = self.op(Op::Abs, &[apart]);
+        let (one, zero, four) = (self.constant(1.0), self.constant(0.0), self.constant(4.0));
+        let share = self.op(Op::Div, &[apart, size]);
+        let share = self.op(Op::Sub, &[one, share]);
+        let share = self.op(Op::Max, &[share, zero]);
+        let square = self.op(Op::Mul, &[share, share]);
+        let quarter = self.op(Op::Div, &[size, four]);
+        let dip = self.op(Op::Mul, &[quarter, square]);
+        Some(self.intern(Node::Op(if below { Op::Sub } else { Op::Add }, [sharp, dip].into())))
+    }
+
+    /// What a number that is the same everywhere may be.
+    fn range_of(&self, leaf: Leaf) -> Interval {
+        match leaf {
+            Leaf::Parameter(i) => self.parameters.get(i as usize).map_or(Interval::ALL, |p| Interval::new(p.min, p.max)),
+            _ => Interval::ALL,
+        }
+    }
+
+    /// Of a smooth union `min(a, b) - r`: both operands, and k, the same everywhere, such that r is zero where they differ by k or more, nowhere less,
+    /// and no steeper than 1/2.
+    pub fn smooth_union(&self, node: NodeId) -> Option<(NodeId, NodeId, NodeId)> {
+        let Node::Claim(args, Claim::Lipschitz(..)) = self.node(node) else { return None };
+        let (sharp, rest) = self.two(*args.first()?, Op::Sub)?;
+        let (a, b) = self.two(sharp, Op::Min)?;
+        Some((a, b, self.dip_of(rest, a, b)?))
+    }
+
+    fn two(&self, node: NodeId, wanted: Op) -> Option<(NodeId, NodeId)> {
+        match self.node(node) {
+            Node::Op(op, args) if *op == wanted => Some((*args.first()?, *args.get(1)?)),
+            _ => None,
+        }
+    }
+
+    /// A blend with others in the place of its operands.
+    pub fn blend_of(&mut self, blend: NodeId, operands: [NodeId; 2], others: [NodeId; 2]) -> Option<NodeId> {
+        let Node::Claim(args, claim) = self.node(blend).clone() else { return None };
+        let with_others: Option<Vec<NodeId>> = args.iter().map(|&arg| self.with_operands(arg, operands, others, MOST_DEPTH)).collect();
+        Some(self.intern(Node::Claim(with_others?.into(), claim)))
+    }
+
+    fn with_operands(&mut self, node: NodeId, operands: [NodeId; 2], others: [NodeId; 2], depth: u32) -> Option<NodeId> {
+        if let Some((_, by)) = operands.into_iter().zip(others).find(|(operand, _)| *operand == node) {
+            return Some(by);
+        }
+        match self.node(node).clone() {
+            Node::Op(op, args) if operands.iter().any(|&operand| self.holds(node, operand, depth)) => {
+                let args: Option<Vec<NodeId>> = args.iter().map(|&arg| self.with_operands(arg, operands, others, depth.checked_sub(1)?)).collect();
+                Some(self.op(op, &args?))
+            }
+            _ => Some(node),
+        }
+    }
+
+    /// Of `k/4 h h`, with h the larger one of 0 and 1 - |a - b|/k, or of less: k.
+    fn dip_of(&self, node: NodeId, a: NodeId, b: NodeId) -> Option<NodeId> {
+        let (mut open, mut times, mut sizes, mut shares) = (vec![node], 1.0, vec![], vec![]);
+        while let Some(id) = open.pop() {
+            match self.node(id) {
+                Node::Op(Op::Mul, args) => open.extend(args.iter().copied()),
+                Node::Op(Op::Square, args) => open.extend([args.first()?, args.first()?]),
+                Node::Op(Op::Div, args) => {
+                    open.push(*args.first()?);
+                    times /= self.as_constant(*args.get(1)?)?;
+                }
+                Node::Constant(bits) => times *= f64::from_bits(*bits),
+                _ => match self.share_of(id, a, b) {
+                    Some(share) => shares.push(share),
+                    None => sizes.push(id),
+                },
+            }
+        }
+        let &[size, other] = shares.as_slice() else { return None };
+        let most = match (sizes.as_slice(), self.as_constant(size)) {
+            (&[known], None) if known == size => 0.25,
+            (&[], Some(k)) => 0.25 * k,
+            _ => return None,
+        };
+        (size == other && times >= 0.0 && times <= most * (1.0 + 1e-12)).then_some(size)
+    }
+
+    /// Of the larger one of 0 and 1 - |a - b|/k: k, where that is the same everywhere.
+    fn share_of(&self, node: NodeId, a: NodeId, b: NodeId) -> Option<NodeId> {
+        let (one, other) = self.two(node, Op::Max)?;
+        let rest = if self.as_constant(other) == Some(0.0) { one } else if self.as_constant(one) == Some(0.0) { other } else { return None };
+        let (whole, share) = self.two(rest, Op::Sub)?;
+        let (apart, size) = self.two(share, Op::Div)?;
+        let Node::Op(Op::Abs, inner) = self.node(apart) else { return None };
+        let of = self.two(*inner.first()?, Op::Sub)?;
+        // A size that is kept from zero.
+        let size = self.two(size, Op::Max).filter(|(_, least)| self.as_constant(*least).is_some_and(|least| least < 1e-20)).map_or(size, |two| two.0);
+        let still = self.reads(size).nothing() && !self.reads(size).shapes;
+        (self.as_constant(whole) == Some(1.0) && (of == (a, b) || of == (b, a)) && still).then_some(size)
     }
 
     /// Of `k h (1 - h)`, with h clamped between 0 and 1 and k the same everywhere: h, and the factors of k.

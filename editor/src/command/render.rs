@@ -7,7 +7,7 @@ use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use surefoot_compiler::Options;
-use surefoot_compiler::compiled::{Camera, Compiled, Frame};
+use surefoot_compiler::compiled::{Camera, Frame};
 use surefoot_compiler::diagnostic::Diagnostic;
 
 /// What to draw, and how.
@@ -93,7 +93,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
     let mut live = compiled.live();
     values::apply(&args.set, compiled, &mut live).map_err(Failure::usage)?;
-    compiled.follow(&mut live, Compiled::QUICK);
+    compiled.settle(&mut live);
     if args.output.extension().is_some_and(|e| !e.eq_ignore_ascii_case("png")) {
         let png = args.output.with_extension("png");
         return Err(Failure::usage(format!("pictures are written as PNG: write `-o {}`", png.display())));

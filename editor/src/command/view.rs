@@ -3,7 +3,7 @@
 use super::{Exit, Failure, compile_file, show_broken, show_diagnostics};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::path::{Path, PathBuf};
-use surefoot_compiler::{Compiled, Options};
+use surefoot_compiler::Options;
 
 /// What to show.
 #[derive(Clone, Debug, clap::Args)]
@@ -75,7 +75,7 @@ fn picture(args: &Args, why: &str) -> Result<Exit, Failure> {
     }
     let exit = show_broken(&outcome, painter.broken());
     let mut live = compiled.live();
-    compiled.follow(&mut live, Compiled::QUICK);
+    compiled.settle(&mut live);
     let frame = compiled.frame(&live);
     let Some(&(_, camera)) = frame.cameras.first() else {
         return Err(Failure::usage(format!("{scene}: the scene has no camera")));

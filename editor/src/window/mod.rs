@@ -228,7 +228,7 @@ impl App {
         if self.session.stage.animates() {
             ctx.request_repaint();
         }
-        if self.session.said.work.is_some() {
+        if self.session.said.work.is_some() || self.session.stage.settles() {
             ctx.request_repaint_after(TICK);
         }
         let now = Instant::now();

@@ -1,0 +1,126 @@
+//! The bound of a smooth union of which an operand is steep, by its parts.
+//!
+//! Let S = min(a, b) - r(|a - b|) with r from k/4 down to 0 at k, no steeper than 1/2: it does not fall as a or b grows. Where b ≥ k and a > 0, S is
+//! at least what it is of a and k, which is over what it is of 0 and k, and that is 0. So the solid of S is that of a, that of b, and what of S lies
+//! where both are less than k. The least of the three bounds is a bound; the last of them is needed in a box, and only there must S be as gentle as
+//! its factor says.
+
+use super::treatment::{Over, Treatment};
+use super::{Builder, BUDGET, UNIT};
+use crate::analysis::{Box3, Domain};
+use crate::graph::kernel::Op;
+use crate::graph::{NodeId, Proof, ShapeId};
+
+/// A constant up to here is not worth a look at the parts.
+const GENTLE: f64 = 2.0;
+/// The box where both are near is worth it if the whole is this much gentler there, or if it is this much of the whole's region.
+const GENTLER: f64 = 0.6;
+const SMALLER: f64 = 0.5;
+/// A blend that is steeper is looked at with its operands cut off at so many times its width.
+const STEEP: f64 = 4.0;
+const LEVELS: [f64; 4] = [1.0, 2.0, 4.0, 16.0];
+/// Of a blend is asked what it is where its gentle operands are less than so many times its width.
+const NEAR: f64 = 2.0;
+/// Smooth unions within each other are taken apart so deep: each asks for the field of all that is below it.
+const DEEPEST: u32 = 4;
+
+impl Builder<'_> {
+    /// The bound of a smooth union by those of its operands; none where it is no such union, or gains nothing.
+    pub(super) fn by_operands(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool, whole: &Treatment) -> Option<NodeId> {
+        if whole.constant <= GENTLE || whole.jumps || whole.over == Over::Cell || self.parting >= DEEPEST {
+            return None;
+        }
+        let (a, b, radius) = self.graph.smooth_union(node)?;
+        let mut near = Some((whole.region.map_or(domain.point, |(region, _)| region), 0.0));
+        for part in [a, b] {
+            let level = self.graph.op(Op::Sub, &[part, radius]);
+            near = match (near, self.region_of(level, domain)) {
+                (Some((known, reach)), Some((region, more))) => Some((known.intersect(&region), more.max(reach))),
+                _ => None,
+            };
+        }
+        let near = near.filter(|(region, _)| !region.is_empty());
+        let widest = self.facts.live_range(self.graph, radius).hi;
+        let tame = self.tame([a, b], domain);
+        let blend = match near {
+            None => None,
+            Some((region, reach)) => {
+                let mut at = domain.at(region.grow(reach));
+                at.within.extend(tame.iter().map(|&operand| (operand, NEAR * widest)));
+                let constant = self.facts.constant(self.graph, node, &at, BUDGET);
+                let capped = self.capped_blend(node, [a, b], widest, &at, constant.lipschitz);
+                let (value, lipschitz) = capped.unwrap_or((node, constant.lipschitz));
+                let gentler = lipschitz <= GENTLER * whole.constant;
+                let smaller = whole.region.is_none_or(|(all, _)| volume(&region.grow(reach)) <= SMALLER * volume(&all));
+                if constant.jumps || !(gentler || smaller) {
+                    return None;
+                }
+                let of_it = Treatment { constant: lipschitz.max(1e-6), jumps: false, region: None, proof: Proof::Derived, over: Over::Region };
+                Some((value, of_it, at, region, reach))
+            }
+        };
+        self.parting += 1;
+        let mut bounds: Vec<NodeId> = [a, b].map(|part| self.bound(shape, part, domain, continuous)).into();
+        if let Some((value, treatment, at, region, reach)) = blend {
+            let way = self.over_its_constant(shape, value, &at, continuous, treatment);
+            let way = self.beside_tame(&tame, widest, way);
+            bounds.push(self.behind(region, None, reach, way));
+        }
+        self.parting -= 1;
+        bounds.into_iter().reduce(|one, other| self.graph.op(Op::Min, &[one, other]))
+    }
+
+    /// A blend of operands that are cut off where they are so large that the blend is another one's surface or none, where that is much gentler
+    /// than the blend itself: it is zero at the same places.
+    fn capped_blend(&mut self, node: NodeId, operands: [NodeId; 2], widest: f64, at: &Domain, whole: f64) -> Option<(NodeId, f64)> {
+        if whole <= STEEP {
+            return None;
+        }
+        let now = self.as_parameters_stand(node, at, whole);
+        let mut best: Option<(NodeId, f64)> = None;
+        let mut farthest = 0.0;
+        for level in LEVELS.map(|times| times * widest) {
+            let limit = self.graph.constant(level);
+            let cut = operands.map(|operand| self.graph.op(Op::Min, &[operand, limit]));
+            let capped = self.graph.blend_of(node, operands, cut)?;
+            let constant = self.facts.constant(self.graph, capped, at, BUDGET);
+            let gentler = self.as_parameters_stand(capped, at, constant.lipschitz);
+            let way = (level - 0.25 * widest) / gentler.max(1e-6);
+            if !constant.jumps && gentler <= GENTLER * now && way > farthest {
+                farthest = way;
+                best = Some((capped, constant.lipschitz));
+            }
+        }
+        best
+    }
+
+    /// Those of two operands that are no steeper than one wherever they are.
+    fn tame(&mut self, operands: [NodeId; 2], domain: &Domain) -> Vec<NodeId> {
+        let everywhere = Domain { within: Vec::new(), ..domain.at(Box3::ALL) };
+        let is_tame = |operand: &NodeId| {
+            let constant = self.facts.constant(self.graph, *operand, &everywhere, 1);
+            constant.lipschitz <= UNIT && !constant.jumps && self.graph.reads(*operand).variables == 0
+        };
+        operands.into_iter().filter(is_tame).collect()
+    }
+
+    /// The way to a blend of such a width. No part of it lies where an operand is over that width, so a tame one says how far away it is at least; and
+    /// what is said of the blend near that operand holds as far as from there.
+    fn beside_tame(&mut self, tame: &[NodeId], widest: f64, way: NodeId) -> NodeId {
+        let [near, widest] = [NEAR * widest, widest].map(|level| self.graph.constant(level));
+        let mut way = way;
+        for &operand in tame {
+            let room = self.graph.op(Op::Sub, &[near, operand]);
+            way = self.graph.op(Op::Min, &[way, room]);
+        }
+        for &operand in tame {
+            let beyond = self.graph.op(Op::Sub, &[operand, widest]);
+            way = self.graph.op(Op::Max, &[way, beyond]);
+        }
+        way
+    }
+}
+
+fn volume(of: &Box3) -> f64 {
+    of.0.iter().map(|side| side.width()).product()
+}
