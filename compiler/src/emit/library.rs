@@ -297,6 +297,8 @@ pub fn function(export: Export, ways: Ways, reads_scene: [bool; 3]) -> Option<Co
 // both spheres, is then no nearer to it between the looks than 0.86 of the smaller one's radius, as between two looks at the same distance without a
 // slope. So nothing of a penumbra is lost, and a ray that leaves a plane is gone in half of the looks. Where the bound is less than was to be
 // expected, the ray goes back to the end of the first sphere.
+//
+// Rays that come in flat need many looks: as they are spent, what counts as met grows, up to a thousandth of the way.
 const SHADOW_OF_ONE: &str = "\
 fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: f32) -> f32 {
   let span = sf_clip(origin, direction, t_min, t_max);
@@ -307,17 +309,19 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
   // The last sphere known to be empty, and the step from its centre.
   var radius = 1e18;
   var stride = 1.0;
-  for (var step = 0u; step < 256u && t <= span.y && lit >= 0.002; step++) {
-    let tolerance = 2e-6 * (size + t);
+  for (var step = 0u; step < 288u && t <= span.y && lit >= 0.002; step++) {
+    let tolerance = (2e-6 + 1.5e-8 * f32(step * step)) * (size + t);
     let free = sf_bound(origin + direction * t);
     let apart = max(min(t, t_max - t), tolerance);
-    lit = select(min(lit, sharpness * free / apart), 0.0, free <= tolerance);
+    // Out of looks it goes on by guesses, until one is inside.
+    let spent = step >= 256u;
+    lit = select(min(lit, sharpness * free / apart), 0.0, free <= select(tolerance, 0.0, spent));
     // On by the slope over the last step, but not beyond the end without a look at it; or back.
     let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
     let next = max(t + free, min(t + on, span.y));
     let back = stride > radius && free < 0.75 * stride;
     let seen = t;
-    t = select(next, t + radius - stride, back);
+    t = select(select(next, t + radius - stride, back), t + max(free, 1e-3 * (size + t)), spent);
     stride = select(next - seen, radius, back);
     radius = select(free, radius, back);
   }
@@ -344,14 +348,13 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
   // The last sphere known to be empty, and the step from its centre.
   var radius = 1e18;
   var stride = 1.0;
-  while step < 256u && t <= span.y && lit >= 0.002 {
+  while step < 288u && t <= span.y && lit >= 0.002 {
     var near = false;
-    while step < 256u && t <= span.y && !near {
-      step += 1u;
-      tolerance = 2e-6 * (size + t);
+    while step < 288u && t <= span.y && !near {
+      tolerance = (2e-6 + 1.5e-8 * f32(step * step)) * (size + t);
       free = sf_bound(origin + direction * t);
       apart = max(min(t, t_max - t), tolerance);
-      near = free <= tolerance || sharpness * free < lit * apart;
+      near = free <= tolerance || sharpness * free < lit * apart || step >= 256u;
       // On by the slope over the last step, but not beyond the end without a look at it; or back.
       let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
       let next = max(t + free, min(t + on, span.y));
@@ -360,16 +363,23 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
       t = select(next, t + radius - stride, back);
       stride = select(next - seen, radius, back);
       radius = select(free, radius, back);
+      step += 1u;
     }
     if near {
       let distance = sf_distance(origin + direction * seen);
       let share = sharpness * distance / apart;
-      // Where the bound is much less, between two looks so near to each other it is hardly less.
-      if t > seen && share < 1.25 * lit && distance > 1.5 * free {
-        stride = min(stride, max(0.4 * distance, tolerance));
-        t = seen + stride;
+      if step > 256u {
+        // Out of looks it goes on by guesses, until one is inside.
+        lit = select(min(lit, share), 0.0, free <= 0.0);
+        t = seen + max(distance, 1e-3 * (size + seen));
+      } else {
+        // Where the bound is much less, between two looks so near to each other it is hardly less.
+        if t > seen && share < 1.25 * lit && distance > 1.5 * free {
+          stride = min(stride, max(0.4 * distance, tolerance));
+          t = seen + stride;
+        }
+        lit = select(min(lit, share), 0.0, distance <= tolerance || free <= 2e-6 * (size + seen));
       }
-      lit = select(min(lit, share), 0.0, free <= tolerance);
     }
   }
   lit = select(lit, 0.0, lit < 0.002);

@@ -12,9 +12,11 @@ use crate::graph::kernel::Op;
 use crate::graph::{NodeId, Proof, ShapeId};
 
 /// A constant up to here is not worth a look at the parts.
-const GENTLE: f64 = 2.0;
-/// The box where both are near is worth it if the whole is this much gentler there, or if it is this much of the whole's region.
+const GENTLE: f64 = 4.0;
+/// The box where both are near is worth it if the whole is this much gentler there, or steep and the box this much of the whole's region: what is
+/// in it is asked for twice.
 const GENTLER: f64 = 0.6;
+const VERY_STEEP: f64 = 16.0;
 const SMALLER: f64 = 0.5;
 /// A blend that is steeper is looked at with its operands cut off at so many times its width.
 const STEEP: f64 = 4.0;
@@ -51,7 +53,8 @@ impl Builder<'_> {
                 let capped = self.capped_blend(node, [a, b], widest, &at, constant.lipschitz);
                 let (value, lipschitz) = capped.unwrap_or((node, constant.lipschitz));
                 let gentler = lipschitz <= GENTLER * whole.constant;
-                let smaller = whole.region.is_none_or(|(all, _)| volume(&region.grow(reach)) <= SMALLER * volume(&all));
+                let of_all = |all: &Box3| volume(&region.grow(reach)) <= SMALLER * volume(all);
+                let smaller = whole.constant > VERY_STEEP && whole.region.is_none_or(|(all, _)| of_all(&all));
                 if constant.jumps || !(gentler || smaller) {
                     return None;
                 }

@@ -110,6 +110,12 @@ const CLOSE: f64 = 0.75;
 const MATTERS: f64 = 1.25;
 const MUCH_MORE: f64 = 1.5;
 const BETWEEN: f64 = 0.4;
+/// A shadow's ray that has spent its looks goes on by guesses so often, and at least by so much for each unit of its coordinates and its way.
+const MOST_GUESSES: u32 = 32;
+const LEAST_GUESS: f64 = 1e-3;
+/// What counts as met of each unit of that at the first look, and how that grows with the square of the looks.
+const MET: f64 = 2e-6;
+const TIRED_MET: f64 = 1.5e-8;
 /// Less light counts as none.
 pub const DARK: f64 = 0.002;
 
@@ -138,15 +144,35 @@ impl Shadow {
     /// At the ray's beginning, before the first look.
     pub const START: Self = Self { lit: 1.0, radius: 1e18, stride: 1.0, steps: 0 };
 
-    /// One look. `passage`: what it passes, where that can matter. `end`: of the ray. The answer: where to look next.
-    pub fn turn(&mut self, look: &Look, passage: Option<Passage>, tolerance: f64, end: f64) -> Option<f64> {
+    /// How near is near enough at the next look; `size`: how large coordinates are there, and the way to it.
+    pub fn tolerance(&self, size: f64) -> f64 {
+        (MET + TIRED_MET * f64::from(self.steps).powi(2)) * size
+    }
+
+    /// Whether the next look must see the distance, however near the surface is by the bound, which is `free`.
+    pub fn asks(&self, free: f64, size: f64) -> bool {
+        self.steps >= MOST_SHADOW_STEPS || free <= self.tolerance(size) && free > MET * size
+    }
+
+    /// One look. `passage`: what it passes, where that can matter; `size`: as for [`Self::tolerance`]; `end`: of the ray. The answer: where to look next.
+    pub fn turn(&mut self, look: &Look, passage: Option<Passage>, size: f64, end: f64) -> Option<f64> {
         let Self { radius, stride, lit, .. } = *self;
         let (t, free) = (look.t, look.free);
+        let tolerance = self.tolerance(size);
         self.steps += 1;
         if let Some(passage) = &passage {
             self.lit = lit.min(passage.share);
         }
-        if free <= tolerance || self.lit < DARK {
+        if self.steps > MOST_SHADOW_STEPS {
+            if free <= 0.0 || self.lit < DARK {
+                self.lit = 0.0;
+                return None;
+            }
+            let next = t + passage.map_or(free, |p| p.distance).max(LEAST_GUESS * size);
+            return (next <= end && self.steps < MOST_SHADOW_STEPS + MOST_GUESSES).then_some(next);
+        }
+        let met = free <= MET * size || passage.as_ref().is_some_and(|p| p.distance <= tolerance);
+        if met || self.lit < DARK {
             self.lit = 0.0;
             return None;
         }
@@ -165,6 +191,6 @@ impl Shadow {
                 next = t + self.stride;
             }
         }
-        (next <= end && self.steps < MOST_SHADOW_STEPS).then_some(next)
+        (next <= end).then_some(next)
     }
 }

@@ -284,28 +284,29 @@ impl Reference {
         let states = vec![Cell::new(Shadow::START); rays.len()];
         let state = |look: &Look| states.get(look.ray).map_or(Shadow::START, Cell::get);
         let size = sizes(rays, self.reads_scene);
-        let tolerance = |look: &Look| 2e-6 * (size(look) + look.t);
+        let way = |look: &Look| size(look) + look.t;
         let Rest { bound, distance, both } = &self.rest;
         let scene = match softness > 0.0 {
             true => Scene::Both(both),
             false => Scene::Apart(bound, distance),
         };
+        let sharpness = if softness > 0.0 { softness } else { 1e18 };
         let lights: Vec<f64> = rays.iter().map(|ray| ray.t_max).collect();
         let shares = self.planes.as_ref().map_or_else(|| vec![f64::INFINITY; rays.len()], |planes| planes.shares(&clipped, &lights, softness));
         // How far a look is from the surface or from the light, whichever is nearer.
-        let apart = |look: &Look| look.t.min(lights.get(look.ray).map_or(f64::INFINITY, |light| light - look.t)).max(tolerance(look));
+        let apart = |look: &Look| look.t.min(lights.get(look.ray).map_or(f64::INFINITY, |light| light - look.t)).max(state(look).tolerance(way(look)));
         march(
             scene,
             &clipped,
             |look| {
                 // The distance is looked at where the bound says that it can matter.
-                softness > 0.0 && look.free > tolerance(look) && softness * look.free < state(look).lit * apart(look)
+                state(look).asks(look.free, way(look)) || softness > 0.0 && softness * look.free < state(look).lit * apart(look)
             },
             |look, distance| {
                 let end = clipped.get(look.ray).copied().flatten()?.t_max;
                 let mut shadow = state(look);
-                let passage = distance.map(|d| Passage { share: softness * d / apart(look), distance: d });
-                let t = shadow.turn(look, passage, tolerance(look), end);
+                let passage = distance.map(|d| Passage { share: sharpness * d / apart(look), distance: d });
+                let t = shadow.turn(look, passage, way(look), end);
                 states.get(look.ray)?.set(shadow);
                 t
             },
