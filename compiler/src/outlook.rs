@@ -36,8 +36,27 @@ const NEAR: f64 = 8.0;
 const SMALL: (u32, u32) = (10, 6);
 /// What helps rays on.
 const EVENLY: &str = "say where the shape lies with `.within(box(…))`, or write its formula so that it grows more evenly";
+/// The seconds after which a camera that moves is looked at.
+const SECONDS: std::ops::RangeInclusive<u32> = 1..=60;
 /// So many other cameras are looked through.
 const MOST_TRIED: usize = 6;
+
+/// A camera that is moved by time and leaves the scene within a minute, where what is solid goes on beyond.
+fn leaves(compiled: &Compiled, live: &Live, which: usize) -> Option<Diagnostic> {
+    let known = compiled.functions.ahead;
+    if known.home.or(known.region).is_some() || !compiled.reads_time() {
+        return None;
+    }
+    let is_out = |seconds: f64| {
+        let frame = compiled.frame(&Live { time: live.time + seconds, ..live.clone() });
+        frame.cameras.get(which).is_some_and(|(_, camera)| length(camera.eye).min(length(camera.target)) > frame.extent)
+    };
+    let seconds = SECONDS.map(f64::from).find(|seconds| is_out(*seconds))?;
+    let extent = short(compiled.frame(live).extent);
+    let message = format!("after {seconds} seconds the camera has left the scene, which ends {extent} from the origin: from there on nothing is seen");
+    let help = "set `render { extent: … }` to more, or let the camera come back: `time % 4` begins anew every four seconds";
+    Some(Diagnostic::new(Code::NothingSeen, place(compiled, compiled.blocks.cameras.get(which)), message, help))
+}
 
 /// What is wrong with what a camera sees at one moment, if anything: that of this name, or the first.
 pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<Diagnostic> {
@@ -83,7 +102,8 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
                 let lost = share_lost(compiled, &reference, &camera, &frame).filter(|lost| *lost > HOLES)?;
                 let message = format!("{:.0} of 100 rays that meet anything spend their steps before they get there, so the picture is wrong in places", 100.0 * lost);
                 Some(Diagnostic::new(Code::RaysLost, place(compiled, nodes), message, EVENLY))
-            });
+            })
+            .or_else(|| leaves(compiled, live, which));
         }
         Sight::Lost => {
             let message = "rays spend all of their steps before they meet anything solid";
@@ -91,7 +111,7 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
         }
         Sight::Cut => {
             let message = format!("what is solid reaches beyond the scene's extent of {}, and nothing of it is seen", short(frame.extent));
-            let help = "set `render { extent: … }` to more, or leave it out".to_owned();
+            let help = format!("set `render {{ extent: … }}` to more{}", if compiled.blocks.says_extent { ", or leave it out" } else { "" });
             return Some(Diagnostic::new(Code::NothingSeen, place(compiled, nodes), message, help));
         }
         Sight::Empty => {}

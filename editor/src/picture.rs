@@ -177,13 +177,17 @@ fn samples(mode: Mode, quick: bool) -> u32 {
     }
 }
 
-/// Writes a PNG file.
+/// Writes a PNG file, to stdout where its path is `-`.
 pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<(), String> {
     use image::ImageEncoder;
+    use std::io::Write;
     let mut bytes = Vec::new();
     image::codecs::png::PngEncoder::new(&mut bytes)
         .write_image(rgba, width, height, image::ExtendedColorType::Rgba8)
         .map_err(|error| error.to_string())?;
+    if path.as_os_str() == "-" {
+        return std::io::stdout().write_all(&bytes).map_err(|error| error.to_string());
+    }
     files::write(path, &bytes)
 }
 

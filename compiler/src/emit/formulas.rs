@@ -180,6 +180,16 @@ impl Formulas {
             }
         }
         let (mut lines, mut functions, mut parts) = (Vec::new(), BTreeSet::new(), 0);
+        let whole = |name: String| name.split('.').next().map(str::to_owned);
+        let is_parameter = |name: &str| self.terms.iter().any(|term| matches!(term, Term::Parameter(i) if whole(parameter(*i)).as_deref() == Some(name)));
+        let is_field = |name: &str| fields.iter().any(|(_, known)| *known == name);
+        let mut part = || loop {
+            parts += 1;
+            let name = format!("part_{parts}");
+            if !is_parameter(&name) && !is_field(&name) {
+                break name;
+            }
+        };
         // The text of each term, and how strongly it binds.
         let mut texts: Vec<(String, u8)> = Vec::with_capacity(self.terms.len());
         for (at, term) in self.terms.iter().enumerate() {
@@ -195,10 +205,7 @@ impl Formulas {
                 Term::Parameter(i) => (parameter(*i), 9),
                 Term::Op(op, args) => {
                     if names.contains_key(&(at as u32)) || many {
-                        let name = names.entry(at as u32).or_insert_with(|| {
-                            parts += 1;
-                            format!("part_{parts}")
-                        });
+                        let name = names.entry(at as u32).or_insert_with(&mut part);
                         let (text, _) = self.text(*op, args, &texts, &mut functions);
                         lines.push(format!("{name} = {text}"));
                         (name.clone(), 9)
@@ -396,6 +403,9 @@ mod tests {
             ]
         );
         assert_eq!(functions, [Op::Div, Op::Sin].into());
+        // A name of a parameter is no other value's.
+        let (lines, _) = f.lines(&[(fields[0], "part_2"), (fields[1], "v")], &|_| "part_1".to_owned());
+        assert_eq!(lines[0], "part_3 = (2 + (time - (-0.25))) * part_1");
         let values = f.values(1.0, |_| 0.5);
         let expected = (2.0f64 + 1.25) * 0.5;
         assert_eq!(f.component(&values, fields[0], 0), (expected.sin() / 0.5) as f32);

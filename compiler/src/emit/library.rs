@@ -224,6 +224,7 @@ pub fn needs(export: Export) -> &'static [Export] {
 pub fn structure(export: Export) -> Option<&'static str> {
     match export {
         Export::Trace => Some("\
+// What a ray meets: how far along it, or the ray's end; whether anything; and in how many looks. A ray that starts inside meets it there.
 struct sf_Hit {
   t: f32,
   hit: bool,

@@ -2,13 +2,14 @@
 
 use super::EmitError;
 use super::body::{Outside, Read};
-use super::formulas::Formulas;
+use super::formulas::{Formulas, call_name};
 use super::names::{Scope, identifier};
 use super::names::split_axis;
 use super::write::component_name;
 use crate::compiled::{Parameter, Uniform, UniformSource};
 use crate::graph::Graph;
 use crate::graph::interval::Interval;
+use crate::graph::kernel::KERNEL;
 use rustc_hash::FxHashMap;
 
 /// A value that a module may read.
@@ -52,6 +53,10 @@ impl Candidates {
         let mut scope = Scope::default();
         // By these names the library reads what is ours, so nothing else has them.
         let [origin, time, reach, strength] = ["origin", "time", "occlusion_reach", "occlusion_strength"].map(|name| scope.give(name));
+        // A host calls functions by these.
+        if !parameters.is_empty() {
+            KERNEL.iter().for_each(|row| scope.reserve(call_name(row.op)));
+        }
         let mut all = Vec::with_capacity(parameters.len() + graph.factors.len() + 4);
         let mut add = |name, source, components, ranges, parameter| {
             all.push(Candidate { name, source, components, ranges, read: false, computes: false, parameter });

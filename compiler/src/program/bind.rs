@@ -1,6 +1,6 @@
 //! How arguments meet parameters: by place or name, one by one or a vector at once, and within what the documentation requires.
 
-use super::load::{ItemRef, prelude_items};
+use super::load::{ItemRef, in_prelude, is_of_prelude, prelude_items};
 use super::value::{points, type_words, Value};
 use super::blocks::short;
 use super::{Elaborated, Elaborator, Env, Stop};
@@ -117,11 +117,13 @@ impl Elaborator<'_> {
                         _ => span,
                     };
                     let (takes, given) = (parameters.len() - hidden, given - hidden);
+                    let hides = is_of_prelude(name) && parameters.iter().all(|p| !in_prelude(p.name.span));
                     self.error(
                         Code::ExtraArgument,
                         at,
                         format!("`{name}` takes {takes} argument{}, and here are {given}", if takes == 1 { "" } else { "s" }),
                         match takes {
+                            _ if hides => format!("the language's own `{name}` is hidden by what the scene calls so: give that another name"),
                             0 => format!("write `{name}`"),
                             _ if name == "scale" => "write `.scale(2)`, the same along all axes, or `.stretch(1, 2, 1)`".to_owned(),
                             _ if is_of_two(parameters) => of_many(name, parameters),

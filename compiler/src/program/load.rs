@@ -45,6 +45,11 @@ pub fn prelude_items() -> &'static [Item] {
     &PRELUDE_TREE.1.ast.items
 }
 
+/// Whether the prelude declares a name.
+pub fn is_of_prelude(name: &str) -> bool {
+    PRELUDE_TREE.1.names.contains_key(name)
+}
+
 /// A declaration: which text, and which of its items.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ItemRef {

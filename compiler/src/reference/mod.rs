@@ -258,10 +258,11 @@ impl Reference {
             |look, distance| {
                 let hit = hits.get_mut(look.ray)?;
                 let ray = clipped.get(look.ray).copied().flatten()?;
+                let end = rays.get(look.ray)?.t_max;
                 let mut follow = state(look);
                 let turn = follow.turn(look, distance, &small(look), &ray);
                 states.get(look.ray)?.set(follow);
-                *hit = Hit { t: look.t, hit: false, steps: follow.steps };
+                *hit = Hit { t: end, hit: false, steps: follow.steps };
                 match turn {
                     Turn::Hit(t) => *hit = Hit { t, hit: true, ..*hit },
                     Turn::Go(t) if follow.steps < TRACER.budget => return Some(t),

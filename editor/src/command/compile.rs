@@ -1,5 +1,6 @@
 //! `surefoot compile`: the functions of a scene as shader text.
 
+use super::values::{self, Setting};
 use super::{Exit, Failure, compile_file, print, show_broken, show_diagnostics, spare};
 use crate::files;
 use clap::builder::PossibleValuesParser;
@@ -42,6 +43,9 @@ pub struct Args {
     /// Make it an error where a factor is measured and not proven.
     #[arg(long)]
     strict: bool,
+    /// Choose for a parameter that is a choice: the module holds what is chosen alone. Other parameters are the host's to set.
+    #[arg(long, value_parser = values::setting, value_name = "NAME=CHOICE")]
+    set: Vec<Setting>,
     /// Leave what depends on parameters and time alone in the shader, for a host that writes nothing else.
     #[arg(long)]
     live_in_shader: bool,
@@ -78,7 +82,12 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if buffered && target == Target::Glsl {
         return Err(Failure::usage("GLSL ES 3.0 has no storage buffers: leave --tables buffers out"));
     }
+    if let Some(live) = args.set.iter().find(|s| !matches!(s.value, values::Value::Word(_))) {
+        let name = &live.name;
+        return Err(Failure::usage(format!("--set {name}=…: only choices are set here; a module's host writes `{name}` into the uniform block")));
+    }
     let options = Options {
+        choose: values::choices(&args.set),
         exports: args.functions.clone(),
         prefix: args.prefix.clone(),
         group: args.group,
@@ -90,6 +99,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let outcome = compile_file(&args.scene, &options)?;
     show_diagnostics(&outcome);
     let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
+    values::apply(&args.set, compiled, &mut compiled.live()).map_err(Failure::usage)?;
     if show_broken(&outcome, &crate::picture::broken_meshes(compiled)) == Exit::Errors {
         return Ok(Exit::Errors);
     }

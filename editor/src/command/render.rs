@@ -15,7 +15,7 @@ use surefoot_compiler::diagnostic::Diagnostic;
 pub struct Args {
     /// The scene.
     scene: String,
-    /// The PNG file to write; with --frames its name gets a number: OUT_0000.png.
+    /// The PNG file to write, stdout where this is `-`; with --frames its name gets a number: OUT_0000.png.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Width and height in pixels.
@@ -94,6 +94,9 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let mut live = compiled.live();
     values::apply(&args.set, compiled, &mut live).map_err(Failure::usage)?;
     compiled.settle(&mut live);
+    if args.output.as_os_str() == "-" && args.frames.is_some() {
+        return Err(Failure::usage("frames are files of their own: say where to write with `-o FRAME.png`"));
+    }
     if args.output.extension().is_some_and(|e| !e.eq_ignore_ascii_case("png")) {
         let png = args.output.with_extension("png");
         return Err(Failure::usage(format!("pictures are written as PNG: write `-o {}`", png.display())));

@@ -34,11 +34,8 @@ impl Parser<'_> {
             return None;
         }
         match token.kind {
+            // As other languages end what stands for itself.
             TokenKind::Semicolon => {
-                self.unexpected(
-                    "a declaration has no `;` after it",
-                    "take the `;` out; only a `let` in a block ends with one",
-                );
                 self.bump();
                 return None;
             }

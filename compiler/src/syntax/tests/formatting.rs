@@ -95,6 +95,13 @@ fn the_contract_and_everything_hold() {
 }
 
 #[test]
+fn what_ends_a_declaration_in_other_languages_is_taken_and_not_kept() {
+    let plain = "let a = 1\nmaterial red { color: #ff0000 }\nscene = sphere(a).material(red)\n";
+    let ended = "let a = 1;\nmaterial red { color: #ff0000 };\nscene = sphere(a).material(red);;\n";
+    assert_eq!(format(ended).unwrap(), plain);
+}
+
+#[test]
 fn a_wrong_text_is_not_touched() {
     assert_eq!(format("scene = sphere(1").unwrap_err().len(), 1);
 }
