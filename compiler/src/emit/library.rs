@@ -224,7 +224,8 @@ pub fn needs(export: Export) -> &'static [Export] {
 pub fn structure(export: Export) -> Option<&'static str> {
     match export {
         Export::Trace => Some("\
-// What a ray meets: how far along it, or the ray's end; whether anything; and in how many looks. A ray that starts inside meets it there.
+// How far along a ray it meets anything, or its end where it meets nothing, or where its looks were spent; whether it does; how many looks it took. A
+// ray that starts inside meets what is there.
 struct sf_Hit {
   t: f32,
   hit: bool,

@@ -159,7 +159,7 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
   var seen = 0.0;
   var stride = 0.0;
   var slope = -1.0;
-{state}{search}{end}  return sf_Hit(select(t_max, t, hit), hit, step);
+{state}{search}{end}  return sf_Hit(select(t, t_max, !hit && t >= span.y), hit, step);
 }}
 "
         );

@@ -1,5 +1,6 @@
 //! How arguments meet parameters: by place or name, one by one or a vector at once, and within what the documentation requires.
 
+use super::builtin::is_function;
 use super::load::{ItemRef, in_prelude, is_of_prelude, prelude_items};
 use super::value::{points, type_words, Value};
 use super::blocks::short;
@@ -117,7 +118,7 @@ impl Elaborator<'_> {
                         _ => span,
                     };
                     let (takes, given) = (parameters.len() - hidden, given - hidden);
-                    let hides = is_of_prelude(name) && parameters.iter().all(|p| !in_prelude(p.name.span));
+                    let hides = (is_of_prelude(name) || is_function(name)) && parameters.iter().all(|p| !in_prelude(p.name.span));
                     self.error(
                         Code::ExtraArgument,
                         at,
@@ -241,6 +242,10 @@ impl Elaborator<'_> {
                     let found = value.describe(self);
                     let help = format!("the axis stands first: write `{}`", written(name, parameters, hidden, false));
                     Err(self.error(Code::TypeMismatch, at, format!("{} is needed here, and this is {found}", type_words(ty)), help))
+                }
+                Some((Type::Float, _)) if !self.names_an_axis(at) && let Some(help) = in_one_vector(&value, name, parameters, hidden) => {
+                    let found = value.describe(self);
+                    Err(self.error(Code::TypeMismatch, at, format!("{} is needed here, and this is {found}", type_words(&Type::Float)), help))
                 }
                 Some((ty, _)) => self.coerce(value, ty, at, place),
                 None => match (&parameter.default, &value) {
@@ -392,6 +397,18 @@ impl Elaborator<'_> {
         }
         let limit = self.graph.constant(limit);
         self.graph.op(op, &[node, limit])
+    }
+}
+
+/// What to write where a vector stands for the numbers that a function takes one after the other.
+fn in_one_vector(value: &Value, name: &str, parameters: &[Parameter], hidden: usize) -> Option<String> {
+    let Value::Vector(cells) = value else { return None };
+    match name {
+        "scale" => Some("`scale` is the same along all axes; by so much along each it is `.stretch(1, 2, 1)`".to_owned()),
+        _ if (2..=parameters.len() - hidden).contains(&cells.len()) => {
+            Some(format!("its numbers stand one after the other: write `{}`", written(name, parameters, hidden, false)))
+        }
+        _ => None,
     }
 }
 

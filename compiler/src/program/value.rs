@@ -302,10 +302,15 @@ impl Elaborator<'_> {
 
     /// What to write where a number is needed and a vector stands.
     fn instead_of_vector(&self, span: Span) -> &'static str {
-        match self.axes.iter().any(|axis| axis.file == span.file && span.start <= axis.start && axis.end <= span.end) {
+        match self.names_an_axis(span) {
             true => "`x`, `y` and `z` are unit vectors: the coordinates of a point are `p.x`, `p.y` and `p.z`",
             false => "take one component with `.x`, or its `length(…)`",
         }
+    }
+
+    /// Whether `x`, `y` or `z` stands in a place.
+    pub(super) fn names_an_axis(&self, span: Span) -> bool {
+        self.axes.iter().any(|axis| axis.file == span.file && span.start <= axis.start && axis.end <= span.end)
     }
 
     /// What to write where a shape is needed and a number stands.

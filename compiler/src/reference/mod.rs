@@ -262,11 +262,12 @@ impl Reference {
                 let mut follow = state(look);
                 let turn = follow.turn(look, distance, &small(look), &ray);
                 states.get(look.ray)?.set(follow);
-                *hit = Hit { t: end, hit: false, steps: follow.steps };
+                *hit = Hit { t: look.t, hit: false, steps: follow.steps };
                 match turn {
                     Turn::Hit(t) => *hit = Hit { t, hit: true, ..*hit },
                     Turn::Go(t) if follow.steps < TRACER.budget => return Some(t),
                     Turn::Missed => {
+                        hit.t = end;
                         if let Some(t) = at_plane(look.ray) {
                             *hit = Hit { t, hit: true, ..*hit };
                         }
