@@ -7,7 +7,7 @@ use crate::analysis::{Box3, Domain};
 use crate::analysis::search::{Search, Target};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::graph::{Claim, Leaf, Node, NodeId, ShapeId};
+use crate::graph::{Claim, Function, Leaf, Node, NodeId, ShapeId};
 use rustc_hash::FxHashMap;
 
 /// A formula is flat if its slope is less than this in such a share of places about its solid.
@@ -101,6 +101,23 @@ impl Builder<'_> {
         bends.get(&node).copied().unwrap_or(Bend::Unknown)
     }
 
+    /// Of `length(max(a, 0), max(b, 0)) + min(max(a, b), 0)`, the distance to where both are below zero, which grows with both and is convex: both.
+    fn corner_of(&self, one: NodeId, other: NodeId) -> Option<[NodeId; 2]> {
+        let two = |id: NodeId, wanted: Op| match self.graph.node(id) {
+            Node::Op(op, args) if *op == wanted => Some([*args.first()?, *args.get(1)?]),
+            _ => None,
+        };
+        let but_zero = |id: NodeId, wanted: Op| {
+            let [a, b] = two(id, wanted)?;
+            if self.graph.as_constant(b) == Some(0.0) { Some(a) } else { (self.graph.as_constant(a) == Some(0.0)).then_some(b) }
+        };
+        let (beyond, within) = if two(one, Op::Length2).is_some() { (one, other) } else { (other, one) };
+        let [a, b] = two(beyond, Op::Length2)?.map(|side| but_zero(side, Op::Max));
+        let (a, b) = (a?, b?);
+        let largest = two(but_zero(within, Op::Min)?, Op::Max)?;
+        (largest == [a, b] || largest == [b, a]).then_some([a, b])
+    }
+
     fn bend(&mut self, node: NodeId, bends: &FxHashMap<NodeId, Bend>, domain: &Domain) -> Bend {
         let of = |id: &NodeId| bends.get(id).copied().unwrap_or(Bend::Unknown);
         let node = self.graph.node(node).clone();
@@ -109,6 +126,11 @@ impl Builder<'_> {
             Node::Leaf(Leaf::P(_)) => return Bend::Straight,
             Node::Leaf(Leaf::Parameter(_) | Leaf::Time) => return Bend::Still,
             Node::Claim(args, Claim::Lipschitz(..)) => return args.first().map_or(Bend::Unknown, of),
+            // A shape at a point that moves straight bends as it does by itself.
+            Node::Call(shape, Function::Field, args) if args.iter().map(of).max().is_some_and(|worst| worst <= Bend::Straight) => {
+                let value = self.graph.shape(*shape).filter(|shape| self.graph.reads(shape.value).variables == 0).map(|shape| shape.value);
+                return value.map_or(Bend::Unknown, |value| self.bend_of(value, &Domain::of(Box3::ALL)));
+            }
             Node::Op(op, args) => (*op, args),
             _ => return Bend::Unknown,
         };
@@ -118,6 +140,16 @@ impl Builder<'_> {
         let (Some(&a), b) = (args.first(), args.get(1).copied()) else { return Bend::Unknown };
         let worst = args.iter().map(of).max().unwrap_or(Bend::Unknown);
         let all_straight = worst <= Bend::Straight;
+        if let (Op::Add, Some(b), Bend::Unknown) = (op, b, worst)
+            && let Some(sides) = self.corner_of(a, b)
+        {
+            return if sides.iter().all(|side| of(side) < Bend::Unknown) { Bend::Convex } else { Bend::Unknown };
+        }
+        // What grows with what is not below zero.
+        if matches!(op, Op::Square | Op::Length2 | Op::Length3 | Op::Length4) && worst == Bend::Convex {
+            let mut grows = args.iter().map(|a| of(a) <= Bend::Straight || self.facts.range(self.graph, *a, domain).lo >= 0.0);
+            return if grows.all(|grows| grows) { Bend::Convex } else { Bend::Unknown };
+        }
         // A multiple of what bends must not turn it over.
         let mut multiple = |factor: NodeId, bend: Bend| match bend {
             Bend::Convex if self.facts.range(self.graph, factor, domain).lo < 0.0 => Bend::Unknown,
@@ -171,6 +203,15 @@ mod tests {
         // Half as steep as a whole it is twice as far, inside too, for the bound as for the estimate.
         let [field, bound, estimate] = at("field f = (length(p / (4, 1, 1)) - 1) / 2\nscene = f", [0.5, 0.1, 0.0]);
         assert!((bound - 2.0 * field).abs() < 1e-6 && (estimate - bound).abs() < 1e-6, "{field} {bound} {estimate}");
+    }
+
+    #[test]
+    fn what_is_drawn_and_extruded_is_as_convex_as_the_drawing() {
+        let [field, bound, estimate] = at("scene = ellipse((1, 0.3)).extrude(0.2)", [1.2, 0.0, 0.0]);
+        assert!((field - 0.06).abs() < 1e-9 && (bound - 0.2).abs() < 1e-6 && (estimate - 0.2).abs() < 1e-6, "{field} {bound} {estimate}");
+        // Beside an edge no more than the way to it.
+        let [_, bound, estimate] = at("scene = ellipse((1, 0.3)).extrude(0.2)", [1.2, 0.0, 0.3]);
+        assert!(bound <= 0.2f64.hypot(0.2) && bound > 0.2 && (estimate - bound).abs() < 1e-6, "{bound} {estimate}");
     }
 
     #[test]
