@@ -238,7 +238,7 @@ impl Elaborator<'_> {
                 return Err(self.error(
                     Code::TypeMismatch,
                     fold.span,
-                    "a repetition without end has no order in which to join its copies",
+                    "the cells of a repetition have no order in which to join their copies",
                     "leave out `by`, or use a range and place the copies yourself",
                 ));
             }
