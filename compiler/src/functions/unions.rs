@@ -29,6 +29,9 @@ pub const FEWEST_ROWS: usize = 4;
 /// An operand of more steps is better alone: it has hardly its like.
 pub(super) const LONGEST: u32 = 500;
 
+/// A union that would be cut into more than these is whole: each part is as many functions.
+const MOST_PARTS: usize = 8;
+
 /// So many calls within each other are followed.
 const DEEPEST: usize = 64;
 
@@ -259,7 +262,7 @@ impl Finder<'_> {
     }
 
     /// The unions that a tree of joints is cut into: all of it, or its parts of many operands where what is beside them is better alone, and
-    /// few are lost by that.
+    /// few are lost by that; not into more than [`MOST_PARTS`].
     fn roots(&mut self, mut root: Of, facts: &mut Facts) -> Vec<Of> {
         while let Some(Joint::Where(_, inner)) = self.joint(root) {
             root = self.passed_on(inner);
@@ -274,7 +277,7 @@ impl Finder<'_> {
             }
             open.extend(inner);
         }
-        if 2 * kept < self.count(root) { vec![root] } else { found }
+        if found.len() > MOST_PARTS || 2 * kept < self.count(root) { vec![root] } else { found }
     }
 
     /// The operands of a joint that are joints of many.
