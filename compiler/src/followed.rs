@@ -102,7 +102,12 @@ impl Compiled {
         self.functions.searches.iter().zip(&followed.factors).any(any)
     }
 
-    /// Whether a longer search can make a factor smaller.
+    /// Whether a factor is another one where the parameters stand elsewhere.
+    pub fn is_live(&self, factor: usize) -> bool {
+        self.functions.searches.get(factor).is_some_and(|search| search.as_ref().is_some_and(|s| !s.parameters.is_empty()))
+    }
+
+    /// Whether a longer search can make a factor for the whole ranges smaller.
     pub fn can_tighten(&self, factor: usize) -> bool {
         let searched = self.graph.factors.get(factor).is_some_and(|f| matches!(f.proof, Proof::Derived | Proof::Claimed));
         searched && self.functions.searches.get(factor).is_some_and(Option::is_some)

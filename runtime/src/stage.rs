@@ -198,8 +198,8 @@ impl Stage {
         else {
             return false;
         };
-        if let Some(tightening) = &self.tightening {
-            tightening.take(live);
+        if self.tightening.as_ref().is_some_and(|tightening| !tightening.take(live)) {
+            self.tightening = None;
         }
         if scene.follow(live, Compiled::QUICK) && scene.can_settle(live) {
             self.tightening.iter().for_each(|tightening| tightening.ask(live));

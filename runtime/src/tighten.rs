@@ -49,7 +49,7 @@ impl Orders {
 impl Tightening {
     /// Begins to search. None where no factor of the scene can become smaller.
     pub fn start(scene: Arc<Compiled>) -> Option<Self> {
-        if (0..scene.graph.factors.len()).all(|i| !scene.can_tighten(i)) {
+        if (0..scene.graph.factors.len()).all(|i| !scene.can_tighten(i) && !scene.is_live(i)) {
             return None;
         }
         let (sender, found) = mpsc::channel();
@@ -66,12 +66,13 @@ impl Tightening {
         self.orders.heard.notify_one();
     }
 
-    /// Takes the newest factors that were found since the last call.
-    pub fn take(&self, live: &mut Live) {
-        for found in self.found.try_iter() {
-            match found {
-                Found::Whole(factors) => live.tightened = factors,
-                Found::Here(followed) => live.take(followed),
+    /// Takes the newest factors that were found since the last call. Answers whether more may come.
+    pub fn take(&self, live: &mut Live) -> bool {
+        loop {
+            match self.found.try_recv() {
+                Ok(Found::Whole(factors)) => live.tightened = factors,
+                Ok(Found::Here(followed)) => live.take(followed),
+                Err(error) => return error == mpsc::TryRecvError::Empty,
             }
         }
     }

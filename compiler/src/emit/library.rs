@@ -300,7 +300,7 @@ pub fn function(export: Export, ways: Ways, reads_scene: [bool; 3]) -> Option<Co
 // slope. So nothing of a penumbra is lost, and a ray that leaves a plane is gone in half of the looks. Where the bound is less than was to be
 // expected, the ray goes back to the end of the first sphere.
 //
-// Rays that come in flat need many looks: as they are spent, what counts as met grows, up to a thousandth of the way.
+// Rays that come in flat may need more looks than there are: then they go on by guesses, and are dark where one lies inside.
 const SHADOW_OF_ONE: &str = "\
 fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: f32) -> f32 {
   let span = sf_clip(origin, direction, t_min, t_max);
@@ -312,7 +312,7 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
   var radius = 1e18;
   var stride = 1.0;
   for (var step = 0u; step < 288u && t <= span.y && lit >= 0.002; step++) {
-    let tolerance = (2e-6 + 1.5e-8 * f32(step * step)) * (size + t);
+    let tolerance = 2e-6 * (size + t);
     let free = sf_bound(origin + direction * t);
     let apart = max(min(t, t_max - t), tolerance);
     // Out of looks it goes on by guesses, until one is inside.
@@ -323,7 +323,7 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
     let next = max(t + free, min(t + on, span.y));
     let back = stride > radius && free < 0.75 * stride;
     let seen = t;
-    t = select(select(next, t + radius - stride, back), t + max(free, 1e-3 * (size + t)), spent);
+    t = select(select(next, t + radius - stride, back), t + max(free, 2e-3 * (size + t)), spent);
     stride = select(next - seen, radius, back);
     radius = select(free, radius, back);
   }
@@ -353,7 +353,7 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
   while step < 288u && t <= span.y && lit >= 0.002 {
     var near = false;
     while step < 288u && t <= span.y && !near {
-      tolerance = (2e-6 + 1.5e-8 * f32(step * step)) * (size + t);
+      tolerance = 2e-6 * (size + t);
       free = sf_bound(origin + direction * t);
       apart = max(min(t, t_max - t), tolerance);
       near = free <= tolerance || sharpness * free < lit * apart || step >= 256u;
@@ -373,14 +373,14 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
       if step > 256u {
         // Out of looks it goes on by guesses, until one is inside.
         lit = select(min(lit, share), 0.0, free <= 0.0);
-        t = seen + max(distance, 1e-3 * (size + seen));
+        t = seen + max(distance, 2e-3 * (size + seen));
       } else {
         // Where the bound is much less, between two looks so near to each other it is hardly less.
         if t > seen && share < 1.25 * lit && distance > 1.5 * free {
           stride = min(stride, max(0.4 * distance, tolerance));
           t = seen + stride;
         }
-        lit = select(min(lit, share), 0.0, distance <= tolerance || free <= 2e-6 * (size + seen));
+        lit = select(min(lit, share), 0.0, free <= tolerance);
       }
     }
   }

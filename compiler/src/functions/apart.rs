@@ -3,13 +3,13 @@
 //! Let S = min(a, b) - r(|a - b|) with r from k/4 down to 0 at k, no steeper than 1/2: it does not fall as a or b grows. Where b ≥ k and a > 0, S is
 //! at least what it is of a and k, which is over what it is of 0 and k, and that is 0. So the solid of S is that of a, that of b, and what of S lies
 //! where both are less than k. The least of the three bounds is a bound; the last of them is needed in a box, and only there must S be as gentle as
-//! its factor says.
+//! its factor says. Of a point inside it says no more than the way out of the box, beyond which S may be steeper.
 
 use super::treatment::{Over, Treatment};
 use super::{Builder, BUDGET, UNIT};
 use crate::analysis::{Box3, Domain};
 use crate::graph::kernel::Op;
-use crate::graph::{NodeId, Proof, ShapeId};
+use crate::graph::{Function, Node, NodeId, Proof, ShapeId};
 
 /// A constant up to here is not worth a look at the parts.
 const GENTLE: f64 = 4.0;
@@ -23,16 +23,21 @@ const STEEP: f64 = 4.0;
 const LEVELS: [f64; 4] = [1.0, 2.0, 4.0, 16.0];
 /// Of a blend is asked what it is where its gentle operands are less than so many times its width.
 const NEAR: f64 = 2.0;
+/// So many shapes within each other are asked whether their bounds can be proven.
+const MOST_CALLS: u32 = 32;
 /// Smooth unions within each other are taken apart so deep: each asks for the field of all that is below it.
 const DEEPEST: u32 = 4;
 
 impl Builder<'_> {
     /// The bound of a smooth union by those of its operands; none where it is no such union, or gains nothing.
     pub(super) fn by_operands(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool, whole: &Treatment) -> Option<NodeId> {
-        if whole.constant <= GENTLE || whole.jumps || whole.over == Over::Cell || self.parting >= DEEPEST {
+        if whole.constant <= GENTLE || whole.proof == Proof::Measured || whole.jumps || whole.over == Over::Cell || self.parting >= DEEPEST {
             return None;
         }
         let (a, b, radius) = self.graph.smooth_union(node)?;
+        if ![a, b].into_iter().all(|part| self.is_provable(shape, part, domain, continuous, MOST_CALLS)) {
+            return None;
+        }
         let mut near = Some((whole.region.map_or(domain.point, |(region, _)| region), 0.0));
         for part in [a, b] {
             let level = self.graph.op(Op::Sub, &[part, radius]);
@@ -55,7 +60,7 @@ impl Builder<'_> {
                 let gentler = lipschitz <= GENTLER * whole.constant;
                 let of_all = |all: &Box3| volume(&region.grow(reach)) <= SMALLER * volume(all);
                 let smaller = whole.constant > VERY_STEEP && whole.region.is_none_or(|(all, _)| of_all(&all));
-                if constant.jumps || !(gentler || smaller) {
+                if constant.jumps || lipschitz > whole.constant || !(gentler || smaller) {
                     return None;
                 }
                 let of_it = Treatment { constant: lipschitz.max(1e-6), jumps: false, region: None, proof: Proof::Derived, over: Over::Region };
@@ -67,6 +72,15 @@ impl Builder<'_> {
         if let Some((value, treatment, at, region, reach)) = blend {
             let way = self.over_its_constant(shape, value, &at, continuous, treatment);
             let way = self.beside_tame(&tame, widest, way);
+            // Inside it is no more than the way out of where that holds.
+            let way = match self.outside(region, None) {
+                Some(outside) => {
+                    let reach = self.graph.constant(reach);
+                    let out = self.graph.op(Op::Sub, &[outside, reach]);
+                    self.graph.op(Op::Max, &[way, out])
+                }
+                None => way,
+            };
             bounds.push(self.behind(region, None, reach, way));
         }
         self.parting -= 1;
@@ -95,6 +109,23 @@ impl Builder<'_> {
             }
         }
         best
+    }
+
+    /// Whether the bound of a formula, and of the shapes that it is put together of, can be proven by itself.
+    fn is_provable(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool, calls: u32) -> bool {
+        if self.is_exact(shape, node) {
+            return true;
+        }
+        match self.graph.node(node).clone() {
+            Node::Constant(_) => true,
+            Node::Op(Op::Min | Op::Max | Op::Neg, args) => args.iter().all(|&arg| self.is_provable(shape, arg, domain, continuous, calls)),
+            Node::Call(inner, Function::Field, _) => {
+                let Some(value) = self.graph.shape(inner).map(|inner| inner.value).filter(|_| calls > 0) else { return false };
+                let own = self.domain(inner);
+                self.treatment(shape, node, domain, continuous).is_some() && self.is_provable(inner, value, &own, continuous, calls - 1)
+            }
+            _ => self.treated(shape, node, domain, continuous).is_some_and(|(_, treatment)| treatment.proof != Proof::Measured),
+        }
     }
 
     /// Those of two operands that are no steeper than one wherever they are.

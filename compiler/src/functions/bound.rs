@@ -428,6 +428,15 @@ impl Builder<'_> {
             return self.graph.constant(FAR);
         }
         self.kind = self.kind.max(Kind::Bound);
+        let Some(distance) = self.outside(region, tube) else { return inside };
+        self.graph.name_node(distance, "outside");
+        let limit = self.graph.constant(reach);
+        let far = self.graph.op(Op::Lt, &[limit, distance]);
+        self.graph.op(Op::Select, &[far, distance, inside])
+    }
+
+    /// The distance to a region outside of it; none where it is all of space.
+    pub(super) fn outside(&mut self, region: Box3, tube: Option<(usize, f64)>) -> Option<NodeId> {
         let mut outside = Vec::new();
         if let Some((axis, radius)) = tube {
             let (point, zero) = (self.graph.point(), self.graph.constant(0.0));
@@ -439,11 +448,7 @@ impl Builder<'_> {
         }
         let axes = (0..3).filter(|i| tube.is_none_or(|(axis, _)| axis == *i));
         outside.extend(self.graph.beyond(axes.map(|i| (i, region.axis(i)))));
-        let Some(distance) = self.graph.together(&outside) else { return inside };
-        self.graph.name_node(distance, "outside");
-        let limit = self.graph.constant(reach);
-        let far = self.graph.op(Op::Lt, &[limit, distance]);
-        self.graph.op(Op::Select, &[far, distance, inside])
+        self.graph.together(&outside)
     }
 
     /// A value times the multiple of a factor for a constant.

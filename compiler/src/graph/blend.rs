@@ -99,9 +99,12 @@ impl Graph {
 
     /// Of `k/4 h h`, with h the larger one of 0 and 1 - |a - b|/k, or of less: k.
     fn dip_of(&self, node: NodeId, a: NodeId, b: NodeId) -> Option<NodeId> {
+        let size = self.size_in(node, a, b)?;
         let (mut open, mut times, mut sizes, mut shares) = (vec![node], 1.0, vec![], vec![]);
         while let Some(id) = open.pop() {
             match self.node(id) {
+                // What is computed is not taken apart.
+                _ if id == size && self.as_constant(size).is_none() => sizes.push(id),
                 Node::Op(Op::Mul, args) => open.extend(args.iter().copied()),
                 Node::Op(Op::Square, args) => open.extend([args.first()?, args.first()?]),
                 Node::Op(Op::Div, args) => {
@@ -122,6 +125,18 @@ impl Graph {
             _ => return None,
         };
         (size == other && times >= 0.0 && times <= most * (1.0 + 1e-12)).then_some(size)
+    }
+
+    /// The k of the first such share among the factors of a product.
+    fn size_in(&self, node: NodeId, a: NodeId, b: NodeId) -> Option<NodeId> {
+        let mut open = vec![node];
+        while let Some(id) = open.pop() {
+            match self.node(id) {
+                Node::Op(Op::Mul | Op::Square | Op::Div, args) => open.extend(args.iter().copied()),
+                _ => if let Some(size) = self.share_of(id, a, b) { return Some(size) },
+            }
+        }
+        None
     }
 
     /// Of the larger one of 0 and 1 - |a - b|/k: k, where that is the same everywhere.

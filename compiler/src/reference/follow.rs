@@ -112,10 +112,9 @@ const MUCH_MORE: f64 = 1.5;
 const BETWEEN: f64 = 0.4;
 /// A shadow's ray that has spent its looks goes on by guesses so often, and at least by so much for each unit of its coordinates and its way.
 const MOST_GUESSES: u32 = 32;
-const LEAST_GUESS: f64 = 1e-3;
-/// What counts as met of each unit of that at the first look, and how that grows with the square of the looks.
-const MET: f64 = 2e-6;
-const TIRED_MET: f64 = 1.5e-8;
+const LEAST_GUESS: f64 = 2e-3;
+/// So near to the surface, for each unit of the same, it is met.
+pub const MET: f64 = 2e-6;
 /// Less light counts as none.
 pub const DARK: f64 = 0.002;
 
@@ -144,26 +143,23 @@ impl Shadow {
     /// At the ray's beginning, before the first look.
     pub const START: Self = Self { lit: 1.0, radius: 1e18, stride: 1.0, steps: 0 };
 
-    /// How near is near enough at the next look; `size`: how large coordinates are there, and the way to it.
-    pub fn tolerance(&self, size: f64) -> f64 {
-        (MET + TIRED_MET * f64::from(self.steps).powi(2)) * size
+    /// Whether it has spent its looks, and goes on by guesses.
+    pub fn is_spent(&self) -> bool {
+        self.steps >= MOST_SHADOW_STEPS
     }
 
-    /// Whether the next look must see the distance, however near the surface is by the bound, which is `free`.
-    pub fn asks(&self, free: f64, size: f64) -> bool {
-        self.steps >= MOST_SHADOW_STEPS || free <= self.tolerance(size) && free > MET * size
-    }
-
-    /// One look. `passage`: what it passes, where that can matter; `size`: as for [`Self::tolerance`]; `end`: of the ray. The answer: where to look next.
+    /// One look. `passage`: what it passes, where that can matter; `size`: how large coordinates are there, and the way to it; `end`: of the ray. The
+    /// answer: where to look next.
     pub fn turn(&mut self, look: &Look, passage: Option<Passage>, size: f64, end: f64) -> Option<f64> {
         let Self { radius, stride, lit, .. } = *self;
         let (t, free) = (look.t, look.free);
-        let tolerance = self.tolerance(size);
+        let tolerance = MET * size;
+        let guesses = self.is_spent();
         self.steps += 1;
         if let Some(passage) = &passage {
             self.lit = lit.min(passage.share);
         }
-        if self.steps > MOST_SHADOW_STEPS {
+        if guesses {
             if free <= 0.0 || self.lit < DARK {
                 self.lit = 0.0;
                 return None;
@@ -171,8 +167,7 @@ impl Shadow {
             let next = t + passage.map_or(free, |p| p.distance).max(LEAST_GUESS * size);
             return (next <= end && self.steps < MOST_SHADOW_STEPS + MOST_GUESSES).then_some(next);
         }
-        let met = free <= MET * size || passage.as_ref().is_some_and(|p| p.distance <= tolerance);
-        if met || self.lit < DARK {
+        if free <= tolerance || self.lit < DARK {
             self.lit = 0.0;
             return None;
         }

@@ -18,7 +18,7 @@ use crate::functions::{Planes, Surface};
 use crate::images::{Images, Texture, TextureKind, sides};
 use ahead::PlanesApart;
 use camera::Basis;
-use follow::{DARK, Follow, Passage, Shadow, Small, TRACER, Turn};
+use follow::{DARK, Follow, MET, Passage, Shadow, Small, TRACER, Turn};
 use march::{Look, Ray, Scene, at_points, march, sizes};
 use shade::{Leaving, Seen, Shading, SurfaceValues};
 use std::cell::Cell;
@@ -296,13 +296,14 @@ impl Reference {
         let lights: Vec<f64> = rays.iter().map(|ray| ray.t_max).collect();
         let shares = self.planes.as_ref().map_or_else(|| vec![f64::INFINITY; rays.len()], |planes| planes.shares(&clipped, &lights, softness));
         // How far a look is from the surface or from the light, whichever is nearer.
-        let apart = |look: &Look| look.t.min(lights.get(look.ray).map_or(f64::INFINITY, |light| light - look.t)).max(state(look).tolerance(way(look)));
+        let apart = |look: &Look| look.t.min(lights.get(look.ray).map_or(f64::INFINITY, |light| light - look.t)).max(MET * way(look));
         march(
             scene,
             &clipped,
             |look| {
                 // The distance is looked at where the bound says that it can matter.
-                state(look).asks(look.free, way(look)) || softness > 0.0 && softness * look.free < state(look).lit * apart(look)
+                let matters = softness > 0.0 && look.free > MET * way(look) && softness * look.free < state(look).lit * apart(look);
+                matters || state(look).is_spent()
             },
             |look, distance| {
                 let end = clipped.get(look.ray).copied().flatten()?.t_max;
