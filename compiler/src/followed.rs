@@ -50,7 +50,7 @@ impl Compiled {
     /// those for the whole ranges, and proven in the same way. Answers whether there was anything to find.
     pub fn follow(&self, live: &mut Live, boxes: usize) -> bool {
         let known = live.followed.as_ref().is_some_and(|f| f.components == live.components);
-        let any = self.functions.searches.iter().flatten().any(|s| !s.parameters.is_empty());
+        let any = self.functions.searches.iter().flatten().any(Search::is_live);
         if known || !any {
             return false;
         }
@@ -61,7 +61,7 @@ impl Compiled {
             .iter()
             .zip(&self.functions.searches)
             .map(|(factor, search)| match search {
-                Some(search) if !search.parameters.is_empty() => {
+                Some(search) if search.is_live() => {
                     search.run(&self.graph, pinned.clone(), boxes).min(factor.lipschitz)
                 }
                 _ => factor.lipschitz,
@@ -79,7 +79,7 @@ impl Compiled {
         followed.settled = true;
         let mut steep: Vec<(usize, &Search, f64)> = Vec::new();
         for (i, (search, &factor)) in self.functions.searches.iter().zip(&followed.factors).enumerate() {
-            if let Some(search) = search.as_ref().filter(|s| factor > STEEP && !s.parameters.is_empty()) {
+            if let Some(search) = search.as_ref().filter(|s| factor > STEEP && s.is_live()) {
                 steep.push((i, search, factor));
             }
         }
@@ -98,13 +98,13 @@ impl Compiled {
     /// Whether more can be found for the values at hand than [`Compiled::follow`] finds.
     pub fn can_settle(&self, live: &Live) -> bool {
         let Some(followed) = live.followed.as_ref().filter(|f| !f.settled && f.components == live.components) else { return false };
-        let any = |(search, &factor): (&Option<Search>, &f64)| factor > STEEP && search.as_ref().is_some_and(|s| !s.parameters.is_empty());
+        let any = |(search, &factor): (&Option<Search>, &f64)| factor > STEEP && search.as_ref().is_some_and(Search::is_live);
         self.functions.searches.iter().zip(&followed.factors).any(any)
     }
 
     /// Whether a factor is another one where the parameters stand elsewhere.
     pub fn is_live(&self, factor: usize) -> bool {
-        self.functions.searches.get(factor).is_some_and(|search| search.as_ref().is_some_and(|s| !s.parameters.is_empty()))
+        self.functions.searches.get(factor).is_some_and(|search| search.as_ref().is_some_and(Search::is_live))
     }
 
     /// Whether a longer search can make a factor for the whole ranges smaller.
@@ -127,5 +127,31 @@ impl Compiled {
     pub fn sampled_factor(&self, factor: usize, samples: usize) -> f64 {
         let search = self.functions.searches.get(factor).and_then(Option::as_ref);
         search.map_or(1.0, |s| s.sample(&self.graph, samples))
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::indexing_slicing)]
+mod tests {
+    use crate::{Compiled, MemoryLoader, Options, compile};
+
+    #[test]
+    fn what_is_steep_where_the_sliders_stand_is_looked_at_longer() {
+        let text = "param curl = 2.8 in 0..3\nscene = capsule((0, 0, 0), (0, 1.6, 0), 0.14).taper(y, 0, 1.6, 0.2).bend(z, y, curl)\n";
+        let scene = compile(&MemoryLoader::new().with("a.sdf", text), "a.sdf", &Options::default()).compiled.unwrap();
+        let largest = |live: &crate::Live| (0..scene.graph.factors.len() as u32).map(|i| live.factor(&scene.graph, i)).fold(0.0, f64::max);
+        let mut quick = scene.live();
+        // So few boxes that all of them are steep.
+        assert!(scene.follow(&mut quick, 1) && scene.can_settle(&quick));
+        let mut settled = quick.clone();
+        scene.settle(&mut settled);
+        assert!(!scene.can_settle(&settled) && settled.followed != quick.followed);
+        assert!(largest(&settled) <= largest(&quick), "{} {}", largest(&settled), largest(&quick));
+        // What was found for other values is not taken.
+        let mut elsewhere = scene.live();
+        elsewhere.components[0] = 2.0;
+        elsewhere.take(settled.followed.unwrap());
+        assert_eq!(elsewhere.followed, None);
+        assert!(!scene.follow(&mut quick, Compiled::QUICK), "known already");
     }
 }

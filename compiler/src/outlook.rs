@@ -334,6 +334,10 @@ mod tests {
         let within = |extent: &str| look(&format!("scene = sphere(1)\nrender {{ extent: {extent} }}")).map(|d| d.message);
         assert!(within("0.5").is_some_and(|words| words.contains("extent of 0.5")));
         assert_eq!(within("1.2"), None);
+        // A flight that ends where the scene does, after five seconds.
+        let flight = |eye: &str| look(&format!("scene = for c in grid((4, 0, 4)) {{ sphere(1) }}\ncamera {{ eye: (0, 3, {eye}), target: (0, 0, {eye} - 5) }}\n"));
+        assert!(flight("-20 * time").is_some_and(|d| d.message.contains("after 5 seconds") || d.message.contains("after 6 seconds")));
+        assert_eq!(flight("-20 * (time % 4)"), None);
         // A lamp in its bulb.
         let lit = |shadow: &str| found(&format!("scene = plane(y) | sphere(0.2).translate(0, 1, 0)\nlight l {{ position: (0, 1, 0){shadow} }}"));
         assert_eq!(lit(""), Some((Code::InsideSolid, "shadow: none".to_owned())));

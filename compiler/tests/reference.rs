@@ -155,6 +155,24 @@ fn no_ray_goes_over_a_low_step() {
 }
 
 #[test]
+fn what_comes_in_flat_or_hardly_gets_on_throws_a_shadow() {
+    let shadow = |text: &str, origin: [f64; 3], direction: [f64; 3]| {
+        let rays = [Ray { origin, direction, t_min: 0.0, t_max: 50.0 }];
+        [0.0, 8.0].map(|softness| reference(&scene(text)).shadow(&rays, softness, 1000.0)[0])
+    };
+    // A ray that meets the top of a slab at half a degree needs more looks than there are; so does one that meets a sphere by the cube of its distance.
+    for degrees in [0.5f64, 1.0, 1.5] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        assert_eq!(shadow("scene = box((6, 0.3, 6))", [-2.0, 0.15 + sin, 0.0], [cos, -sin, 0.0]), [0.0, 0.0], "{degrees}");
+        // And one that leaves it is lit as long as nothing stands in its way.
+        assert_eq!(shadow("scene = box((6, 0.3, 6))", [2.0, 0.15 + 2.0 * sin, 0.0], [cos, sin, 0.0])[0], 1.0, "{degrees}");
+    }
+    let cube = "field f = { let a = dot(p, p) - 1; a * a * a }\nscene = f.within(box(3))";
+    assert_eq!(shadow(cube, [0.1, -1.4, 0.0], [0.0, 1.0, 0.0]), [0.0, 0.0]);
+    assert_eq!(shadow(cube, [1.3, -1.4, 0.0], [0.0, 1.0, 0.0])[0], 1.0);
+}
+
+#[test]
 fn terraces_of_noise_are_met() {
     // The walls of the noise's own cells are no jumps, for what it is claimed to be is continuous there.
     // The bound of simplex noise is loose, so that some rays spend all their looks before its steps.

@@ -25,6 +25,11 @@ pub struct Search {
 }
 
 impl Search {
+    /// Whether it finds another constant where parameters stand elsewhere.
+    pub fn is_live(&self) -> bool {
+        !self.parameters.is_empty()
+    }
+
     /// The constant, looked for with at most `boxes` boxes; for the values of the parameters if there are any, else for their whole ranges.
     pub fn run(&self, graph: &Graph, pinned: Pinned, boxes: usize) -> f64 {
         let mut facts = Facts { pinned, steps: boxes.saturating_mul(STEPS_A_BOX), most_searched: u64::MAX, ..Facts::default() };

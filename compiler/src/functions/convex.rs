@@ -103,19 +103,15 @@ impl Builder<'_> {
 
     /// Of `length(max(a, 0), max(b, 0)) + min(max(a, b), 0)`, the distance to where both are below zero, which grows with both and is convex: both.
     fn corner_of(&self, one: NodeId, other: NodeId) -> Option<[NodeId; 2]> {
-        let two = |id: NodeId, wanted: Op| match self.graph.node(id) {
-            Node::Op(op, args) if *op == wanted => Some([*args.first()?, *args.get(1)?]),
-            _ => None,
-        };
         let but_zero = |id: NodeId, wanted: Op| {
-            let [a, b] = two(id, wanted)?;
+            let (a, b) = self.graph.two(id, wanted)?;
             if self.graph.as_constant(b) == Some(0.0) { Some(a) } else { (self.graph.as_constant(a) == Some(0.0)).then_some(b) }
         };
-        let (beyond, within) = if two(one, Op::Length2).is_some() { (one, other) } else { (other, one) };
-        let [a, b] = two(beyond, Op::Length2)?.map(|side| but_zero(side, Op::Max));
-        let (a, b) = (a?, b?);
-        let largest = two(but_zero(within, Op::Min)?, Op::Max)?;
-        (largest == [a, b] || largest == [b, a]).then_some([a, b])
+        let (beyond, within) = if self.graph.two(one, Op::Length2).is_some() { (one, other) } else { (other, one) };
+        let (a, b) = self.graph.two(beyond, Op::Length2)?;
+        let (a, b) = (but_zero(a, Op::Max)?, but_zero(b, Op::Max)?);
+        let largest = self.graph.two(but_zero(within, Op::Min)?, Op::Max)?;
+        (largest == (a, b) || largest == (b, a)).then_some([a, b])
     }
 
     fn bend(&mut self, node: NodeId, bends: &FxHashMap<NodeId, Bend>, domain: &Domain) -> Bend {
