@@ -103,13 +103,14 @@ fn run(
             tidy(&mut outcome.diagnostics);
             return outcome;
         }
-        let (functions, summary, found) =
-            functions::build(&mut graph, facts, root, &elaboration.blocks, options.strict, Vec::new());
-        if let (Some(reach), None, false) = (functions.ahead.beyond, options.extent, elaboration.blocks.says_extent) {
+        let is_free = options.extent.is_none() && !elaboration.blocks.says_extent;
+        if let Some(extent) = is_free.then(|| functions::ample_extent(&mut graph, facts, root, &elaboration.blocks)).flatten() {
             // All is proven within the extent, so that with another one it is another scene.
             *memory = elaboration.facts.memory;
-            return run(loader, path, &Options { extent: Some(reach), ..options.clone() }, memory, finished);
+            return run(loader, path, &Options { extent: Some(extent), ..options.clone() }, memory, finished);
         }
+        let (functions, summary, found) =
+            functions::build(&mut graph, facts, root, &elaboration.blocks, options.strict, Vec::new());
         outcome.diagnostics.extend(found);
         finished(Stage::Analyse);
         if !outcome.has_errors() {

@@ -24,6 +24,8 @@ use surefoot_tests::mutations::{self, Corpus};
 const COUNT: u64 = 20_000;
 /// The longest that one input may take, of the processor's time.
 const LONGEST: Duration = Duration::from_secs(1);
+/// What takes longer is asked so many times in all, and the least time counts: what else the machine does adds to a time, and takes nothing off.
+const TRIES: usize = 3;
 /// The longest that one input may take by the clock; then the run is ended, for nothing else can stop it.
 const GIVE_UP: Duration = Duration::from_secs(300);
 /// The most that may be allocated at one time for one input.
@@ -94,12 +96,20 @@ fn corpus() -> Corpus {
 
 /// Everything that an input is asked; says what is wrong.
 fn check(bytes: &[u8]) -> Result<(), String> {
-    let watch = Stopwatch::start();
     let held = HELD.get();
     MOST.set(held);
-    let done = catch_unwind(AssertUnwindSafe(|| ask(bytes)));
+    let timed = || {
+        let watch = Stopwatch::start();
+        let done = catch_unwind(AssertUnwindSafe(|| ask(bytes)));
+        (done, watch.time())
+    };
+    let (done, mut time) = timed();
     let most = (MOST.get() - held) as usize;
-    let time = watch.time();
+    for _ in 1..TRIES {
+        if time > LONGEST {
+            time = time.min(timed().1);
+        }
+    }
     let compiled = match done {
         Err(_) => return Err(format!("a panic: {}", PANIC.take())),
         Ok(wrong) => wrong?,

@@ -143,6 +143,14 @@ impl Facts {
         self.close_outline_within(graph, node, far, 0)
     }
 
+    /// Does something that is not counted in what closer looks at regions may cost: once for a scene, before all others.
+    pub fn on_top<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let before = (self.closer, self.looks);
+        let done = work(self);
+        (self.closer, self.looks) = before;
+        done
+    }
+
     fn close_outline_within(&mut self, graph: &Graph, node: NodeId, far: f64, moves: usize) -> Box3 {
         let outline = self.outline_within(graph, node, moves);
         if outline.is_empty() || outline.0.iter().all(|side| side.magnitude() < far) {
@@ -302,10 +310,7 @@ impl Facts {
             for axis in 0..3 {
                 let side = part.axis(axis);
                 if side.width() > part.size() / 1.5 {
-                    let (low, high) = (
-                        Interval::new(side.lo, side.middle()),
-                        Interval::new(side.middle(), side.hi),
-                    );
+                    let (low, high) = (Interval::new(side.lo, side.middle()), Interval::new(side.middle(), side.hi));
                     parts = parts
                         .into_iter()
                         .flat_map(|p| [p.with_axis(axis, low), p.with_axis(axis, high)])

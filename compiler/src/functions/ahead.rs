@@ -4,12 +4,12 @@
 //! its way to a plane is the height over the slope along the ray. So planes that are united with the rest of a scene are met apart, and the
 //! ray follows the bound of the rest alone.
 
-use super::Builder;
+use super::{Builder, SceneBlocks};
 use crate::analysis::{Box3, Facts};
 use crate::analysis::region::WORLD_SIDE;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::graph::{FAR, Function, Leaf, Node, NodeId};
+use crate::graph::{FAR, Function, Graph, Leaf, Node, NodeId, ShapeId};
 
 /// What is known of the ways ahead of rays, in the scene's space.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,8 +20,6 @@ pub struct Ahead {
     pub region: Option<Box3>,
     /// The same box where all parameters are as the text gives them, for a camera of which the text says nothing; none where there is no such camera.
     pub home: Option<Box3>,
-    /// The extent that what is solid but the planes should have, where that is known and more than it has.
-    pub beyond: Option<f64>,
 }
 
 /// The planes that a scene is the union of, with what is left without them.
@@ -49,6 +47,12 @@ pub(super) const AMPLE: f64 = 5.0;
 /// A box is wider than what is solid by so much of its widest side, so that a ray has looked twice before it is there.
 const ROOM: f64 = 0.01;
 
+/// The extent that a scene should have of which the text says none, where that is known and more than it has: five times as far as what is
+/// solid but its planes.
+pub fn ample_extent(graph: &mut Graph, facts: &mut Facts, root: ShapeId, blocks: &SceneBlocks) -> Option<f64> {
+    Builder::new(graph, facts, root, blocks).ample_extent()
+}
+
 impl Builder<'_> {
     /// What is ahead of rays in the scene. Asked when all formulas and unions are known.
     pub(super) fn ahead(&mut self) -> Ahead {
@@ -62,8 +66,8 @@ impl Builder<'_> {
             planes.retain(|plane| known.contains(plane));
         }
         let solid = if planes.is_empty() { Some(field) } else { self.without(field, &planes) };
-        let (region, home, beyond) = solid.map_or((Some(Box3::cube(ROOM)), None, None), |solid| self.where_solid(solid));
-        let Some(&first) = planes.first() else { return Ahead { planes: None, region, home, beyond } };
+        let (region, home) = solid.map_or((Some(Box3::cube(ROOM)), None), |solid| self.where_solid(solid));
+        let Some(&first) = planes.first() else { return Ahead { planes: None, region, home } };
         let (rest_bound, rest_distance) = (self.without(bound, &planes), self.without(distance, &planes));
         let mut distance = first;
         let mut way = self.way_to(first);
@@ -75,7 +79,29 @@ impl Builder<'_> {
         let far = self.graph.constant(FAR);
         let rest = |node: Option<NodeId>| node.unwrap_or(far);
         let planes = Planes { distance, way, rest_bound: rest(rest_bound), rest_distance: rest(rest_distance) };
-        Ahead { planes: Some(planes), region, home, beyond }
+        Ahead { planes: Some(planes), region, home }
+    }
+
+    /// The extent that the scene should have, where that is known and more than it has. Its formula alone tells.
+    pub(super) fn ample_extent(&mut self) -> Option<f64> {
+        let field = self.graph.shape(self.root)?.value;
+        let planes = self.planes_among(field);
+        let solid = if planes.is_empty() { field } else { self.without(field, &planes)? };
+        let (solid, box_about) = self.box_about(solid)?;
+        let reach = |solid: Box3| solid.0.map(Interval::magnitude).into_iter().fold(0.0, f64::hypot);
+        let known = |reach: &f64| AMPLE * reach < WORLD_SIDE;
+        // Where parameters may put it anywhere, it is somewhere at first.
+        let reach = Some(reach(box_about)).filter(known).or_else(|| {
+            let home = self.home(solid);
+            (!home.is_empty()).then(|| reach(home)).filter(known)
+        })?;
+        (LEAST * reach > self.extent).then_some(AMPLE * reach)
+    }
+
+    /// The formula of a shape's function; the field's is known before any are built.
+    fn formula(&self, shape: ShapeId, function: Function) -> Option<NodeId> {
+        let field = || (function == Function::Field).then(|| self.graph.shape(shape)).flatten().map(|s| s.value);
+        self.built.formulas.get(&(shape, function)).copied().or_else(field)
     }
 
     /// The planes that a formula in the scene's space is the least of, each once; none where they are many, or stand among very much.
@@ -101,7 +127,7 @@ impl Builder<'_> {
         let holds = match self.graph.node(node).clone() {
             Node::Op(Op::Min, args) => args.iter().any(|&a| self.may_hold_plane(a)),
             Node::Call(shape, function, _) if !self.built.unions.contains_key(&(shape, function)) => {
-                self.built.formulas.get(&(shape, function)).copied().is_some_and(|formula| self.may_hold_plane(formula))
+                self.formula(shape, function).is_some_and(|formula| self.may_hold_plane(formula))
             }
             _ => self.is_straight(node),
         };
@@ -127,7 +153,7 @@ impl Builder<'_> {
         match self.graph.node(node).clone() {
             Node::Op(Op::Min, args) => Some(args.to_vec()),
             Node::Call(shape, function, args) if !self.built.unions.contains_key(&(shape, function)) => {
-                let formula = self.built.formulas.get(&(shape, function)).copied()?;
+                let formula = self.formula(shape, function)?;
                 self.may_hold_plane(formula).then(|| vec![self.graph.open(shape, formula, &args)])
             }
             _ => None,
@@ -168,31 +194,28 @@ impl Builder<'_> {
         if self.framed || !self.says_extent { self.extent } else { f64::INFINITY }
     }
 
-    /// The box about what is solid, that box as the text gives the parameters, and the extent that the scene should have where it reaches beyond
-    /// the one that it has.
-    fn where_solid(&mut self, solid: NodeId) -> (Option<Box3>, Option<Box3>, Option<f64>) {
-        if self.extent > WORLD_SIDE {
-            return (None, None, None);
-        }
-        let mut solid = solid;
-        let mut outline = self.facts.close_outline(self.graph, solid, self.far());
-        if outline.is_empty() {
-            // What is nowhere within the extent may be beyond it.
-            solid = self.graph.shape(self.root).map_or(solid, |shape| shape.value);
-            outline = self.facts.close_outline(self.graph, solid, self.far());
-        }
-        if outline.is_empty() {
-            return (None, None, None);
-        }
+    /// The box about what is solid, and that box as the text gives the parameters.
+    fn where_solid(&mut self, solid: NodeId) -> (Option<Box3>, Option<Box3>) {
+        let Some((solid, box_about)) = self.box_about(solid) else { return (None, None) };
         let extent = self.extent;
-        let ends = |outline: &Box3| outline.0.iter().all(|side| side.magnitude() < extent);
-        let widest = outline.0.iter().map(|side| side.width()).fold(0.0, f64::max);
-        let region = ends(&outline).then(|| outline.grow(ROOM * widest));
-        // Where parameters may put it anywhere, it is somewhere at first.
-        let home = (self.framed || region.is_none() && !self.says_extent).then(|| self.home(solid)).filter(|home| !home.is_empty());
-        let reach = |outline: Box3| outline.0.map(Interval::magnitude).into_iter().fold(0.0, f64::hypot);
-        let known = [Some(outline), home].into_iter().flatten().map(reach).find(|reach| AMPLE * reach < WORLD_SIDE);
-        let beyond = known.filter(|reach| LEAST * reach > extent).map(|reach| AMPLE * reach);
-        (region, home.filter(|home| self.framed && ends(home)), beyond)
+        let ends = |solid: &Box3| solid.0.iter().all(|side| side.magnitude() < extent);
+        let widest = box_about.0.iter().map(|side| side.width()).fold(0.0, f64::max);
+        let region = ends(&box_about).then(|| box_about.grow(ROOM * widest));
+        let home = self.framed.then(|| self.home(solid)).filter(|home| !home.is_empty() && ends(home));
+        (region, home)
+    }
+
+    /// What is solid but the planes, or all of it where nothing else is within the extent, and a box that holds it. None where nothing is solid.
+    fn box_about(&mut self, solid: NodeId) -> Option<(NodeId, Box3)> {
+        if self.extent > WORLD_SIDE {
+            return None;
+        }
+        // What is nowhere within the extent may be beyond it.
+        let whole = self.graph.shape(self.root).map(|shape| shape.value);
+        let (graph, far) = (&*self.graph, self.far());
+        [Some(solid), whole].into_iter().flatten().find_map(|solid| {
+            let outline = self.facts.on_top(|facts| facts.close_outline(graph, solid, far));
+            (!outline.is_empty()).then_some((solid, outline))
+        })
     }
 }

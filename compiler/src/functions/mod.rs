@@ -36,7 +36,7 @@ mod uneven;
 pub mod unions;
 mod wall;
 
-pub use ahead::{Ahead, Planes};
+pub use ahead::{Ahead, Planes, ample_extent};
 pub use ground::{Carry, carry, firm};
 pub use outlines::{Outline, Outlines, outline_beside};
 
@@ -330,37 +330,9 @@ pub fn build(
     strict: bool,
     searches: Vec<Option<Search>>,
 ) -> (Functions, Summary, Vec<Diagnostic>) {
-    let shapes = graph.shapes().len();
-    let mut builder = Builder {
-        graph,
-        facts,
-        root,
-        extent: blocks.extent,
-        says_extent: blocks.says_extent,
-        framed: blocks.is_framed(),
-        domains: with_room(shapes),
-        found: found::Found::default(),
-        crowded: None,
-        built: Functions { searches, formulas: with_room(6 * shapes), ..Functions::default() },
-        diagnostics: Vec::new(),
-        kind: Kind::Exact,
-        strict,
-        slopes: Vec::new(),
-        walls: FxHashMap::default(),
-        walled: FxHashMap::default(),
-        beside: FxHashMap::default(),
-        outlines: FxHashMap::default(),
-        outlined: FxHashMap::default(),
-        folds: folds::Folds::default(),
-        still: Vec::new(),
-        own: None,
-        planes: FxHashMap::default(),
-        surfaces: FxHashMap::default(),
-        looks: FxHashMap::default(),
-        dresses: FxHashMap::default(),
-        looked: 0,
-        parting: 0,
-    };
+    let mut builder = Builder::new(graph, facts, root, blocks);
+    builder.built.searches = searches;
+    builder.strict = strict;
     builder.graph.is_spread = builder.graph.spreads();
     builder.find_domains();
     let mut functions = vec![
@@ -434,6 +406,43 @@ impl Kind {
             Kind::Lipschitz => "lipschitz",
             Kind::Bound => "bound",
             Kind::Unproven => "unproven",
+        }
+    }
+}
+
+impl<'a> Builder<'a> {
+    /// Nothing built yet.
+    fn new(graph: &'a mut Graph, facts: &'a mut Facts, root: ShapeId, blocks: &SceneBlocks) -> Self {
+        let shapes = graph.shapes().len();
+        Self {
+            graph,
+            facts,
+            root,
+            extent: blocks.extent,
+            says_extent: blocks.says_extent,
+            framed: blocks.is_framed(),
+            domains: with_room(shapes),
+            found: found::Found::default(),
+            crowded: None,
+            built: Functions { formulas: with_room(6 * shapes), ..Functions::default() },
+            diagnostics: Vec::new(),
+            kind: Kind::Exact,
+            strict: false,
+            slopes: Vec::new(),
+            walls: FxHashMap::default(),
+            walled: FxHashMap::default(),
+            beside: FxHashMap::default(),
+            outlines: FxHashMap::default(),
+            outlined: FxHashMap::default(),
+            folds: folds::Folds::default(),
+            still: Vec::new(),
+            own: None,
+            planes: FxHashMap::default(),
+            surfaces: FxHashMap::default(),
+            looks: FxHashMap::default(),
+            dresses: FxHashMap::default(),
+            looked: 0,
+            parting: 0,
         }
     }
 }
