@@ -100,7 +100,7 @@ codes! {
         "A character that the language does not use. Names are made of letters, digits and `_`; text stands between straight double quotes; a power is `pow(a, b)`.",
         "scene = sphere(1) $ box(1)";
     NumberForm, "number-form", Error,
-        "A number that can't be read, or is too large for the GPU. Numbers are decimal, with a digit on each side of the point; the units of angles are `deg`, `turn` and `rad`, right after the number.",
+        "A number that can't be read, or is too large for the GPU. Numbers are decimal, with one point at most; the units of angles are `deg`, `turn` and `rad`, right after the number.",
         "let a = 1e999\nscene = sphere(1)";
     StringForm, "string-form", Error,
         "A text that does not end on its line, or an escape that is not known. Texts stand between double quotes; `\\\"`, `\\\\`, `\\n` and `\\t` are the escapes, and paths are written with `/`.",

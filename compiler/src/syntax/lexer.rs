@@ -425,10 +425,11 @@ impl Reader<'_> {
         self.say(Code::Unexpected, Span::new(self.file, start, start + line.len()), message, help);
     }
 
+    /// What starts with a point: a number without a digit before it, if nothing stands there.
     fn dot_number(&mut self, text: &str, start: usize, end: usize) -> TokenKind {
         let glued = self.tokens.last().is_some_and(|t| t.end as usize == start);
         let (message, help) = match self.tokens.last() {
-            Some(Token { kind: TokenKind::Name | TokenKind::ParenClose, .. }) if glued => (
+            Some(Token { kind: TokenKind::Name | TokenKind::ParenClose | TokenKind::BracketClose, .. }) if glued => (
                 format!("`{text}` is no component"),
                 "the components of a vector are .x, .y, .z and .w, the items of a list list[0], list[1]".to_string(),
             ),
@@ -438,10 +439,7 @@ impl Reader<'_> {
             Some(Token { kind: TokenKind::Float, .. }) if glued => {
                 ("a number has one point only".to_string(), "take the second point out".to_string())
             }
-            _ => (
-                "a number needs a digit before its point".to_string(),
-                format!("write `0{text}`"),
-            ),
+            _ => return self.number(text, start, end),
         };
         self.say(Code::NumberForm, Span::new(self.file, start, end), message, help);
         TokenKind::BadLiteral

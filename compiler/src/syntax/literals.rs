@@ -13,11 +13,10 @@ pub enum Number {
     Angle(f64, AngleUnit),
 }
 
-/// Reads a number; what is wrong and what to write instead where it can't be read.
+/// Reads a number; what is wrong and what to write instead where it can't be read. The digits on one side of the point may be left out.
 pub fn read_number(text: &str) -> Result<Number, (String, String)> {
-    if let Some(digits) = text.strip_suffix('.') {
-        let message = "a number needs a digit after its point".to_string();
-        return Err((message, format!("write `{digits}.0` or `{digits}`")));
+    if let Some(before) = text.strip_suffix('.').filter(|before| !before.bytes().all(|c| c.is_ascii_digit())) {
+        return Err(("the point of a number stands between its digits".to_string(), format!("write `{before}`")));
     }
     let digits = |from: usize| text.bytes().skip(from).take_while(u8::is_ascii_digit).count();
     let mut length = digits(0);

@@ -38,6 +38,14 @@ impl<'t> Builder<'t> {
         Doc::Text(self.text.get(span.start as usize..span.end as usize).unwrap_or(""))
     }
 
+    /// A number with a digit on each side of its point.
+    fn number(&self, span: Span) -> Doc<'t> {
+        let text = self.text.get(span.start as usize..span.end as usize).unwrap_or("");
+        let before = if text.starts_with('.') { "0" } else { "" };
+        let after = if text.ends_with('.') { "0" } else { "" };
+        Doc::concat([before, text, after].into_iter().filter(|part| !part.is_empty()).map(Doc::Text).collect())
+    }
+
     /// Where the first token of a kind stands after a byte.
     pub(super) fn first_after(&self, from: u32, kind: TokenKind) -> u32 {
         let start = self.tokens.partition_point(|token| token.start < from);
@@ -143,11 +151,13 @@ impl<'t> Builder<'t> {
             ExprKind::Range(from, to) => {
                 Doc::concat(vec![self.expr(from), Doc::Text(".."), self.expr(to)])
             }
+            ExprKind::Float(_) | ExprKind::Angle(..) => {
+                let comments = self.comments.within(expr.span.start);
+                Doc::concat(vec![comments, self.number(expr.span)])
+            }
             ExprKind::Hole
             | ExprKind::Bool(_)
             | ExprKind::Int(_)
-            | ExprKind::Float(_)
-            | ExprKind::Angle(..)
             | ExprKind::Color(_)
             | ExprKind::Str(_)
             | ExprKind::Name(_) => {

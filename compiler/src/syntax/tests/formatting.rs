@@ -87,6 +87,11 @@ pub(super) fn holds(text: &str) -> Result<(), TestCaseError> {
 }
 
 #[test]
+fn a_number_has_digits_on_both_sides_of_its_point() {
+    assert_eq!(format("let a = [.5, 1., -.25turn, 3, 2.*x]").unwrap(), "let a = [0.5, 1.0, -0.25turn, 3, 2.0 * x]\n");
+}
+
+#[test]
 fn the_contract_and_everything_hold() {
     holds(CONTRACT).unwrap();
     holds(EVERYTHING).unwrap();
