@@ -8,7 +8,7 @@ use super::dual::{self, Dual};
 use super::tape::{Step, Tape};
 use super::Facts;
 use crate::graph::interval::Interval;
-use crate::graph::kernel::Op;
+use crate::graph::kernel::{self, Op};
 use crate::graph::{Graph, Leaf};
 
 /// How many times a formula may be run over one box; beyond that the hull of what is left is taken.
@@ -172,18 +172,36 @@ impl Branches {
     }
 }
 
+/// Where an exponential, a logarithm, or a power with an exponent within `b` is within `target`. They grow, and are flat at their ends.
+fn grown_from(op: Op, b: Interval, target: Interval) -> Interval {
+    let inverse = |y: f64| match op {
+        Op::Exp => y.ln(),
+        Op::Log => y.exp(),
+        _ => y.powf(1.0 / b.lo).max(y.powf(1.0 / b.hi)),
+    };
+    let ends = kernel::interval(op, &[Interval::ALL, b]);
+    let above = target.hi < ends.hi && target.hi > ends.lo.max(if op == Op::Log { f64::NEG_INFINITY } else { 0.0 });
+    if !above || op == Op::Pow && b.lo <= 0.0 {
+        return Interval::ALL;
+    }
+    Interval::new(f64::NEG_INFINITY, Interval::point(target.hi).monotone(inverse).hi)
+}
+
 /// What an operation's result within `target` says of its `k`-th argument, the first two being within `a` and `b`.
-fn backward(op: Op, k: usize, a: Interval, b: Interval, target: Interval, side: Option<Side>) -> Interval {
+pub(super) fn backward(op: Op, k: usize, a: Interval, b: Interval, target: Interval, side: Option<Side>) -> Interval {
     let all = Interval::ALL;
+    // What is not zero is no product with zero, and no quotient by it.
+    let is_some = !target.contains(0.0);
     match (op, k) {
         (Op::Add, 0) => target.sub(b),
         (Op::Add, 1) => target.sub(a),
         (Op::Sub, 0) => target.add(b),
         (Op::Sub, 1) => a.sub(target),
         (Op::Neg, _) => target.neg(),
-        (Op::Mul, 0) if !b.contains(0.0) => target.div(b),
-        (Op::Mul, 1) if !a.contains(0.0) => target.div(a),
-        (Op::Div, 0) if !b.contains(0.0) => target.mul(b),
+        (Op::Mul, 0) if is_some || !b.contains(0.0) => target.div(b),
+        (Op::Mul, 1) if is_some || !a.contains(0.0) => target.div(a),
+        (Op::Div, 0) if is_some || !b.contains(0.0) => target.mul(b),
+        (Op::Div, 1) if is_some => a.div(target),
         (Op::Min, 0) if side == Some(Side::First) => target,
         (Op::Min, 1) if side == Some(Side::Second) => target,
         (Op::Max, 0) if side == Some(Side::First) => target,
@@ -200,6 +218,8 @@ fn backward(op: Op, k: usize, a: Interval, b: Interval, target: Interval, side: 
             Interval::new(-side, side)
         }
         (Op::Sqrt, _) => Interval::new(f64::NEG_INFINITY, target.square().hi),
+        (Op::Exp | Op::Log, _) | (Op::Pow, 0) => grown_from(op, b, target),
+        (Op::Floor | Op::Ceil | Op::Round | Op::Trunc, _) => Interval::new(target.lo - 1.0, target.hi + 1.0),
         (Op::Length2 | Op::Length3 | Op::Length4, _) => Interval::new(-target.hi, target.hi),
         (Op::Select, 1) if side == Some(Side::First) => target,
         (Op::Select, 2) if side == Some(Side::Second) => target,

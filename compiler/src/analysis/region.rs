@@ -2,6 +2,7 @@
 //! are proven empty.
 
 use super::back::Turned;
+use super::branches::backward;
 use super::placed::Placed;
 use super::tape::{Step, Tape};
 use super::{call_domain, Box3, Constant, Domain, Facts};
@@ -535,27 +536,11 @@ impl Walk<'_> {
                     self.step(b, target.sub(ra), region)
                 }
             },
-            Op::Sub => {
-                let region = self.step(a, target.add(rb), region);
-                self.step(b, ra.sub(target), region)
+            // Of what is at most zero one factor is.
+            Op::Mul if target.hi <= 0.0 && ra.contains(0.0) && rb.contains(0.0) => {
+                let below = Interval::new(f64::NEG_INFINITY, 0.0);
+                self.either(|walk| walk.step(a, below, region), |walk| walk.step(b, below, region))
             }
-            Op::Mul => {
-                // Of what is at most zero one factor is.
-                if target.hi <= 0.0 && ra.contains(0.0) && rb.contains(0.0) {
-                    let below = Interval::new(f64::NEG_INFINITY, 0.0);
-                    return self.either(|walk| walk.step(a, below, region), |walk| walk.step(b, below, region));
-                }
-                let mut region = region;
-                if !rb.contains(0.0) {
-                    region = self.step(a, target.div(rb), region);
-                }
-                if !ra.contains(0.0) {
-                    region = self.step(b, target.div(ra), region);
-                }
-                region
-            }
-            Op::Div if !rb.contains(0.0) => self.step(a, target.mul(rb), region),
-            Op::Neg => self.step(a, target.neg(), region),
             Op::Min => {
                 let above = Interval::new(target.lo, f64::INFINITY);
                 let region = self.step(a, above, region);
@@ -571,12 +556,6 @@ impl Walk<'_> {
                 }
                 self.either(|walk| walk.step(a, target, region), |walk| walk.step(b, target, region))
             }
-            Op::Abs => self.step(a, Interval::new(-target.hi, target.hi), region),
-            Op::Square => {
-                let side = target.sqrt().hi;
-                self.step(a, Interval::new(-side, side), region)
-            }
-            Op::Sqrt => self.step(a, Interval::new(f64::NEG_INFINITY, target.square().hi), region),
             Op::Length2 | Op::Length3 | Op::Length4 => {
                 let side = target.hi.max(0.0);
                 let own = Box3([Interval::new(-side, side); 3]);
@@ -592,7 +571,7 @@ impl Walk<'_> {
                 Interval::ZERO => self.step(arg(2), target, region),
                 _ => self.either(|walk| walk.step(b, target, region), |walk| walk.step(arg(2), target, region)),
             },
-            _ => region,
+            _ => (0..).zip(args).fold(region, |region, (k, &arg)| self.step(arg, backward(op, k, ra, rb, target, None), region)),
         }
     }
 }
