@@ -1,8 +1,8 @@
 //! Points that are other points turned about the origin, or mirrored: as far from it as those, by whatever angles.
 
-use super::tape::{Step, Tape};
+use super::tape::{Step, Steps, Tape};
 use crate::graph::kernel::Op;
-use smallvec::SmallVec;
+use smallvec::{SmallVec, smallvec};
 
 /// So many turns after one another are seen, and so many steps of each.
 const MOST_TURNS: usize = 32;
@@ -12,7 +12,8 @@ const ROUNDED: f64 = 1e-9;
 
 /// The first of the points that were turned one after another until they were this one; none where it is none that was turned.
 pub fn unturned(tape: &Tape, point: [usize; 3]) -> Option<[usize; 3]> {
-    let before = |point: &[usize; 3]| turned_in_a_plane(tape, *point).or_else(|| turned_by_numbers(tape, *point));
+    let mirrored = |point: &[usize; 3]| Mirror::of(tape, point)?.of.as_slice().try_into().ok();
+    let before = |point: &[usize; 3]| turned_in_a_plane(tape, *point).or_else(|| turned_by_numbers(tape, *point)).or_else(|| mirrored(point));
     std::iter::successors(Some(point), before).take(MOST_TURNS).skip(1).last()
 }
 
@@ -37,6 +38,142 @@ impl PlaneTurn {
             .find_map(|(i, first)| turns(Op::TurnV).find(|(_, second)| first == *second).map(|(j, _)| (i, first, j)))?;
         Some(Self { coordinates: [i, j], of: of.as_slice().try_into().ok()? })
     }
+}
+
+/// A point that is another one mirrored in a plane through the origin, be it on one side of the plane alone: `q - 2 min(q · n, 0) n`.
+pub struct Mirror {
+    /// The steps that are mirrored.
+    pub of: Steps,
+    /// The components of the plane's normal, a unit vector by the way it is written.
+    pub normal: Steps,
+}
+
+/// A coordinate of a mirrored point: a step that a number times two others is added to.
+struct Moved {
+    from: usize,
+    number: f64,
+    factors: Steps,
+}
+
+impl Mirror {
+    /// How a point, or two coordinates of one, are mirrored.
+    pub fn of(tape: &Tape, point: &[usize]) -> Option<Self> {
+        let moved: SmallVec<[Option<Moved>; 3]> = point.iter().map(|&a| Moved::of(tape, a)).collect();
+        let first = moved.iter().flatten().next()?;
+        let normal = first.factors.iter().find_map(|&way| normal_of(tape, moved.iter().flatten(), way))?;
+        let of = point.iter().zip(&moved).map(|(&at, moved)| moved.as_ref().map_or(at, |moved| moved.from)).collect();
+        Some(Self { of, normal })
+    }
+}
+
+/// The normal along which coordinates are moved by twice their way to the plane, or to it from one side.
+fn normal_of<'m>(tape: &Tape, moved: impl Iterator<Item = &'m Moved>, way: usize) -> Option<Steps> {
+    let mut normal = Steps::new();
+    let mut products: SmallVec<[(usize, usize, f64); 3]> = SmallVec::new();
+    for moved in moved {
+        let component = match *moved.factors.as_slice() {
+            [a, b] if a == way => b,
+            [a, b] if b == way => a,
+            _ => return None,
+        };
+        if moved.number.abs() != 2.0 {
+            return None;
+        }
+        normal.push(component);
+        products.push((moved.from, component, -moved.number.signum()));
+    }
+    let is_zero = |step: usize| tape.constant(step) == Some(0.0);
+    let way = match tape.operation(way) {
+        Some((Op::Min | Op::Max, &[a, b])) if is_zero(b) => a,
+        Some((Op::Min | Op::Max, &[a, b])) if is_zero(a) => b,
+        _ => way,
+    };
+    (is_sum_of(tape, way, products) && is_unit(tape, &normal)).then_some(normal)
+}
+
+impl Moved {
+    fn of(tape: &Tape, step: usize) -> Option<Self> {
+        let (op @ (Op::Add | Op::Sub), &[a, b]) = tape.operation(step)? else { return None };
+        let sides = [(a, b, if op == Op::Sub { -1.0 } else { 1.0 }), (b, a, 1.0)];
+        sides.into_iter().take(if op == Op::Add { 2 } else { 1 }).find_map(|(from, product, sign)| {
+            let (number, factors) = factors_of(tape, product)?;
+            (factors.len() == 2).then_some(Self { from, number: sign * number, factors })
+        })
+    }
+}
+
+/// The number and the steps that a product is made of; none where it is no product.
+fn factors_of(tape: &Tape, product: usize) -> Option<(f64, Steps)> {
+    let mut number = 1.0;
+    let (mut open, mut factors) = (Steps::from_slice(&[product]), Steps::new());
+    while let Some(step) = open.pop() {
+        match (tape.operation(step), tape.constant(step)) {
+            (Some((Op::Mul, args)), _) if factors.len() + open.len() < 4 => open.extend(args.iter().copied()),
+            (Some((Op::Neg, &[a])), _) => {
+                number = -number;
+                open.push(a);
+            }
+            (_, Some(c)) => number *= c,
+            _ => factors.push(step),
+        }
+    }
+    Some((number, factors)).filter(|(_, factors)| factors.len() > 1)
+}
+
+/// Whether a step is the sum of the products of pairs of steps, each with a sign.
+fn is_sum_of(tape: &Tape, sum: usize, mut pairs: SmallVec<[(usize, usize, f64); 3]>) -> bool {
+    let mut open: SmallVec<[(usize, f64); 4]> = smallvec![(sum, 1.0)];
+    while let Some((step, sign)) = open.pop() {
+        match tape.operation(step) {
+            Some((Op::Add, &[a, b])) if pairs.len() > open.len() + 1 => open.extend([(a, sign), (b, sign)]),
+            Some((Op::Sub, &[a, b])) if pairs.len() > open.len() + 1 => open.extend([(a, sign), (b, -sign)]),
+            Some((Op::Neg, &[a])) => open.push((a, -sign)),
+            Some((Op::Mul, &[a, b])) => {
+                let sign_of = |step: usize| match tape.operation(step) {
+                    Some((Op::Neg, &[of])) => (of, -1.0),
+                    _ => (step, 1.0),
+                };
+                let is_pair = |&(q, n, by): &(usize, usize, f64)| {
+                    [(a, b), (b, a)].into_iter().any(|(of, by_what)| {
+                        let (component, own) = sign_of(by_what);
+                        of == q && component == n && sign * own == by
+                    })
+                };
+                let Some(at) = pairs.iter().position(is_pair) else { return false };
+                pairs.remove(at);
+            }
+            _ => return false,
+        }
+    }
+    pairs.is_empty()
+}
+
+/// Whether a vector has the length one, or none at all, by the way it is written: divided by its own length, or cosine and sine of an angle.
+fn is_unit(tape: &Tape, vector: &[usize]) -> bool {
+    let parts: Option<SmallVec<[(usize, usize); 3]>> = vector
+        .iter()
+        .map(|&component| match tape.operation(component) {
+            Some((Op::Div, &[a, length])) => Some((a, length)),
+            _ => None,
+        })
+        .collect();
+    if let Some(parts) = parts
+        && let Some(&(_, length)) = parts.first()
+        && let Some((Op::Length2 | Op::Length3, of)) = tape.operation(length)
+    {
+        let mut of = Steps::from_slice(of);
+        return parts.len() == of.len() && parts.iter().all(|&(a, by)| {
+            let at = of.iter().position(|&part| part == a).filter(|_| by == length);
+            at.map(|at| of.remove(at)).is_some()
+        });
+    }
+    let angle = |wanted: Op| {
+        vector.iter().find_map(|&component| match tape.operation(component) {
+            Some((op, &[angle])) if op == wanted => Some(angle),
+            _ => None,
+        })
+    };
+    vector.len() == 2 && angle(Op::Cos).is_some_and(|cosine| angle(Op::Sin) == Some(cosine))
 }
 
 /// What a point is turned from, where that is in a plane.
@@ -136,6 +273,26 @@ mod tests {
             "(for c in grid((1.3, 1.3, 1.3)) { box(1, 0.6, 0.3).rotate((hash(c), hash(c + 7), hash(c + 9)) - 0.5, 6 * hash(c + 3)) })",
         );
         assert!(scene.graph.factors.is_empty());
+    }
+
+    #[test]
+    fn what_is_mirrored_is_as_far_away_as_before() {
+        for normal in ["(cos(tilt), -sin(tilt), 0)", "(tilt, tilt, 1)", "(tilt, 0, -1)", "(sin(time), tilt, 2)"] {
+            for side in ["min(0, dot(p, n))", "max(dot(p, n), 0)", "dot(p, n)"] {
+                let scene = compiled(&format!("f\nlet n = normalize({normal})\nfield f = box(1, 0.6, 0.3).at(p - 2 * {side} * n)"));
+                assert!(scene.graph.factors.is_empty(), "{normal} {side}");
+                let [low, high] = bounds(&scene.graph, scene.root, &scene.functions, 100.0).unwrap_or_else(|| panic!("{normal} {side}"));
+                assert!(low.iter().all(|c| *c > -0.61) && high.iter().all(|c| *c < 0.61), "{normal} {side}: {low:?} {high:?}");
+            }
+        }
+        // A unit vector that is none by its length.
+        let scene = compiled("box(1, 0.6, 0.3).at(p - 2 * min(0, p.x * cos(tilt) - p.y * sin(tilt)) * (cos(tilt), -sin(tilt), 0))");
+        assert!(scene.graph.factors.is_empty());
+        // Nearly a mirror, and not quite: too far, along another normal, and along one that is too long.
+        for wrong in ["p - 2.1 * dot(p, n) * n", "p - 2 * dot(p, n) * n.yxz", "p + 2 * dot(p, n) * n", "p - 2 * dot(p, 2 * n) * n", "p - 2 * dot(p.yxz, n) * n"] {
+            let scene = compiled(&format!("f\nlet n = normalize((tilt, 0.3, -1))\nfield f = box(1, 0.6, 0.3).at({wrong})"));
+            assert!(scene.graph.factors.iter().any(|f| f.lipschitz > 1.05), "{wrong}");
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Norms of maps of points.
 
+use super::isometry::Mirror;
 use super::dual::{Dual, Duals, add, on_side, pieces, side_of};
 use super::matrix::{Rows, matrix_norm};
 use super::tape::{Step, Steps, Tape};
@@ -14,7 +15,8 @@ use smallvec::SmallVec;
 use std::rc::Rc;
 
 /// A bound of the norm of the Jacobian whose rows are the gradients of these steps. A pair of coordinates that is another pair turned
-/// by an angle t counts as that pair with its slip: (∇u - v∇t, ∇v + u∇t), for a turn is an isometry.
+/// by an angle t counts as that pair with its slip: (∇u - v∇t, ∇v + u∇t), for a turn is an isometry. A point that is another one mirrored
+/// counts as that one.
 pub fn map_norm(tape: &Tape, values: &[Dual], rows: &[usize]) -> f64 {
     norm_of_rows(tape, values, rows, &|_| true)
 }
@@ -55,7 +57,13 @@ fn norm_of_rows(tape: &Tape, values: &[Dual], rows: &[usize], is_open: &dyn Fn(u
     let apart: Rows = rows.iter().map(|&r| steady(tape, values, r, 8)).collect();
     let rest = apart.iter().map(|(_, norm)| norm * norm).sum::<f64>().sqrt().next_up();
     let steady: Rows = apart.iter().map(|(g, _)| (*g, Dual::components_norm(g))).collect();
-    matrix_norm(&matrix).min(matrix_norm(&steady) + rest)
+    let norm = matrix_norm(&matrix).min(matrix_norm(&steady) + rest);
+    // What is mirrored keeps its lengths, wherever the mirror stands.
+    let still = |&step: &usize| dual(step).norm == 0.0;
+    match Mirror::of(tape, rows).filter(|mirror| norm > 0.0 && mirror.normal.iter().all(still)) {
+        Some(mirror) => norm.min(norm_of_rows(tape, values, &mirror.of, is_open)),
+        None => norm,
+    }
 }
 
 /// A gradient as one that is the same in the whole box, and the norm of what is added to it.
@@ -389,7 +397,8 @@ mod tests {
         let turned = "rotate(rotate(abs(q) - 0.5, z, t), x, t / 2)";
         let swapped = "{ let a = if q.x < q.y { q.yxz } else { q }; (if a.x < a.z { a.zyx } else { a }) - (0.5, 0.3, 0.2) }";
         let sorted = "{ let a = abs(q); (max(a.x, a.y), min(a.x, a.y), a.z) - 0.4 }";
-        for next in [folded, turned, swapped, sorted] {
+        let mirrored = "fold(abs(q), (cos(t), -sin(t), 0.3 * t)) - (0.2, t, 0)";
+        for next in [folded, turned, swapped, sorted, mirrored] {
             for end in ["length(q) - 0.2", "{ let d = abs(q) - 0.2; length(max(d, 0)) + min(max(d.x, max(d.y, d.z)), 0) }", "box(0.4).at(q)"] {
                 assert_eq!(factor(8, next, end), 1.0, "{next}: {end}");
             }
