@@ -286,7 +286,7 @@ mod tests {
             }
         }
         // A unit vector that is none by its length.
-        let scene = compiled("box(1, 0.6, 0.3).at(p - 2 * min(0, p.x * cos(tilt) - p.y * sin(tilt)) * (cos(tilt), -sin(tilt), 0))");
+        let scene = compiled("f\nfield f = box(1, 0.6, 0.3).at(p - 2 * min(0, p.x * cos(tilt) - p.y * sin(tilt)) * (cos(tilt), -sin(tilt), 0))");
         assert!(scene.graph.factors.is_empty());
         // Nearly a mirror, and not quite: too far, along another normal, and along one that is too long.
         for wrong in ["p - 2.1 * dot(p, n) * n", "p - 2 * dot(p, n) * n.yxz", "p + 2 * dot(p, n) * n", "p - 2 * dot(p, 2 * n) * n", "p - 2 * dot(p.yxz, n) * n"] {
