@@ -203,12 +203,12 @@ impl Algebra for Duals {
             _ => {
                 let mut dual = by_partials(op, args, values, value, jumps);
                 if op == Op::Atan2 {
-                    // Turns over where the second is negative and the first changes its sign.
+                    // Turns over where the second is negative and the first changes its sign; at the axis the angle is any.
                     let (y, x) = (
                         values.first().copied().unwrap_or(Interval::ALL),
                         values.get(1).copied().unwrap_or(Interval::ALL),
                     );
-                    if x.lo <= 0.0 && y.contains(0.0) {
+                    if x.lo <= 0.0 && y.contains(0.0) && y.lo < 0.0 {
                         dual.jumps |= JUMPS_HERE;
                     }
                 }

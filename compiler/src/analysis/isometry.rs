@@ -122,27 +122,38 @@ fn factors_of(tape: &Tape, product: usize) -> Option<(f64, Steps)> {
 
 /// Whether a step is the sum of the products of pairs of steps, each with a sign.
 fn is_sum_of(tape: &Tape, sum: usize, mut pairs: SmallVec<[(usize, usize, f64); 3]>) -> bool {
+    let take = |pairs: &mut SmallVec<[(usize, usize, f64); 3]>, is_pair: &dyn Fn(&(usize, usize, f64)) -> bool| {
+        let at = pairs.iter().position(is_pair);
+        at.map(|at| pairs.remove(at)).is_some()
+    };
+    let is_of = |step: usize, op: Op, of: usize| tape.operation(step) == Some((op, &[of]));
     let mut open: SmallVec<[(usize, f64); 4]> = smallvec![(sum, 1.0)];
     while let Some((step, sign)) = open.pop() {
-        match tape.operation(step) {
-            Some((Op::Add, &[a, b])) if pairs.len() > open.len() + 1 => open.extend([(a, sign), (b, sign)]),
-            Some((Op::Sub, &[a, b])) if pairs.len() > open.len() + 1 => open.extend([(a, sign), (b, -sign)]),
-            Some((Op::Neg, &[a])) => open.push((a, -sign)),
-            Some((Op::Mul, &[a, b])) => {
-                let sign_of = |step: usize| match tape.operation(step) {
-                    Some((Op::Neg, &[of])) => (of, -1.0),
-                    _ => (step, 1.0),
-                };
-                let is_pair = |&(q, n, by): &(usize, usize, f64)| {
-                    [(a, b), (b, a)].into_iter().any(|(of, by_what)| {
-                        let (component, own) = sign_of(by_what);
-                        of == q && component == n && sign * own == by
-                    })
-                };
-                let Some(at) = pairs.iter().position(is_pair) else { return false };
-                pairs.remove(at);
+        let known = match tape.operation(step) {
+            Some((op @ (Op::Add | Op::Sub), &[a, b])) if pairs.len() > open.len() + 1 => {
+                open.extend([(a, sign), (b, if op == Op::Add { sign } else { -sign })]);
+                true
             }
-            _ => return false,
+            Some((Op::Neg, &[a])) => {
+                open.push((a, -sign));
+                true
+            }
+            Some((Op::Mul, &[a, b])) => [(a, b), (b, a)].into_iter().any(|(of, by)| {
+                let (by, own) = match tape.operation(by) {
+                    Some((Op::Neg, &[by])) => (by, -sign),
+                    _ => (by, sign),
+                };
+                take(&mut pairs, &|pair| *pair == (of, by, own))
+            }),
+            // u cos t - v sin t, and u sin t + v cos t.
+            Some((op @ (Op::TurnU | Op::TurnV), &[u, v, t])) => {
+                let ((first, second), side) = if op == Op::TurnU { ((Op::Cos, Op::Sin), -sign) } else { ((Op::Sin, Op::Cos), sign) };
+                take(&mut pairs, &|&(q, n, by)| q == u && is_of(n, first, t) && by == sign) && take(&mut pairs, &|&(q, n, by)| q == v && is_of(n, second, t) && by == side)
+            }
+            _ => false,
+        };
+        if !known {
+            return false;
         }
     }
     pairs.is_empty()

@@ -326,7 +326,7 @@ impl Builder<'_> {
         let Some(&a) = args.first() else { return smallvec![] };
         match op {
             Op::Floor | Op::Ceil | Op::Trunc => {
-                let whole = self.graph.op(Op::Round, &[a]);
+                let whole = self.nearest_whole(op, a, near);
                 let from = self.graph.op(Op::Sub, &[a, whole]);
                 smallvec![(a, self.graph.op(Op::Abs, &[from]))]
             }
@@ -355,6 +355,22 @@ impl Builder<'_> {
             }
             _ => smallvec![],
         }
+    }
+
+    /// The whole number nearest to an argument at which an operation jumps: not the one that it starts from, where it never crosses that.
+    pub(super) fn nearest_whole(&mut self, op: Op, argument: NodeId, near: &Domain) -> NodeId {
+        let whole = self.graph.op(Op::Round, &[argument]);
+        let range = self.facts.range(self.graph, argument, near);
+        let (end, inward, within) = match op {
+            Op::Floor => (range.lo, 1.0, Op::Max),
+            Op::Ceil => (range.hi, -1.0, Op::Min),
+            _ => return whole,
+        };
+        if !end.is_finite() || end.fract() != 0.0 {
+            return whole;
+        }
+        let next = self.graph.constant(end + inward);
+        self.graph.op(within, &[whole, next])
     }
 
     /// The length of which a node is the square; of a number the root.

@@ -161,7 +161,7 @@ impl Builder<'_> {
             }
             let (rising, other, repeats) = match site.op {
                 Op::Floor | Op::Ceil | Op::Trunc => {
-                    let whole = self.graph.op(Op::Round, &[argument]);
+                    let whole = self.nearest_whole(site.op, argument, near);
                     let below = if site.op == Op::Ceil { Op::Le } else { Op::Lt };
                     let below = self.graph.op(below, &[argument, whole]);
                     let rising = self.toward(below);

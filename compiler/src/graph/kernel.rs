@@ -247,9 +247,9 @@ fn atan2_interval(y: Interval, x: Interval) -> Interval {
     if y.is_empty() || x.is_empty() {
         return I::EMPTY;
     }
-    // The angle turns over from pi to -pi across the negative half of the x axis.
+    // The angle turns over from pi to -pi across the negative half of the x axis, which what is never below it does not cross.
     if x.lo <= 0.0 && y.contains(0.0) || !x.is_finite() || !y.is_finite() {
-        return I::new(-pi, pi);
+        return I::new(if y.lo >= 0.0 { 0.0 } else { -pi }, pi);
     }
     let corners = [(y.lo, x.lo), (y.lo, x.hi), (y.hi, x.lo), (y.hi, x.hi)];
     corners.iter().fold(I::EMPTY, |h, &(y, x)| h.hull(I::point(y.atan2(x)))).monotone(|a| a)

@@ -129,7 +129,7 @@ fn numbers() {
         value("[6, 0.5, 1e-3, 1.5E+2, 45deg, 0.5turn, 1turn, 0.1rad]"),
         "[6 0.5 0.001 150.0 45Deg 0.5Turn 1Turn 0.1Rad]"
     );
-    assert_eq!(value("[.5, -.25, 1., 2.*3., .5turn, 1 -.5]"), "[0.5 (-0.25) 1.0 (2.0 * 3.0) 0.5Turn (1 - 0.5)]");
+    assert_eq!(value("[.5, -.25, 1., 2.*3., .5turn, 1 -.5]"), "[0.5 (Neg 0.25) 1.0 (2.0 Mul 3.0) 0.5Turn (1 Sub 0.5)]");
     assert_eq!(value("[for i in .5..1. { i }]"), "[(for i in (0.5..1.0) {i})]");
     assert_eq!(value("[for i in 0..2 { i }]"), "[(for i in (0..2) {i})]");
     assert_eq!(value("[for i in 0.02..0.06 { i }]"), "[(for i in (0.02..0.06) {i})]");
