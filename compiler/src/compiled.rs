@@ -371,6 +371,15 @@ impl Compiled {
         Live::start(&self.graph)
     }
 
+    /// A camera of the scene as it stands for a picture that is so wide for its height: farther away where the text says nothing of it, and what there
+    /// is to see would be cut off at the sides.
+    pub fn camera_in(&self, camera: Camera, wide: f64) -> Camera {
+        match &self.home {
+            Some(home) if home.camera(camera.fov) == camera => home.camera_in(camera.fov, wide),
+            _ => camera,
+        }
+    }
+
     /// Values of nodes that read nothing but parameters and time.
     pub fn values(&self, live: &Live, nodes: &[NodeId]) -> Vec<f64> {
         live.values(&self.graph, nodes)

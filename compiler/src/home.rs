@@ -1,7 +1,7 @@
 //! Where a camera stands of which the text says nothing: what is solid and ends fills most of the picture, and the eye is free.
 
 use crate::analysis::Box3;
-use crate::compiled::{Camera, Compiled};
+use crate::compiled::{Camera, Compiled, Live};
 use crate::evaluate::Tape;
 use crate::graph::interval::Interval;
 use crate::graph::{Function, NodeId};
@@ -29,8 +29,15 @@ pub const SMALLEST: f64 = 1e-3;
 pub const FOV: f64 = 40f64.to_radians();
 /// So much of the picture's height is filled.
 const SHARE: f64 = 0.66;
-/// So wide a picture is taken to be, for its height.
+/// So wide a picture is taken to be, for its height, if it is not narrower.
 const WIDE: f64 = 1.3;
+/// In a narrower one things are cut off.
+const NARROWEST: f64 = 0.2;
+/// What moves is looked at so many times, so many seconds apart.
+const LOOKS: u32 = 32;
+const BETWEEN: f64 = 0.37;
+/// …where that is no more operations in all.
+const MOST: usize = 20_000_000;
 /// Places about a box, a side.
 const PLACES: i32 = 5;
 /// They are moved by no more than this part of their way to its middle: just more than a ball needs.
@@ -51,9 +58,7 @@ impl Home {
         let usual = Self { target: [0.0; 3], way, about: Vec::new() };
         let framed = compiled.functions.ahead.home.filter(|region| region.size() > SMALLEST).map(|region| {
             let rest = compiled.functions.ahead.planes.map(|planes| planes.rest_distance).or(own(compiled, Function::Distance));
-            // What moves is seen wherever it goes.
-            let rest = rest.filter(|_| !compiled.reads_time());
-            let distances = |at: &[Vec3]| Some(values(compiled, &[rest?], at)?.into_iter().map(|[distance, ..]| distance).collect());
+            let distances = |at: &[Vec3]| wherever_it_goes(compiled, rest?, at);
             let target = region.0.map(Interval::middle);
             Self { target, about: places(&region, target, distances), ..usual.clone() }
         });
@@ -81,10 +86,16 @@ impl Home {
 
     /// The camera, of some angle of view.
     pub fn camera(&self, fov: f64) -> Camera {
+        self.camera_in(fov, WIDE)
+    }
+
+    /// The same for a picture that is so wide for its height.
+    pub fn camera_in(&self, fov: f64, wide: f64) -> Camera {
+        let wide = wide.clamp(NARROWEST, WIDE);
         let basis = Basis::of(&Camera { eye: self.way, target: [0.0; 3], fov });
         // So far away a place is as high in the picture as it may be, or as far to a side.
         let needed = |place: &Vec3| {
-            let height = dot(*place, basis.up).abs().max(dot(*place, basis.right).abs() / WIDE);
+            let height = dot(*place, basis.up).abs().max(dot(*place, basis.right).abs() / wide);
             height / (SHARE * basis.tan_half_fov) - dot(*place, basis.forward)
         };
         let far = if self.about.is_empty() { length(EYE) } else { self.about.iter().map(needed).fold(0.0, f64::max) };
@@ -111,11 +122,28 @@ fn places(region: &Box3, middle: Vec3, distances: impl Fn(&[Vec3]) -> Option<Vec
     from.iter().zip(found).map(pulled).collect()
 }
 
+/// The least distance from some places as time goes by; none where that takes too long.
+fn wherever_it_goes(compiled: &Compiled, distance: NodeId, at: &[Vec3]) -> Option<Vec<f64>> {
+    let looks = if compiled.reads_time() { LOOKS } else { 1 };
+    let steps = Tape::new(&compiled.graph, &compiled.functions, &[distance], &compiled.live(), LIMIT).ok()?.operations();
+    if looks > 1 && steps * at.len() * looks as usize > MOST {
+        return None;
+    }
+    let mut least = vec![f64::INFINITY; at.len()];
+    for look in 0..looks {
+        let live = Live { time: f64::from(look) * BETWEEN, ..compiled.live() };
+        for (least, [distance, ..]) in least.iter_mut().zip(values(compiled, &[distance], at, &live)?) {
+            *least = least.min(distance);
+        }
+    }
+    Some(least)
+}
+
 /// How far from some places what is solid is, by the field and its gradient there; none where they are too long.
 fn rooms(compiled: &Compiled, at: &[Vec3]) -> Option<Vec<f64>> {
     let all = [Function::Field, Function::Gradient(0), Function::Gradient(1), Function::Gradient(2)].map(|function| own(compiled, function));
     let all: Vec<NodeId> = all.into_iter().collect::<Option<_>>()?;
-    let found = values(compiled, &all, at)?;
+    let found = values(compiled, &all, at, &compiled.live())?;
     Some(found.into_iter().map(|[field, x, y, z]| field / length([x, y, z]).max(1.0)).collect())
 }
 
@@ -124,9 +152,9 @@ fn own(compiled: &Compiled, function: Function) -> Option<NodeId> {
     compiled.functions.formulas.get(&(compiled.root, function)).copied()
 }
 
-/// Up to four formulas at some places; none where they are too long.
-fn values(compiled: &Compiled, formulas: &[NodeId], at: &[Vec3]) -> Option<Vec<[f64; 4]>> {
-    let tape = Tape::new(&compiled.graph, &compiled.functions, formulas, &compiled.live(), LIMIT).ok()?;
+/// Up to four formulas at some places, for these values; none where they are too long.
+fn values(compiled: &Compiled, formulas: &[NodeId], at: &[Vec3], live: &Live) -> Option<Vec<[f64; 4]>> {
+    let tape = Tape::new(&compiled.graph, &compiled.functions, formulas, live, LIMIT).ok()?;
     let mut found = vec![[0.0; 4]; at.len()];
     at_points(&tape, at, &[], |i, values| {
         for (slot, value) in found.get_mut(i).into_iter().flatten().zip(values) {
@@ -140,7 +168,7 @@ fn values(compiled: &Compiled, formulas: &[NodeId], at: &[Vec3]) -> Option<Vec<[
 #[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 mod tests {
     use super::{FOV, SHARE, WIDE};
-    use crate::compiled::{Camera, Compiled};
+    use crate::compiled::{Camera, Compiled, Live};
     use crate::diagnostic::Code;
     use crate::reference::Reference;
     use crate::reference::camera::Basis;
@@ -184,6 +212,17 @@ mod tests {
         // What moves is seen wherever it goes.
         let moving = camera(&scene("scene = sphere(0.3).translate(2 * sin(time), 0, 0)"));
         assert!(length(moving.eye) > 5.0, "{moving:?}");
+        // What turns on its own axis goes nowhere, and corners are no larger than they are.
+        let distance = |text: &str| length(camera(&scene(&format!("scene = {text}"))).eye);
+        let turning = distance("cylinder(1, 1).rotate(y, time)") / distance("cylinder(1, 1)");
+        assert!((0.99..1.2).contains(&turning), "{turning}");
+        // In an upright picture it stands farther away, and not where the text says where.
+        let still = scene("scene = box(4, 1, 1)");
+        let (usual, upright) = (camera(&still), still.camera_in(camera(&still), 0.65));
+        assert!((1.7..2.1).contains(&(length(upright.eye) / length(usual.eye))), "{upright:?}");
+        assert_eq!(still.camera_in(usual, 2.0), usual);
+        let said = scene("scene = box(4, 1, 1)\ncamera { eye: (0, 1, 5) }");
+        assert_eq!(said.camera_in(camera(&said), 0.65), camera(&said));
         // A wider view is one from nearer.
         let wide = camera(&scene("scene = sphere(1)\ncamera { fov: 80deg }"));
         assert!(length(wide.eye) < 0.6 * length(camera(&scene("scene = sphere(1)")).eye) && wide.fov > FOV, "{wide:?}");

@@ -131,6 +131,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     for (i, (time, path)) in shots.iter().enumerate() {
         live.time = *time;
         let camera = camera(&compiled.frame(&live), args.camera.as_deref())?;
+        let camera = compiled.camera_in(camera, f64::from(args.size.0) / f64::from(args.size.1));
         let (width, height) = args.size;
         let shot = Shot { width, height, camera };
         let rgba = painter

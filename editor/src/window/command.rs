@@ -7,6 +7,7 @@ use super::session::{Place, Question, Search, Session, factors, problems};
 use super::world::World;
 use serde_json::json;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 use surefoot_compiler::compiled::{Camera, Compiled, Live};
 use surefoot_compiler::diagnostic::Severity;
@@ -18,7 +19,7 @@ use surefoot_compiler::reference::march::Ray;
 use surefoot_compiler::reference::vector::{add, dot, length, scale, sub};
 use surefoot_compiler::syntax;
 use surefoot_runtime::{Physics, ViewMode};
-use surefoot_runtime::live::Update;
+use surefoot_runtime::live::{Update, Words};
 
 /// One thing to do.
 #[derive(Debug)]
@@ -113,6 +114,8 @@ pub enum Command {
     Dismiss,
     /// Something came from the compiler.
     Arrived(Box<Update>),
+    /// The compiler said this of the newest text, whose picture is being built.
+    Said(Arc<Words>),
     /// What the disk holds of a file.
     OnDisk(String, Disk),
     /// What went wrong when the picture was drawn, if anything.
@@ -216,6 +219,7 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::Answer(answer) => self::answer(session, world, answer),
         Command::Dismiss => session.notice = None,
         Command::Arrived(update) => arrived(session, world, *update),
+        Command::Said(words) => said(session, words),
         Command::OnDisk(name, disk) => on_disk(session, world, &name, &disk),
         Command::Drawn(error) => session.said.drawing = error,
     }
@@ -453,8 +457,7 @@ fn arrived(session: &mut Session, world: &mut World, update: Update) {
             go_home_if_blind(session, &old, &live);
         }
     }
-    session.said.problems = problems(&update.words);
-    session.said.words = update.words;
+    said(session, update.words);
     session.said.failure = update.failure;
     session.said.times = update.times;
     let errors = session.said.problems.iter().filter(|p| p.severity == Severity::Error).count();
@@ -474,6 +477,12 @@ fn arrived(session: &mut Session, world: &mut World, update: Update) {
             "modules": built.modules,
         }),
     );
+}
+
+/// Problems are those of the newest text, also while its picture is being built.
+fn said(session: &mut Session, words: Arc<Words>) {
+    session.said.problems = problems(&words);
+    session.said.words = words;
 }
 
 /// A camera that a hand moved and that saw the old scene is none for the new one where it stands in its solid or sees nothing of it, and the

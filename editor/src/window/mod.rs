@@ -168,6 +168,7 @@ impl App {
         let response = panels::picture::sense(ui, &self.session, &mut commands);
         self.apply(commands);
         let rect = response.rect;
+        self.session.look.wide = f64::from(rect.width() / rect.height().max(1.0));
         let scale = ui.ctx().pixels_per_point();
         let order = self.session.camera().map(|camera| Order {
             camera,

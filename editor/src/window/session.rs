@@ -111,6 +111,8 @@ pub struct Look {
     pub camera: Option<String>,
     /// What the picture shows.
     pub mode: ViewMode,
+    /// How wide the picture is for its height.
+    pub wide: f64,
 }
 
 /// Which panels are open, and what could be.
@@ -174,7 +176,7 @@ impl Session {
             documents: Documents { all: vec![scene], shown: 0, jump: None, focus: false },
             stage,
             said: Said::default(),
-            look: Look::default(),
+            look: Look { wide: f64::INFINITY, ..Look::default() },
             open: Open { source: true, parameters: true, beside: Vec::new() },
             search: None,
             question: None,
@@ -195,10 +197,11 @@ impl Session {
         if let Some(orbit) = &self.look.orbit {
             return Some(orbit.camera());
         }
-        let frame = self.scene()?.frame(self.stage.live()?);
+        let scene = self.scene()?;
+        let frame = scene.frame(self.stage.live()?);
         let named = |name: &String| frame.cameras.iter().find(|(known, _)| known == name);
         let found = self.look.camera.as_ref().and_then(named).or_else(|| frame.cameras.first());
-        found.map(|(_, camera)| *camera)
+        found.map(|(_, camera)| scene.camera_in(*camera, self.look.wide))
     }
 
     /// The factors of the scene that is drawn, with their places, as large as they are for the values at hand.

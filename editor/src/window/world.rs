@@ -92,13 +92,14 @@ impl World {
 
     /// What came since the last call.
     pub fn hear(&self) -> Vec<Command> {
+        let words = self.live.poll_words().map(Command::Said);
         let updates = self.live.poll().map(|update| Command::Arrived(Box::new(update)));
         let texts = self.followed.iter().filter_map(|(path, follower)| {
             let update = follower.poll()?;
             let read = update.words.sources.iter().next().map(|(_, file)| file.text.to_string());
             Some(Command::OnDisk(path.clone(), read.map_or_else(|| self.read(path), Disk::Text)))
         });
-        texts.chain(updates).collect()
+        texts.chain(words).chain(updates).collect()
     }
 
     /// What is being done for the newest text, and for how long.

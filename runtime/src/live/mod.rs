@@ -146,6 +146,11 @@ impl LiveScene {
         self.shared.lock().update.take()
     }
 
+    /// What the compiler says of the newest text, once, while its picture is still being built.
+    pub fn poll_words(&self) -> Option<Arc<Words>> {
+        self.shared.lock().words.take()
+    }
+
     /// Gives a file a text that is not on the disk (an editor's), or takes it back. The name is the one that the compiler uses.
     pub fn set_text(&self, path: &str, text: Option<String>) {
         let name = record::plain(path);
@@ -274,5 +279,7 @@ struct State {
     loading: Option<String>,
     stop: bool,
     update: Option<Update>,
+    /// What the compiler says of the text whose picture is being built.
+    words: Option<Arc<Words>>,
     report: Report,
 }

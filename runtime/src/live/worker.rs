@@ -106,6 +106,11 @@ impl Worker {
             let mut scene = None;
             if job.anew || self.is_stale() {
                 scene = self.work(job);
+                if scene.is_some() {
+                    // A picture takes its time.
+                    self.shared.lock().words = Some(self.words());
+                    (self.setup.wake)();
+                }
             } else if self.are_meshes_stale() {
                 scene = self.newest.good.clone();
                 if let Some(compiled) = &scene {
@@ -294,20 +299,18 @@ impl Worker {
             newest.times.pipeline = start.elapsed();
         }
         newest.times.total = since.elapsed();
-        let words = match newest.broken.is_empty() {
-            true => newest.words.clone(),
-            false => {
-                let mut words = Words::clone(&newest.words);
-                words.diagnostics.extend(newest.broken.iter().cloned());
-                Arc::new(words)
-            }
-        };
-        Update {
-            words,
-            failure: newest.failure.clone(),
-            ready,
-            times: newest.times,
+        Update { failure: newest.failure.clone(), ready, times: newest.times, words: self.words() }
+    }
+
+    /// What there is to say of the newest text, its meshes too.
+    fn words(&self) -> Arc<Words> {
+        let Newest { words, broken, .. } = &self.newest;
+        if broken.is_empty() {
+            return words.clone();
         }
+        let mut words = Words::clone(words);
+        words.diagnostics.extend(broken.iter().cloned());
+        Arc::new(words)
     }
 
     fn begin(&self, work: Work) {
@@ -347,6 +350,7 @@ impl Worker {
             }
         }
         state.update = Some(update);
+        state.words = None;
         state.work = None;
         state.busy = state.asked.is_some();
         drop(state);

@@ -1,6 +1,7 @@
 //! The panels. Each reads the session and pushes commands.
 
 pub mod balls;
+mod history;
 pub mod icons;
 pub mod lines;
 pub mod parameters;

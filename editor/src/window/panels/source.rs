@@ -3,13 +3,12 @@
 use crate::window::command::Command;
 use crate::window::document::{Document, Resolution};
 use crate::window::panels::icons::{self, Icon};
-use crate::window::panels::{lines, problems, search};
+use crate::window::panels::{history, lines, problems, search};
 use crate::window::session::{Place, Problem, Session};
 use crate::window::theme::{self, code};
 use egui::cache::{ComputerMut, FrameCache};
 use egui::text::{CCursor, CCursorRange, LayoutJob, TextFormat};
 use egui::text_edit::{TextEditOutput, TextEditState};
-use egui::util::undoer::{Settings, Undoer};
 use egui::{
     Align, Align2, Button, Color32, Event, Frame, Id, Key, Label, Margin, Modifiers, Rect, Response, RichText, ScrollArea, Stroke, TextBuffer,
     TextEdit, Ui, vec2,
@@ -20,6 +19,9 @@ use surefoot_compiler::diagnostic::Severity;
 use surefoot_compiler::factors::Explained;
 use surefoot_compiler::graph::Proof;
 use surefoot_compiler::syntax::{TokenClass, tokens};
+
+/// From a line of the text to the next.
+const LINE_HEIGHT: f32 = 17.0;
 
 /// Shows the text and what belongs to it.
 pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
@@ -192,9 +194,10 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
         });
         ui.fonts_mut(|f| f.layout_job(job))
     };
-    undo_in_steps(ui, id);
-    let by_lines = document.is_editable() && change_lines(ui, document, &mut text);
+    let by_lines = history::follow(ui, id, document, &mut text) || document.is_editable() && change_lines(ui, document, &mut text);
     lay_out_while_typing(ui, id, &document.text);
+    let before = TextEditState::load(ui.ctx(), id).and_then(|state| state.cursor.char_range());
+    let paged = page(ui, id, &text);
     let area = ScrollArea::both().id_salt(&document.name).auto_shrink([false, false]);
     Frame::new().fill(theme::WELL).show(ui, |ui| {
         area.show(ui, |ui| {
@@ -209,6 +212,9 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
                 .show(ui);
             icons::name(ui, id, "Source text");
             search::mark(ui, session, &output);
+            if paged || output.cursor_range != before {
+                keep_in_view(ui, &output, gutter);
+            }
             numbers(ui, &output, gutter, session, document);
             factor(&output, session, document);
             if let Some(place) = &session.documents.jump {
@@ -220,6 +226,7 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
                 commands.push(Command::Focused);
             }
             if by_lines || output.response.changed() {
+                history::expect(ui, id, document, &text);
                 commands.push(Command::Edit(text));
             }
         });
@@ -229,6 +236,44 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
 /// What the text's cursor is called.
 fn id(document: &Document) -> Id {
     Id::unique(("source", &document.name))
+}
+
+/// Page Up and Page Down move the cursor, and with Shift what is selected, by as many lines as are seen; answers whether they did.
+fn page(ui: &Ui, id: Id, text: &str) -> bool {
+    let Some(range) = TextEditState::load(ui.ctx(), id).and_then(|state| state.cursor.char_range()) else { return false };
+    if !ui.memory(|m| m.has_focus(id)) {
+        return false;
+    }
+    let asked = ui.input_mut(|input| {
+        let mut pressed = |modifiers, key| input.consume_key(modifiers, key);
+        [(Key::PageUp, false), (Key::PageDown, true)].into_iter().find_map(|(key, down)| {
+            let extends = pressed(Modifiers::SHIFT, key);
+            (extends || pressed(Modifiers::NONE, key)).then_some((down, extends))
+        })
+    });
+    let Some((down, extends)) = asked else { return false };
+    let seen = (ui.available_height() / LINE_HEIGHT) as usize;
+    let at = range.primary.index.0;
+    let before: String = text.chars().take(at).collect();
+    let line = before.matches('\n').count();
+    let column = before.chars().rev().take_while(|c| *c != '\n').count();
+    let last = text.matches('\n').count();
+    let wanted = if down { (line + seen.max(2) - 1).min(last) } else { line.saturating_sub(seen.max(2) - 1) };
+    let start = text.split('\n').take(wanted).map(|line| line.chars().count() + 1).sum::<usize>();
+    let length = text.split('\n').nth(wanted).map_or(0, |line| line.chars().count());
+    let new = CCursor::new(start + column.min(length));
+    let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
+    state.cursor.set_char_range(Some(CCursorRange::two(if extends { range.secondary } else { new }, new)));
+    state.store(ui.ctx(), id);
+    true
+}
+
+/// The cursor that was moved is seen, beside the numbers of the lines and not below them.
+fn keep_in_view(ui: &Ui, output: &TextEditOutput, gutter: f32) {
+    let Some(range) = output.cursor_range else { return };
+    let mut rect = output.galley.pos_from_cursor(range.primary).translate(output.galley_pos.to_vec2());
+    rect.min.x -= gutter;
+    ui.scroll_to_rect(rect, None);
 }
 
 /// What is selected in a text, in characters; where the cursor is, where nothing is.
@@ -314,15 +359,6 @@ fn lay_out_while_typing(ui: &Ui, id: Id, text: &str) {
             }
         }
     });
-}
-
-/// An undo takes back some seconds of typing, not all of it.
-fn undo_in_steps(ui: &Ui, id: Id) {
-    if TextEditState::load(ui.ctx(), id).is_none() {
-        let mut state = TextEditState::default();
-        state.set_undoer(Undoer::with_settings(Settings { max_undos: 1000, stable_time: 0.5, auto_save_interval: 2.0 }));
-        state.store(ui.ctx(), id);
-    }
 }
 
 /// What the term under the pointer costs, when the pointer rests on one that has a factor.
@@ -487,7 +523,7 @@ fn add(
         let piece = pair[0]..pair[1];
         let marked = marks.iter().rev().find(|(m, _)| m.start <= piece.start && piece.end <= m.end);
         let mut format = TextFormat::simple(theme::CODE, color);
-        format.line_height = Some(17.0);
+        format.line_height = Some(LINE_HEIGHT);
         if let Some((_, severity)) = marked {
             format.underline = Stroke::new(1.5, problems::color(*severity));
         }
