@@ -6,7 +6,7 @@ mod common;
 use common::{gpu, sphere, sphere_in};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::*;
@@ -490,4 +490,28 @@ fn it_is_known_what_is_being_done_and_for_how_long() {
     drop(held);
     next(&live);
     assert_eq!(live.work(), None);
+}
+
+#[test]
+fn what_is_wrong_is_said_before_the_picture_is_built() {
+    let folder = folder("said");
+    let path = folder.join("main.toy");
+    fs::write(&path, "bad\n").unwrap();
+    // What a window finds that is woken while the picture is being built.
+    let found: Arc<Mutex<Vec<(String, usize)>>> = Arc::default();
+    let (live, seen) = (Arc::new(OnceLock::<LiveScene>::new()), found.clone());
+    let woken = live.clone();
+    let wake = move || {
+        let Some(words) = woken.get().and_then(LiveScene::poll_words) else { return };
+        let text = words.sources.iter().next().map(|(_, file)| file.text.to_string()).unwrap_or_default();
+        seen.lock().unwrap().push((text, words.diagnostics.len()));
+    };
+    assert!(live.set(LiveScene::start(Setup { wake: Arc::new(wake), ..setup(&path) }).unwrap()).is_ok());
+    let live = live.get().unwrap();
+    assert_eq!(next(live).words.diagnostics.len(), 1);
+    assert!(found.lock().unwrap().is_empty(), "of an error no picture is built");
+    fs::write(&path, "radius 1.5\n").unwrap();
+    expect(live, 1.5);
+    assert_eq!(*found.lock().unwrap(), [("radius 1.5\n".to_owned(), 0)]);
+    assert!(live.poll_words().is_none(), "what came with the update is not said again");
 }

@@ -180,3 +180,87 @@ fn lines_become_comments_move_and_come_back() {
     harness.run_steps(2);
     assert_eq!(text(&harness), SCENE);
 }
+
+/// Where the cursor is, in characters.
+fn cursor(harness: &Harness<'_, App>) -> usize {
+    let id = egui::Id::unique(("source", &harness.state().session.documents.current().name));
+    let state = egui::text_edit::TextEditState::load(&harness.ctx, id).unwrap_or_default();
+    state.cursor.char_range().unwrap_or_default().primary.index.0
+}
+
+#[test]
+fn an_undo_takes_back_lines_and_no_moves_of_the_cursor() {
+    let folder = Folder::new("undo", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let text = |harness: &Harness<'_, App>| harness.state().session.documents.current().text.clone();
+    let undo = |harness: &mut Harness<'_, App>| {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        harness.run_steps(2);
+    };
+    harness.get_by_role(Role::MultilineTextInput).focus();
+    harness.step();
+    harness.key_press_modifiers(Modifiers::CTRL, Key::Home);
+    harness.step();
+    // Fast, without a pause.
+    for line in ["// one", "// two"] {
+        harness.event(egui::Event::Text(line.to_owned()));
+        harness.step();
+        harness.key_press(Key::Enter);
+        harness.step();
+    }
+    harness.run_steps(1);
+    assert_eq!(text(&harness), format!("// one\n// two\n{SCENE}"));
+    for _ in 0..3 {
+        harness.key_press(Key::ArrowDown);
+        harness.run_steps(20);
+    }
+    undo(&mut harness);
+    let once = text(&harness);
+    assert!(once.starts_with("// one\n") && once.len() < SCENE.len() + 14, "a move of the cursor is no step: {once}");
+    harness.key_press(Key::ArrowUp);
+    harness.run_steps(20);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Y);
+    harness.run_steps(2);
+    assert_eq!(text(&harness), format!("// one\n// two\n{SCENE}"), "nor the end of what can be brought back");
+    for _ in 0..6 {
+        undo(&mut harness);
+    }
+    assert_eq!(text(&harness), SCENE);
+}
+
+#[test]
+fn the_cursor_stays_in_its_line_when_another_program_writes_and_goes_by_pages() {
+    let lines: String = (0..300).map(|i| format!("// {i}\n")).collect();
+    let scene = format!("scene = sphere(1)\n{lines}");
+    let folder = Folder::new("cursor", &scene);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let line = |harness: &Harness<'_, App>| {
+        let text = &harness.state().session.documents.current().text;
+        text.chars().take(cursor(harness)).filter(|c| *c == '\n').count()
+    };
+    harness.get_by_role(Role::MultilineTextInput).focus();
+    harness.step();
+    harness.key_press_modifiers(Modifiers::CTRL, Key::Home);
+    harness.step();
+    harness.key_press(Key::PageDown);
+    harness.run_steps(3);
+    let page = line(&harness);
+    assert!((5..100).contains(&page), "{page} lines");
+    harness.key_press(Key::PageDown);
+    harness.run_steps(3);
+    assert_eq!(line(&harness), 2 * page);
+    std::fs::write(folder.scene(), format!("// before\n// it\n{scene}")).unwrap();
+    until(&mut harness, |app| app.session.documents.current().text.starts_with("// before"));
+    harness.run_steps(3);
+    assert_eq!(line(&harness), 2 * page + 2);
+    harness.key_press(Key::PageUp);
+    harness.run_steps(3);
+    assert_eq!(line(&harness), page + 2);
+    for _ in 0..4 {
+        harness.key_press(Key::PageUp);
+        harness.run_steps(3);
+    }
+    assert_eq!(line(&harness), 0);
+}
