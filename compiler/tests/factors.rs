@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 use surefoot_compiler::evaluate::Tape;
+use surefoot_compiler::functions::bounds;
 use surefoot_compiler::graph::{Function, Proof};
 use surefoot_compiler::verify::Random;
 use surefoot_compiler::{Compiled, Loader, Memory, MemoryLoader, Options, compile, compile_remembering};
@@ -323,5 +324,22 @@ fn a_factor_is_laid_to_what_is_steep() {
         let scene = scene(&text);
         let spans: Vec<&str> = scene.graph.factors.iter().map(|f| &text[f.span.start as usize..f.span.end as usize]).collect();
         assert_eq!(spans, [blamed], "{text}");
+    }
+}
+
+#[test]
+fn what_has_a_live_number_of_corners_is_no_larger_than_its_radius() {
+    let largest = |scene: &Compiled| scene.graph.factors.iter().map(|f| f.lipschitz).fold(1.0, f64::max);
+    for (drawing, reach) in [("regular_polygon(n, 0.7)", 0.7), ("star(n, 0.7, 0.55)", 0.7), ("star(n, 0.5, r)", 0.9), ("regular_polygon(n, r).round(0.1)", 1.0)] {
+        let text = |shape: &str| format!("param n: int = 6 in 3..12\nparam r = 0.5 in 0.3..0.9\nscene = {drawing}{shape}");
+        let flat = scene(&text(".extrude(1)"));
+        let [low, high] = bounds(&flat.graph, flat.root, &flat.functions, 100.0).unwrap_or_else(|| panic!("{drawing} has no box"));
+        assert!((0..2).all(|i| low[i] >= -1.001 * reach && high[i] <= 1.001 * reach), "{drawing}: {low:?} {high:?}");
+        let tapered = scene(&text(".extrude(1).rotate(x, 90deg).taper(y, -0.5, 0.5, 0.5)"));
+        assert!(largest(&tapered) < 5.0, "{drawing}: {}", largest(&tapered));
+        // And it is there: the solid is not cut off.
+        let live = flat.live();
+        let tape = Tape::new(&flat.graph, &flat.functions, &[flat.functions.formulas[&(flat.root, Function::Field)]], &live, 1_000_000).unwrap();
+        tape.evaluator().at(&[[0.0, 0.45, 0.0]], &[], |_, values| assert!(values[0] < 0.0, "{drawing}: {}", values[0]));
     }
 }

@@ -158,6 +158,16 @@ impl Facts {
         self.solids.insert(node, solid);
     }
 
+    /// Remembers that a node is at most zero no farther than `reach` along its axes, where that is not seen at once.
+    pub fn know_reach(&mut self, graph: &Graph, node: NodeId, reach: f64, dimensions: usize) {
+        let side = Interval::new(-reach, reach);
+        let seen = self.rough_region(graph, node, &Domain::of(Box3::ALL));
+        let around = (0..dimensions).fold(Box3::ALL, |around, axis| around.with_axis(axis, side));
+        if seen.intersect(&around) != seen {
+            self.know_solid(node, around);
+        }
+    }
+
     /// All such boxes.
     pub fn known_solids(&self) -> &FxHashMap<NodeId, Box3> {
         &self.solids

@@ -391,8 +391,10 @@ impl Facts {
     ) -> Box3 {
         let Some(s) = graph.shape(shape) else { return Box3::ALL };
         let domain = call_domain(&s.variables, args);
-        if let (Some(solid), true) = (self.known_solid(s.value), target.hi <= 0.0) {
-            return solid.intersect(&domain.point);
+        // What is a distance is no farther from its solid than it says.
+        let is_distance = s.exactness == Exactness::Exact && target.hi.is_finite();
+        if let (Some(solid), true) = (self.known_solid(s.value), target.hi <= 0.0 || is_distance) {
+            return solid.grow(target.hi.max(0.0)).intersect(&domain.point);
         }
         if self.entries == 0 {
             return domain.point;

@@ -165,6 +165,9 @@ impl Elaborator<'_> {
                 let value = e.expression(&function.body, &here)?;
                 let node = e.to_number(&value, function.body.span, &here)?;
                 let node = e.claimed(node, function, &values, &env);
+                if let Some(reach) = e.reach(item, function, &values) {
+                    e.facts.know_reach(&e.graph, node, reach, usize::from(dimensions));
+                }
                 let exact = matches!(&function.claim, Some(c) if c.kind == ClaimKind::Exact);
                 let name = (!modules.is_prelude(item.module)).then(|| function.name.text.clone());
                 Ok(Value::Shape(e.formula_shape(node, dimensions, name, exact, span)))

@@ -28,6 +28,13 @@ static REQUIREMENTS: LazyLock<Vec<Vec<Requirement>>> = LazyLock::new(|| {
     docs.map(parse_requirements).collect()
 });
 
+/// The parameters of which the greatest is as far as each item of the prelude reaches from the origin, from a `Reach:` line of its documentation.
+static REACHES: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| {
+    let list = |doc: &'static str| doc.lines().find_map(|line| line.trim().strip_prefix("Reach:")).unwrap_or("");
+    let docs = prelude_items().iter().map(|i| i.doc.as_deref().unwrap_or(""));
+    docs.map(|doc| list(doc).split(',').map(str::trim).filter(|name| !name.is_empty()).collect()).collect()
+});
+
 /// Where a live value must be above a limit, it is kept so far above it.
 const LEAST: f64 = 1e-5;
 
@@ -291,6 +298,18 @@ impl Elaborator<'_> {
                 format!("for degrees write `{0}deg`; for radians `{0}rad`", short(angle)),
             );
         }
+    }
+
+    /// How far from the origin a shape of the prelude reaches at most, where its documentation says so.
+    pub(super) fn reach(&mut self, item: ItemRef, function: &ast::Function, values: &[Value]) -> Option<f64> {
+        let names = REACHES.get(item.item).filter(|names| self.modules.is_prelude(item.module) && !names.is_empty())?;
+        let mut farthest: f64 = 0.0;
+        for name in names {
+            let at = function.parameters.iter().position(|p| *p.name.text == **name)?;
+            let Some(Value::Number(node, _)) = values.get(at) else { return None };
+            farthest = farthest.max(self.facts.live_range(&self.graph, *node).hi);
+        }
+        Some(farthest).filter(|reach| reach.is_finite())
     }
 
     /// Reports constant arguments that the documentation rules out. Answers what becomes of those that are not constant and might be ruled
