@@ -43,8 +43,15 @@ fn no_example_costs_more_than_it_did() {
 /// A shape of which a first look does not say where it ends is looked at closely once, however many copies there are.
 #[test]
 fn many_copies_are_looked_at_as_one() {
+    let hexagon = "field2 hexagon(r: float) = {
+        let v = fold(abs(p), (-cos(pi / 3), sin(pi / 3)));
+        let q = turn(v, pi / 6);
+        let beyond = q.y - r * cos(pi / 6);
+        length((max(beyond, 0), max(abs(q.x) - r / 2, 0))) + min(beyond, 0)
+      }";
     let steps = |copies: u32| {
-        let loader = MemoryLoader::new().with("main.sdf", format!("scene = for i in 0..{copies} {{ prism(6, 2, 1).translate(7 * i, 0, 0) }}"));
+        let scene = format!("{hexagon}\nscene = for i in 0..{copies} {{ hexagon(2).extrude(1).translate(7 * i, 0, 0) }}");
+        let loader = MemoryLoader::new().with("main.sdf", scene);
         let mut memory = Memory::default();
         let outcome = compile_remembering(&loader, "main.sdf", &Options::default(), &mut memory, &mut |_| {});
         assert!(outcome.compiled.is_some());

@@ -1,9 +1,10 @@
 //! Formulas that jump: a ray stops before the jump and looks again just behind it.
 
 use super::{Builder, HAIR, Kind, LONGEST_HAIR, Proof, Treatment};
-use crate::analysis::Domain;
+use crate::analysis::{Box3, Domain};
 use crate::analysis::tape::{Step, Tape};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Node, NodeId, ShapeId};
 use crate::source::Span;
@@ -360,12 +361,15 @@ impl Builder<'_> {
     /// The whole number nearest to an argument at which an operation jumps: not the one that it starts from, where it never crosses that.
     pub(super) fn nearest_whole(&mut self, op: Op, argument: NodeId, near: &Domain) -> NodeId {
         let whole = self.graph.op(Op::Round, &[argument]);
-        let range = self.facts.range(self.graph, argument, near);
-        let (end, inward, within) = match op {
-            Op::Floor => (range.lo, 1.0, Op::Max),
-            Op::Ceil => (range.hi, -1.0, Op::Min),
+        let (inward, within) = match op {
+            Op::Floor => (1.0, Op::Max),
+            Op::Ceil => (-1.0, Op::Min),
             _ => return whole,
         };
+        let end = |range: Interval| if op == Op::Floor { range.lo } else { range.hi };
+        let [here, anywhere] = [near.clone(), near.at(Box3::ALL)].map(|domain| end(self.facts.range(self.graph, argument, &domain)));
+        // Where one looks no farther, it may go on: but what is never below zero here is a distance.
+        let end = if here == 0.0 { here } else { anywhere };
         if !end.is_finite() || end.fract() != 0.0 {
             return whole;
         }
