@@ -19,6 +19,8 @@ pub struct Home {
     way: Vec3,
     /// Places about what is solid and ends, from the target; none where nothing does.
     about: Vec<Vec3>,
+    /// How many times as far away the eye is free as well.
+    room: f64,
 }
 
 /// Where a camera stands by which nothing that ends is to be seen, or of which only the target is said.
@@ -31,11 +33,13 @@ pub const FOV: f64 = 40f64.to_radians();
 const SHARE: f64 = 0.66;
 /// So wide a picture is taken to be, for its height, if it is not narrower.
 const WIDE: f64 = 1.3;
-/// In a narrower one things are cut off.
-const NARROWEST: f64 = 0.2;
-/// What moves is looked at so many times, so many seconds apart.
+/// So many times farther away may the eye stand for one that is.
+const FARTHER: [f64; 8] = [1.2, 1.4, 1.7, 2.0, 2.5, 3.2, 4.0, 5.0];
+/// What moves is looked at so many times, the second time after so many seconds…
 const LOOKS: u32 = 32;
-const BETWEEN: f64 = 0.37;
+const SOON: f64 = 0.19;
+/// …and each time later by this much: for five minutes.
+const LATER: f64 = 1.2;
 /// …where that is no more operations in all.
 const MOST: usize = 20_000_000;
 /// Places about a box, a side.
@@ -55,7 +59,7 @@ impl Home {
     /// That of a scene, with its parameters as the text gives them.
     pub fn of(compiled: &Compiled) -> Self {
         let way = unit(EYE).unwrap_or([0.0, 0.0, 1.0]);
-        let usual = Self { target: [0.0; 3], way, about: Vec::new() };
+        let usual = Self { target: [0.0; 3], way, about: Vec::new(), room: 1.0 };
         let framed = compiled.functions.ahead.home.filter(|region| region.size() > SMALLEST).map(|region| {
             let rest = compiled.functions.ahead.planes.map(|planes| planes.rest_distance).or(own(compiled, Function::Distance));
             let distances = |at: &[Vec3]| wherever_it_goes(compiled, rest?, at);
@@ -63,7 +67,8 @@ impl Home {
             Self { target, about: places(&region, target, distances), ..usual.clone() }
         });
         let mut homes = framed.into_iter().chain([usual.clone()]);
-        homes.find_map(|home| home.free(compiled)).unwrap_or(usual)
+        let home = homes.find_map(|home| home.free(compiled)).unwrap_or(usual);
+        Self { room: home.free_times(compiled), ..home }
     }
 
     /// The same from a way on which the eye is free, if there is one.
@@ -84,6 +89,16 @@ impl Home {
         others.iter().find(|(_, room)| *room >= FREE).or_else(widest).map(|(other, _)| other.clone())
     }
 
+    /// How many times as far away the eye may stand and be free, and everywhere between.
+    fn free_times(&self, compiled: &Compiled) -> f64 {
+        let near = self.camera(FOV).eye;
+        let from = sub(near, self.target);
+        let eyes: Vec<Vec3> = FARTHER.iter().map(|times| add(self.target, scale(from, *times))).collect();
+        let found = rooms(compiled, &eyes).unwrap_or_default();
+        let free = FARTHER.iter().zip(found).take_while(|(times, room)| *room >= FREE * **times * length(from));
+        free.map(|(times, _)| *times).last().unwrap_or(1.0)
+    }
+
     /// The camera, of some angle of view.
     pub fn camera(&self, fov: f64) -> Camera {
         self.camera_in(fov, WIDE)
@@ -91,7 +106,7 @@ impl Home {
 
     /// The same for a picture that is so wide for its height.
     pub fn camera_in(&self, fov: f64, wide: f64) -> Camera {
-        let wide = wide.clamp(NARROWEST, WIDE);
+        let wide = wide.clamp(WIDE / self.room, WIDE);
         let basis = Basis::of(&Camera { eye: self.way, target: [0.0; 3], fov });
         // So far away a place is as high in the picture as it may be, or as far to a side.
         let needed = |place: &Vec3| {
@@ -130,8 +145,9 @@ fn wherever_it_goes(compiled: &Compiled, distance: NodeId, at: &[Vec3]) -> Optio
         return None;
     }
     let mut least = vec![f64::INFINITY; at.len()];
-    for look in 0..looks {
-        let live = Live { time: f64::from(look) * BETWEEN, ..compiled.live() };
+    let times = std::iter::successors(Some(0.0), |time| Some(LATER * time + SOON));
+    for time in times.take(looks as usize) {
+        let live = Live { time, ..compiled.live() };
         for (least, [distance, ..]) in least.iter_mut().zip(values(compiled, &[distance], at, &live)?) {
             *least = least.min(distance);
         }

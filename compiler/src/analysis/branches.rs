@@ -179,9 +179,9 @@ fn grown_from(op: Op, b: Interval, target: Interval) -> Interval {
         Op::Log => y.exp(),
         _ => y.powf(1.0 / b.lo).max(y.powf(1.0 / b.hi)),
     };
-    let ends = kernel::interval(op, &[Interval::ALL, b]);
-    let above = target.hi < ends.hi && target.hi > ends.lo.max(if op == Op::Log { f64::NEG_INFINITY } else { 0.0 });
-    if !above || op == Op::Pow && b.lo <= 0.0 {
+    let flat = |far: f64| kernel::value(op, &[far, b.lo]);
+    let (low, high) = if op == Op::Log { (flat(0.0), f64::INFINITY) } else { (0.0, flat(f64::MAX)) };
+    if !(low < target.hi && target.hi < high) || op == Op::Pow && b.lo <= 0.0 {
         return Interval::ALL;
     }
     Interval::new(f64::NEG_INFINITY, Interval::point(target.hi).monotone(inverse).hi)
@@ -217,7 +217,7 @@ pub(super) fn backward(op: Op, k: usize, a: Interval, b: Interval, target: Inter
             let side = target.sqrt().hi;
             Interval::new(-side, side)
         }
-        (Op::Sqrt, _) => Interval::new(f64::NEG_INFINITY, target.square().hi),
+        (Op::Sqrt, _) => Interval::new(f64::NEG_INFINITY, Interval::point(target.hi.max(0.0)).square().hi),
         (Op::Exp | Op::Log, _) | (Op::Pow, 0) => grown_from(op, b, target),
         (Op::Floor | Op::Ceil | Op::Round | Op::Trunc, _) => Interval::new(target.lo - 1.0, target.hi + 1.0),
         (Op::Length2 | Op::Length3 | Op::Length4, _) => Interval::new(-target.hi, target.hi),

@@ -203,12 +203,12 @@ impl Algebra for Duals {
             _ => {
                 let mut dual = by_partials(op, args, values, value, jumps);
                 if op == Op::Atan2 {
-                    // Turns over where the second is negative and the first changes its sign; at the axis the angle is any.
+                    // Turns over where the second is negative and the first changes its sign.
                     let (y, x) = (
                         values.first().copied().unwrap_or(Interval::ALL),
                         values.get(1).copied().unwrap_or(Interval::ALL),
                     );
-                    if x.lo <= 0.0 && y.contains(0.0) && y.lo < 0.0 {
+                    if x.lo <= 0.0 && y.contains(0.0) {
                         dual.jumps |= JUMPS_HERE;
                     }
                 }
@@ -367,6 +367,10 @@ pub fn run(
                 }
                 if dual.jumps != 0 && super::turns::is_same_after_turns(*op, args, tape, &values) {
                     dual.jumps = 0;
+                }
+                // What is never below zero, and zero on planes alone, does not cross the line on which the angle turns over.
+                if *op == Op::Atan2 && args.iter().all(|&a| values.get(a).is_some_and(|d| d.jumps == 0)) && args.first().is_some_and(|&y| tape.touches_zero(y)) {
+                    dual.jumps &= !JUMPS_HERE;
                 }
                 // The angle has two sides where it turns over.
                 let over = *op == Op::Atan2 && dual.jumps & JUMPS_HERE != 0 && of.first().is_some_and(|y| y.value.contains(0.0));

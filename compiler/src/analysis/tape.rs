@@ -171,6 +171,11 @@ impl Tape {
         self.is_square(step, DEEPEST) && self.vanishing(step, DEEPEST).count_ones() > 1
     }
 
+    /// Whether a step is never less than zero, and zero in planes at most.
+    pub(super) fn touches_zero(&self, step: usize) -> bool {
+        self.is_square(step, DEEPEST) && self.vanishing(step, DEEPEST) != 0
+    }
+
     /// Coordinates (a bit each) that all have one value wherever a step is zero: where more than one has, that is no surface.
     fn vanishing(&self, step: usize, depth: u32) -> u8 {
         let Some(depth) = depth.checked_sub(1) else { return 0 };

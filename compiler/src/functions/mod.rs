@@ -333,7 +333,6 @@ pub fn build(
     let mut builder = Builder::new(graph, facts, root, blocks);
     builder.built.searches = searches;
     builder.strict = strict;
-    builder.graph.is_spread = builder.graph.spreads();
     builder.find_domains();
     let mut functions = vec![
         (root, Function::Field),
@@ -414,6 +413,7 @@ impl<'a> Builder<'a> {
     /// Nothing built yet.
     fn new(graph: &'a mut Graph, facts: &'a mut Facts, root: ShapeId, blocks: &SceneBlocks) -> Self {
         let shapes = graph.shapes().len();
+        graph.is_spread = graph.spreads();
         Self {
             graph,
             facts,

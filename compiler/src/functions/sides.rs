@@ -144,6 +144,10 @@ impl Builder<'_> {
     fn sides_of(&mut self, site: &Site, near: &Domain, way: Way, all: &mut Vec<Side>) -> Option<()> {
         let [zero, one, half] = [0.0, 1.0, 0.5].map(|c| self.graph.constant(c));
         if let (Op::Atan2, Some(&argument)) = (site.op, site.args.first()) {
+            // Where what is never below zero stays at zero, an angle goes over to another one than across its cut.
+            if self.facts.range(self.graph, argument, near).lo >= 0.0 {
+                return None;
+            }
             // Across its cut an angle is a whole turn more or less.
             let Jump::From(nearest) = self.distance_to_jump(site.op, &site.args, near) else { return None };
             let below = self.graph.op(Op::Lt, &[site.node, zero]);
@@ -162,8 +166,17 @@ impl Builder<'_> {
             let (rising, other, repeats) = match site.op {
                 Op::Floor | Op::Ceil | Op::Trunc => {
                     let whole = self.nearest_whole(site.op, argument, near);
-                    let below = if site.op == Op::Ceil { Op::Le } else { Op::Lt };
-                    let below = self.graph.op(below, &[argument, whole]);
+                    let [below, up_to] = [Op::Lt, Op::Le].map(|op| self.graph.op(op, &[argument, whole]));
+                    let below = match site.op {
+                        Op::Floor => below,
+                        Op::Ceil => up_to,
+                        // Below zero it jumps as `ceil` does.
+                        _ => {
+                            let negative = self.graph.op(Op::Lt, &[whole, zero]);
+                            let up_to = self.graph.op(Op::And, &[negative, up_to]);
+                            self.graph.op(Op::Or, &[below, up_to])
+                        }
+                    };
                     let rising = self.toward(below);
                     let within = self.graph.op(Op::Mul, &[half, rising]);
                     let within = self.graph.op(Op::Add, &[whole, within]);

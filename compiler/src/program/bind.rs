@@ -147,9 +147,14 @@ impl Elaborator<'_> {
             let Some(label) = &arg.name else { continue };
             let Some(at) = parameters.iter().position(|p| p.name.text == label.text) else {
                 let names: Vec<&str> = parameters.iter().map(|p| &*p.name.text).collect();
-                let help = match nearest(&label.text, names.iter().copied()) {
+                let begun = || {
+                    let mut begun = names.iter().copied().filter(|name| name.starts_with(&*label.text));
+                    begun.next().filter(|_| begun.next().is_none())
+                };
+                let help = match nearest(&label.text, names.iter().copied()).or_else(begun) {
                     Some(near) => format!("did you mean `{near}`?"),
                     None if matches!((&*label.text, names.as_slice()), ("x" | "y" | "z", ["v"])) => "write all three in order, as in `(1, 0, 0)`, without names".to_owned(),
+                    None if names.is_empty() => "it has no arguments".to_owned(),
                     None => format!("its arguments are {}", names.join(", ")),
                 };
                 self.error(
@@ -300,9 +305,12 @@ impl Elaborator<'_> {
         }
     }
 
-    /// How far from the origin a shape of the prelude reaches at most, where its documentation says so.
+    /// How far from the origin a shape of the prelude reaches at most, where its documentation says so and not all of its arguments are known.
     pub(super) fn reach(&mut self, item: ItemRef, function: &ast::Function, values: &[Value]) -> Option<f64> {
         let names = REACHES.get(item.item).filter(|names| self.modules.is_prelude(item.module) && !names.is_empty())?;
+        if values.iter().all(|value| matches!(value, Value::Number(n, _) if self.graph.as_constant(*n).is_some())) {
+            return None;
+        }
         let mut farthest: f64 = 0.0;
         for name in names {
             let at = function.parameters.iter().position(|p| *p.name.text == **name)?;

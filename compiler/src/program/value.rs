@@ -110,8 +110,8 @@ fn vector_words(n: usize) -> &'static str {
 
 /// How a list of points of `n` numbers is written.
 pub(super) fn points(n: u8) -> String {
-    let point = |from: u8| format!("({})", (from..from + n).map(|i| i.to_string()).collect::<Vec<_>>().join(", "));
-    format!("[{}, {}]", point(0), point(1))
+    let point = |one: u8| format!("({})", (1..=n).map(|i| if i == one { "1" } else { "0" }).collect::<Vec<_>>().join(", "));
+    format!("[{}, {}, {}]", point(0), point(1), point(2))
 }
 
 /// A type in words.
@@ -264,6 +264,7 @@ impl Elaborator<'_> {
                 let help = match other {
                     Value::Vector(_) => self.instead_of_vector(span),
                     Value::Bool(_) => "write `if condition { 1 } else { 0 }`",
+                    Value::Text(_) => "write a number; choices are values or names without quotes, `param style = hex in [hex, square]` with `shape hex = …`",
                     _ => "write a number",
                 };
                 Err(self.error(

@@ -296,7 +296,7 @@ impl Parser<'_> {
             TokenKind::ParenOpen => self.parentheses(),
             TokenKind::BracketOpen => {
                 self.bump();
-                let items = self.list(token, TokenKind::BracketClose, &ITEMS, |p| Some(p.value()));
+                let items = self.list(token, TokenKind::BracketClose, &ITEMS, |p| Some(p.item()));
                 ExprKind::List(items)
             }
             TokenKind::BraceOpen => return self.block(),
@@ -344,6 +344,25 @@ impl Parser<'_> {
             (Ok(Number::Angle(value, unit)), _) => ExprKind::Angle(value, unit),
             (Err(_), _) => ExprKind::Hole,
         }
+    }
+
+    /// An item of a list. In other languages a `for` may follow on it.
+    fn item(&mut self) -> Expr {
+        let item = self.value();
+        let token = self.peek();
+        if !self.is_word("for") || self.is_on_new_line() {
+            return item;
+        }
+        self.bump();
+        let index = self.loop_index();
+        let source = self.value_or_range();
+        let text = |span: Span| self.text.get(span.start as usize..span.end as usize).unwrap_or("…");
+        let help = format!("write `for {} in {} {{ {} }}`", index.text, text(source.span), text(item.span));
+        let span = self.span(token);
+        self.report(Code::Unexpected, span, "the `for` stands first, and what it makes in braces", help);
+        let span = item.span.to(source.span);
+        let kind = if self.grow(span) { ExprKind::For(Box::new(For { index, source, by: None, body: item })) } else { ExprKind::Hole };
+        Expr { kind, span }
     }
 
     fn parentheses(&mut self) -> ExprKind {
