@@ -259,7 +259,7 @@ mod tests {
             ("scene = max(-sphere(1), box(1.7))\n", "`b - a`", "scene = box(1.7) - sphere(1)\n"),
             ("scene = heightfield(sin(x) * cos(z))\n", "`p.x`", "scene = heightfield(sin(p.x) * cos(p.z))\n"),
             ("field f = x * x + y * y - 1\nscene = f\n", "`p.x`", "field f = p.x * p.x + p.y * p.y - 1\nscene = f.within(box(2))\n"),
-            ("scene = polygon((0, 1), (1, 2), (0, 2)).extrude(1)\n", "`polygon([(0, 1), (1, 2)])`", "scene = polygon([(0, 1), (1, 2), (0, 2)]).extrude(1)\n"),
+            ("scene = polygon((0, 1), (1, 2), (0, 2)).extrude(1)\n", "`polygon([(0, 0), (1, 0), (0, 1)])`", "scene = polygon([(0, 0), (1, 0), (0, 1)]).extrude(1)\n"),
             ("scene = sphere(1).material({ color: #f00 })\n", "`swatch(#ff0000)`", "scene = sphere(1).material(swatch(#ff0000))\n"),
             ("scene = sphere(1).red\n", "`.material(swatch(#ff0000))`", "scene = sphere(1).material(swatch(#ff0000))\n"),
             ("scene = sphere(1).material(metal(#ccc))\n", "`material metal(c: color) {", "material metal(c: color) { color: c, metallic: 1, roughness: 0.3 }\nscene = sphere(1).material(metal(#ccc))\n"),
