@@ -67,16 +67,17 @@ impl Home {
             Self { target, about: places(&region, target, distances), ..usual.clone() }
         });
         let mut homes = framed.into_iter().chain([usual.clone()]);
-        let home = homes.find_map(|home| home.free(compiled)).unwrap_or(usual);
-        Self { room: home.free_times(compiled), ..home }
+        let about = About::of(compiled);
+        let home = homes.find_map(|home| home.free(about.as_ref())).unwrap_or(usual);
+        Self { room: home.free_times(about.as_ref()), ..home }
     }
 
     /// The same from a way on which the eye is free, if there is one.
-    fn free(&self, compiled: &Compiled) -> Option<Self> {
+    fn free(&self, about: Option<&About>) -> Option<Self> {
         let from = |ways: &[Vec3]| {
             let others: Vec<Self> = ways.iter().map(|way| Self { way: *way, ..self.clone() }).collect();
             let eyes: Vec<Vec3> = others.iter().map(|other| other.camera(FOV).eye).collect();
-            let found = rooms(compiled, &eyes).unwrap_or_default();
+            let found = about.map(|about| about.rooms(&eyes)).unwrap_or_default();
             let shares = eyes.iter().zip(found).map(|(eye, room)| room / length(sub(*eye, self.target)));
             others.into_iter().zip(shares.collect::<Vec<f64>>())
         };
@@ -90,11 +91,11 @@ impl Home {
     }
 
     /// How many times as far away the eye may stand and be free, and everywhere between.
-    fn free_times(&self, compiled: &Compiled) -> f64 {
+    fn free_times(&self, about: Option<&About>) -> f64 {
         let near = self.camera(FOV).eye;
         let from = sub(near, self.target);
         let eyes: Vec<Vec3> = FARTHER.iter().map(|times| add(self.target, scale(from, *times))).collect();
-        let found = rooms(compiled, &eyes).unwrap_or_default();
+        let found = about.map(|about| about.rooms(&eyes)).unwrap_or_default();
         let free = FARTHER.iter().zip(found).take_while(|(times, room)| *room >= FREE * **times * length(from));
         free.map(|(times, _)| *times).last().unwrap_or(1.0)
     }
@@ -140,27 +141,36 @@ fn places(region: &Box3, middle: Vec3, distances: impl Fn(&[Vec3]) -> Option<Vec
 /// The least distance from some places as time goes by; none where that takes too long.
 fn wherever_it_goes(compiled: &Compiled, distance: NodeId, at: &[Vec3]) -> Option<Vec<f64>> {
     let looks = if compiled.reads_time() { LOOKS } else { 1 };
-    let steps = Tape::new(&compiled.graph, &compiled.functions, &[distance], &compiled.live(), LIMIT).ok()?.operations();
-    if looks > 1 && steps * at.len() * looks as usize > MOST {
-        return None;
-    }
     let mut least = vec![f64::INFINITY; at.len()];
     let times = std::iter::successors(Some(0.0), |time| Some(LATER * time + SOON));
     for time in times.take(looks as usize) {
         let live = Live { time, ..compiled.live() };
-        for (least, [distance, ..]) in least.iter_mut().zip(values(compiled, &[distance], at, &live)?) {
+        let tape = Tape::new(&compiled.graph, &compiled.functions, &[distance], &live, LIMIT).ok()?;
+        if looks > 1 && tape.operations() * at.len() * looks as usize > MOST {
+            return None;
+        }
+        for (least, [distance, ..]) in least.iter_mut().zip(values(&tape, at)) {
             *least = least.min(distance);
         }
     }
     Some(least)
 }
 
-/// How far from some places what is solid is, by the field and its gradient there; none where they are too long.
-fn rooms(compiled: &Compiled, at: &[Vec3]) -> Option<Vec<f64>> {
-    let all = [Function::Field, Function::Gradient(0), Function::Gradient(1), Function::Gradient(2)].map(|function| own(compiled, function));
-    let all: Vec<NodeId> = all.into_iter().collect::<Option<_>>()?;
-    let found = values(compiled, &all, at, &compiled.live())?;
-    Some(found.into_iter().map(|[field, x, y, z]| field / length([x, y, z]).max(1.0)).collect())
+/// What tells how near what is solid is: the field and its gradient.
+struct About(Tape);
+
+impl About {
+    /// That of a scene; none where its formulas are too long.
+    fn of(compiled: &Compiled) -> Option<Self> {
+        let all = [Function::Field, Function::Gradient(0), Function::Gradient(1), Function::Gradient(2)].map(|function| own(compiled, function));
+        let all: Vec<NodeId> = all.into_iter().collect::<Option<_>>()?;
+        Tape::new(&compiled.graph, &compiled.functions, &all, &compiled.live(), LIMIT).ok().map(Self)
+    }
+
+    /// How far from some places what is solid is.
+    fn rooms(&self, at: &[Vec3]) -> Vec<f64> {
+        values(&self.0, at).into_iter().map(|[field, x, y, z]| field / length([x, y, z]).max(1.0)).collect()
+    }
 }
 
 /// The formula of one of the scene's functions.
@@ -168,16 +178,15 @@ fn own(compiled: &Compiled, function: Function) -> Option<NodeId> {
     compiled.functions.formulas.get(&(compiled.root, function)).copied()
 }
 
-/// Up to four formulas at some places, for these values; none where they are too long.
-fn values(compiled: &Compiled, formulas: &[NodeId], at: &[Vec3], live: &Live) -> Option<Vec<[f64; 4]>> {
-    let tape = Tape::new(&compiled.graph, &compiled.functions, formulas, live, LIMIT).ok()?;
+/// Up to four formulas at some places.
+fn values(tape: &Tape, at: &[Vec3]) -> Vec<[f64; 4]> {
     let mut found = vec![[0.0; 4]; at.len()];
-    at_points(&tape, at, &[], |i, values| {
+    at_points(tape, at, &[], |i, values| {
         for (slot, value) in found.get_mut(i).into_iter().flatten().zip(values) {
             *slot = *value;
         }
     });
-    Some(found)
+    found
 }
 
 #[cfg(test)]
@@ -256,7 +265,7 @@ mod tests {
         ] {
             let scene = scene(&format!("field julia = {{ {JULIA} }}\nscene = {text}"));
             let eye = camera(&scene).eye;
-            let room = super::rooms(&scene, &[eye]).unwrap()[0];
+            let room = super::About::of(&scene).unwrap().rooms(&[eye])[0];
             println!("{text}: {eye:.2?}, {room:.2} from what is solid");
             assert!(room > 0.05 * length(eye), "{text}: {eye:?}, {room}");
             let found = crate::outlook::outlook(&scene, &scene.live(), None);
