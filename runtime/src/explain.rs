@@ -100,7 +100,7 @@ fn left_out(compiled: &Compiled, features: &Features) -> Vec<(&'static str, &'st
         (features.shadows, dark),
         (features.maps(), dark),
         (features.occlusion, dark),
-        (features.reflections, dark),
+        (features.reflections > 0, dark),
         (features.capture.is_some(), dark),
         (features.environment, dark),
     ];

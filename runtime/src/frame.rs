@@ -43,7 +43,7 @@ pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
         (features.shadows, "a light throws shadows"),
         (features.occlusion, "corners are kept from the sky's light"),
         (features.environment, "images stand for the sky"),
-        (features.reflections, "mirrored rays are followed"),
+        (features.reflections > 0, "mirrored rays are followed"),
         (features.meshes_first, "it ends at the meshes, whose depth is drawn before"),
         (features.depth(), "its depth is written, for what is rasterised"),
     ];

@@ -148,7 +148,7 @@ fn pipeline(
     });
     let key = PipelineKey {
         wgsl: sections.join("\n"),
-        constants: Vec::new(),
+        constants: features.constants(format),
         format: Some(format),
         entries: ["ball_vertex", "ball_fragment"],
         depth: Some(wgpu::CompareFunction::GreaterEqual),

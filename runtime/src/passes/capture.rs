@@ -87,22 +87,22 @@ impl Capture {
         let module = module::layout(gpu, &compiled.module, wgpu::ShaderStages::VERTEX_FRAGMENT);
         let scene = surroundings::layout(gpu, features);
         let layouts = [Some(&module), Some(&scene), None, shadows];
-        let key = |wgsl: String, entries, depth| PipelineKey {
+        let key = |wgsl: String, constants, entries, depth| PipelineKey {
             wgsl,
-            constants: Vec::new(),
+            constants,
             format: Some(LINEAR),
             entries,
             depth,
             triangles: false,
         };
         let text = format!("{}\n{}", compiled.module.code(), features.wgsl(compiled));
-        let field = key(text, ["vertex", "fragment"], features.depth().then_some(wgpu::CompareFunction::Always));
+        let field = key(text, features.constants(LINEAR), ["vertex", "fragment"], features.depth().then_some(wgpu::CompareFunction::Always));
         let field = gpu.screen_pipeline(LABEL, field, if shadows.is_some() { &layouts } else { &layouts[..2] })?;
         let balls = balls.map(|balls| balls.other(gpu, compiled, LINEAR, features, shadows)).transpose()?;
         let meshes = meshes.map(|meshes| meshes.other(gpu, compiled, LINEAR, features, shadows)).transpose()?;
         let levels_layout = levels_layout(gpu);
         let level = |entry| {
-            let key = key(include_str!("capture/levels.wgsl").to_owned(), ["level_vertex", entry], None);
+            let key = key(include_str!("capture/levels.wgsl").to_owned(), Vec::new(), ["level_vertex", entry], None);
             gpu.screen_pipeline(LABEL, key, &[Some(&levels_layout)])
         };
         let (halve, blur) = (level("half_fragment")?, level("blur_fragment")?);

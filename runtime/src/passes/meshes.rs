@@ -95,7 +95,7 @@ impl MeshesPipeline {
             include_str!("meshes/vertex.wgsl"),
             include_str!("meshes/before.wgsl"),
         ];
-        let before_key = PipelineKey { format: None, entries: ["mesh_vertex", "mesh_before"], ..key(before.join("\n"), format) };
+        let before_key = PipelineKey { format: None, entries: ["mesh_vertex", "mesh_before"], ..key(before.join("\n"), Vec::new(), format) };
         gpu.catch(|| {
             let triangles = Triangles::new(gpu, compiled);
             let pipeline = pipeline(gpu, compiled, format, features, &triangles.layout, shadows)?;
@@ -167,14 +167,14 @@ fn pipeline(
     let module = crate::module::layout(gpu, &compiled.module, wgpu::ShaderStages::VERTEX_FRAGMENT);
     let scene = surroundings::layout(gpu, features);
     let layouts = [Some(&module), Some(&scene), Some(layout), shadows];
-    gpu.screen_pipeline(LABEL, key(sections.join("\n"), format), if shadows.is_some() { &layouts } else { &layouts[..3] })
+    gpu.screen_pipeline(LABEL, key(sections.join("\n"), features.constants(format), format), if shadows.is_some() { &layouts } else { &layouts[..3] })
 }
 
 /// What a pipeline over meshes is, by its text.
-fn key(wgsl: String, format: wgpu::TextureFormat) -> PipelineKey {
+fn key(wgsl: String, constants: Vec<(&'static str, f64)>, format: wgpu::TextureFormat) -> PipelineKey {
     PipelineKey {
         wgsl,
-        constants: Vec::new(),
+        constants,
         format: Some(format),
         entries: ["mesh_vertex", "mesh_fragment"],
         depth: Some(wgpu::CompareFunction::GreaterEqual),

@@ -6,7 +6,6 @@ use super::meshes::MeshesPipeline;
 use super::scene::{Features, SceneUniforms};
 use super::shadows::{Moment, Shadows};
 use super::surroundings::{self, SceneGroup, SceneImages};
-use crate::film::LINEAR;
 use crate::gpu::{DEPTH, DEPTH_AS_READ, Gpu, PipelineKey};
 use crate::module::{self, ModuleGroup};
 use crate::view::View;
@@ -20,7 +19,6 @@ pub struct ScenePipeline {
     module: ModuleGroup,
     scene: SceneGroup,
     features: Features,
-    srgb_target: bool,
     /// Whether images were shown since the last update.
     fresh: bool,
     balls: Option<BallsPipeline>,
@@ -45,7 +43,7 @@ impl ScenePipeline {
         let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let key = PipelineKey {
             wgsl: format!("{}\n{}", compiled.module.code(), features.wgsl(compiled)),
-            constants: Vec::new(),
+            constants: features.constants(format),
             format: Some(format),
             entries: ["vertex", "fragment"],
             // The field is drawn first, whatever was there.
@@ -83,7 +81,6 @@ impl ScenePipeline {
                 module: ModuleGroup::new(gpu, compiled, &module_layout),
                 scene: SceneGroup::new(gpu, features, scene_layout),
                 features,
-                srgb_target: format.is_srgb() || format == LINEAR,
                 fresh: false,
                 balls,
                 meshes,
@@ -108,7 +105,7 @@ impl ScenePipeline {
         let frame = compiled.frame(live);
         let origin = origin(compiled, view);
         let View { camera, size, corner } = *view;
-        let uniforms = SceneUniforms::new(&frame, &camera, origin, size, corner, self.srgb_target)
+        let uniforms = SceneUniforms::new(&frame, &camera, origin, size, corner)
             .rounded_along(compiled.module.reads_scene);
         let module = self.module.write(queue, &compiled.uniform_bytes(live, origin));
         let scene = self.scene.write(queue, &uniforms);

@@ -2,9 +2,10 @@
 //! module that the scene and the view need; its uniforms are filled from a [`Frame`].
 
 use super::layers::{self, MOST_TEXTURES};
+use crate::film::LINEAR;
 use bytemuck::{Pod, Zeroable};
 use std::borrow::Cow;
-use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, Shadow};
+use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, MAX_BOUNCES, Shadow};
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::shade::{self, MAX_LIGHTS};
 use surefoot_compiler::reference::vector::{scale, sub};
@@ -25,8 +26,8 @@ pub struct Features {
     pub occlusion: bool,
     /// Whether images stand for the sky.
     pub environment: bool,
-    /// Whether mirrored rays are followed through the field.
-    pub reflections: bool,
+    /// How often a mirrored ray is followed through the field, at most; 0: never.
+    pub reflections: u32,
     /// Whether the scene itself, drawn into a cubemap, stands for what surfaces mirror: pixels of a side of its faces.
     pub capture: Option<u32>,
     /// Whether the pass draws that cubemap and no picture.
@@ -41,6 +42,8 @@ pub struct Features {
     pub meshes_first: bool,
     /// Whether a light sees the field in a shadow map.
     pub field_maps: bool,
+    /// How many lights there are.
+    pub lights: u32,
 }
 
 impl Features {
@@ -64,13 +67,14 @@ impl Features {
             occlusion: shaded && !blocks.ambient_occlusion.is_some_and(nothing),
             environment: shaded && blocks.environment.is_some(),
             textures: if shaded { compiled.functions.textures().len().min(MOST_TEXTURES) as u32 } else { 0 },
-            reflections: shaded && blocks.reflections.is_some_and(|n| constant(n) != Some(0.0)),
+            reflections: blocks.reflections.filter(|_| shaded).map_or(0, |n| constant(n).map_or(MAX_BOUNCES, |n| n as u32)),
             capture: blocks.capture.filter(|_| shaded).map(|capture| capture.size),
             captures: false,
             // Not where the steps of rays are shown.
             balls: compiled.has_balls() && view != ViewMode::Steps,
             meshes: compiled.has_meshes() && view != ViewMode::Steps,
             meshes_first: compiled.has_meshes() && view != ViewMode::Steps,
+            lights: if unlit { 1 } else { blocks.lights.len().min(MAX_LIGHTS) as u32 },
             field_maps: shaded && !off && blocks.lights.iter().any(|l| l.shadow.0 == Shadow::Map),
         }
     }
@@ -133,8 +137,8 @@ impl Features {
             });
             sections.push(include_str!("scene/light.wgsl"));
             sections.push(match self.reflections {
-                true => include_str!("scene/reflections.wgsl"),
-                false => include_str!("scene/no_reflections.wgsl"),
+                0 => include_str!("scene/no_reflections.wgsl"),
+                _ => include_str!("scene/reflections.wgsl"),
             });
             sections.extend(match (self.shadows, self.maps()) {
                 (true, true) => {
@@ -149,6 +153,16 @@ impl Features {
             });
         }
         sections.into_iter().map(Cow::Borrowed).chain(met).collect()
+    }
+
+    /// Values of the `override` constants of what every pass that shades has, on targets of a format.
+    pub(super) fn constants(&self, format: wgpu::TextureFormat) -> Vec<(&'static str, f64)> {
+        let linear = format.is_srgb() || format == LINEAR;
+        vec![
+            ("scene_lights", self.lights.into()),
+            ("scene_bounces", self.reflections.into()),
+            ("scene_linear", f64::from(u8::from(linear))),
+        ]
     }
 
     /// The pass's text, to stand after the scene's module. Entry points: `vertex`, `fragment`; uniforms: group 1, binding 0.
@@ -213,16 +227,13 @@ uniforms! {
         zenith: [f32; 3],
         max_distance: f32,
         horizon: [f32; 3],
-        light_count: u32,
+        reflections: u32,
         ground: [f32; 3],
         near: f32,
         corner: [f32; 2],
         size: [f32; 2],
         rounding: [f32; 3],
-        srgb_target: u32,
-        reflections: u32,
         padding: u32,
-        rest: [u32; 2],
         lights: [SceneLight; MAX_LIGHTS],
     }
 }
@@ -236,17 +247,16 @@ impl SceneUniforms {
     }
 
     /// Through a camera. `origin` is the scene's point at which the module's `p` is zero; `size` is that of the whole picture and `corner` its upper left
-    /// corner on the target, both in pixels; `srgb_target` says that the target itself encodes linear colours.
+    /// corner on the target, both in pixels.
     pub fn new(
         frame: &Frame,
         camera: &Camera,
         origin: [f64; 3],
         size: [f32; 2],
         corner: [f32; 2],
-        srgb_target: bool,
     ) -> Self {
         let basis = Basis::of(camera);
-        Self { corner, srgb_target: u32::from(srgb_target), ..Self::seen(frame, camera.eye, &basis, origin, size) }
+        Self { corner, ..Self::seen(frame, camera.eye, &basis, origin, size) }
     }
 
     /// From a place along axes, on a target of this size.
@@ -277,16 +287,13 @@ impl SceneUniforms {
             zenith: narrow(frame.sky.zenith),
             max_distance: frame.max_distance as f32,
             horizon: narrow(frame.sky.horizon),
-            light_count: lamps.len() as u32,
+            reflections: frame.reflections,
             ground: narrow(shade::ground(frame, &lamps)),
             near: NEAR,
             corner: [0.0; 2],
             size,
-            srgb_target: 0,
-            reflections: frame.reflections,
             rounding: [1.0; 3],
             padding: 0,
-            rest: [0; 2],
             lights,
         }
     }

@@ -32,7 +32,8 @@ struct SceneUniforms {
     zenith: vec3f,
     max_distance: f32,
     horizon: vec3f,
-    light_count: u32,
+    // A mirrored ray is followed at most so often.
+    reflections: u32,
     // What the ground throws back of the light from above.
     ground: vec3f,
     // Distance of the plane at which the depth that is written is 1.
@@ -42,16 +43,21 @@ struct SceneUniforms {
     size: vec2f,
     // Along each axis 1 where rounding grows with the distance from the scene's middle, 0 where with that from the eye alone.
     rounding: vec3f,
-    // 1 where the target itself encodes linear colours as sRGB.
-    srgb_target: u32,
-    // A mirrored ray is followed at most so often.
-    reflections: u32,
     padding: u32,
-    rest: vec2u,
     lights: array<SceneLight, 16>,
 }
 
 @group(1) @binding(0) var<uniform> scene: SceneUniforms;
+
+// What no value of a parameter changes is a constant, and no loop ends by a uniform alone: a driver may build the pipeline anew for each draw,
+// with what the uniform is then (lavapipe does).
+
+// How many of the lights there are.
+override scene_lights: u32 = 1u;
+// How often a mirrored ray is followed at most.
+override scene_bounces: u32 = 0u;
+// Whether the target wants linear light, which it may encode itself.
+override scene_linear: bool = false;
 
 // Where a flat triangle of a mesh is seen, and that place on the round shape that it stands for.
 var<private> scene_flat: vec3f;

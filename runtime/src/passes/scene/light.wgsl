@@ -67,20 +67,16 @@ fn scene_local(p: vec3f, n: vec3f, direction: vec3f, t: f32, answer: SceneAnswer
     let occlusion = scene_occlusion(p, n);
     let share = scene_mirror_share(answer.mirrored, answer.roughness, nv);
     var light = emission + occlusion * (1.0 - share) * answer.diffuse * scene_matte(n);
-    for (var i = 0u; i < scene.light_count; i += 1u) {
+    for (var i = 0u; i < scene_lights; i += 1u) {
         let lamp = scene.lights[i];
-        var l = lamp.vector;
-        var far = 4.0 * scene.extent;
-        var radiance = lamp.radiance;
-        if lamp.position == 1u {
-            let way = lamp.vector - p;
-            far = max(length(way), 1e-4);
-            l = way / far;
-            radiance /= far * far;
-        }
+        // Of a lamp its place is known, of a sun the direction alone.
+        let placed = lamp.position == 1u;
+        let way = select(lamp.vector, lamp.vector - p, placed);
+        let apart = max(length(way), 1e-4);
+        let l = select(way, way / apart, placed);
         if dot(n, l) > 0.0 {
-            let lit = scene_lit(i, p, n, l, off, far);
-            light += lit * radiance * scene_reflect(answer, n, v, l);
+            let lit = scene_lit(i, p, n, l, off, select(4.0 * scene.extent, apart, placed));
+            light += lit * lamp.radiance / select(1.0, apart * apart, placed) * scene_reflect(answer, n, v, l);
         }
     }
     return SceneLocal(light, share, occlusion);

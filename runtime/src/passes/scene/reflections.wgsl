@@ -15,14 +15,11 @@ fn scene_shade(p: vec3f, n: vec3f, direction: vec3f, t: f32, surface: sf_Surface
     var emission = surface.emission;
     var light = vec3f(0.0);
     var weight = vec3f(1.0);
-    for (var bounce = 0u; bounce <= scene.reflections; bounce += 1u) {
+    for (var bounce = 0u; bounce <= scene_bounces; bounce += 1u) {
         let here = scene_local(at, normal, toward, way, answer, emission);
         let mirror = reflect(toward, normal);
         let share = weight * here.share;
-        var followed = 0.0;
-        if bounce < scene.reflections {
-            followed = scene_followed(answer.roughness, share);
-        }
+        let followed = select(0.0, scene_followed(answer.roughness, share), bounce < scene.reflections);
         light += weight * here.light;
         if followed < 1.0 {
             light += (1.0 - followed) * here.occlusion * share * scene_mirror(mirror, answer.roughness);

@@ -4,7 +4,7 @@ const SCENE_CAPTURES: bool = false;
 
 // A screen's colour as the target wants it. `field` says that it is the field's.
 fn scene_target(encoded: vec3f, field: bool) -> vec4f {
-    if scene.srgb_target == 0u {
+    if !scene_linear {
         return vec4f(encoded, 1.0);
     }
     let c = encoded;
