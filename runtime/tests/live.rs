@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::*;
 use surefoot_compiler::diagnostic::{Code, Diagnostic};
 use surefoot_compiler::source::{FileId, Sources, Span};
-use surefoot_runtime::live::{LiveScene, Report, Setup, Update, Work};
+use surefoot_runtime::live::{LiveScene, Report, Setup, Update, Words, Work};
 use surefoot_runtime::{Stage, View, ViewMode};
 
 struct Disk;
@@ -514,4 +514,61 @@ fn what_is_wrong_is_said_before_the_picture_is_built() {
     expect(live, 1.5);
     assert_eq!(*found.lock().unwrap(), [("radius 1.5\n".to_owned(), 0)]);
     assert!(live.poll_words().is_none(), "what came with the update is not said again");
+}
+
+#[test]
+fn what_is_wrong_with_a_newer_text_is_said_while_an_older_picture_is_built() {
+    let folder = folder("overheard");
+    let path = folder.join("main.toy");
+    fs::write(&path, "radius 1\n").unwrap();
+    let gate = Arc::new(Mutex::new(()));
+    let (held, other) = (gate.lock().unwrap(), gate.clone());
+    let live = Arc::new(OnceLock::<LiveScene>::new());
+    let woken = live.clone();
+    // Building goes on when the gate opens.
+    let wake = move || {
+        let is_worker = std::thread::current().name() == Some("surefoot live");
+        if is_worker && woken.get().and_then(LiveScene::work).is_some_and(|(work, _)| work == Work::Building) {
+            drop(other.lock());
+        }
+    };
+    let target = Some((gpu(), surefoot_runtime::headless::FORMAT));
+    assert!(live.set(LiveScene::start(Setup { wake: Arc::new(wake), target, ..setup(&path) }).unwrap()).is_ok());
+    let live = live.get().unwrap();
+    let said = |text: &str, wrong: usize| {
+        let start = Instant::now();
+        let is_it = |words: Arc<Words>| {
+            let read = words.sources.iter().next().map(|(_, file)| file.text.to_string());
+            read.as_deref() == Some(text) && words.diagnostics.len() == wrong
+        };
+        while !live.poll_words().is_some_and(is_it) {
+            assert!(start.elapsed() < Duration::from_secs(10), "nothing is said: {:?}", live.report());
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        assert_eq!(live.work().map(|(work, _)| work), Some(Work::Building));
+    };
+    let name = path.to_str().unwrap();
+    said("radius 1\n", 0);
+    live.set_text(name, Some("bad\n".to_owned()));
+    said("bad\n", 1);
+    live.set_text(name, None);
+    said("radius 1\n", 0);
+    // A file counts once it is quiet, one that is empty not at all.
+    fs::write(&path, "radius 2\nbad\n").unwrap();
+    said("radius 2\nbad\n", 1);
+    fs::write(&path, "").unwrap();
+    pause(200);
+    assert!(live.poll_words().is_none());
+    fs::write(&path, "radius 3\nbad\n").unwrap();
+    said("radius 3\nbad\n", 1);
+    drop(held);
+    // What comes with the older picture is what was said last…
+    let update = next(live);
+    assert_eq!((radius(&update), update.words.diagnostics.len()), (Some(1.0), 1));
+    // …until the newest text is looked at, though it is the one that is shown.
+    fs::write(&path, "radius 1\n").unwrap();
+    let start = Instant::now();
+    while !next(live).words.diagnostics.is_empty() {
+        assert!(start.elapsed() < Duration::from_secs(10), "the error stays");
+    }
 }

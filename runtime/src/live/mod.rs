@@ -7,6 +7,7 @@
 //! - A save is rarely one event. Events are gathered until they pause; an error in a file that changed just now is held back for a
 //!   moment, because a file is often empty before it is full.
 
+mod overhear;
 mod record;
 mod rehearsal;
 mod watch;
@@ -90,6 +91,19 @@ pub struct Words {
     pub files: Vec<String>,
 }
 
+impl Words {
+    /// What an outcome says, and the scene where there is one.
+    fn of(outcome: Outcome, recorder: &record::Recorder) -> (Self, Option<Compiled>) {
+        let Outcome { sources, diagnostics, mut files, compiled } = outcome;
+        for file in recorder.files() {
+            if !files.contains(&file) {
+                files.push(file);
+            }
+        }
+        (Self { sources, diagnostics, files }, compiled)
+    }
+}
+
 /// What came of a change.
 #[derive(Debug)]
 pub struct Update {
@@ -146,7 +160,7 @@ impl LiveScene {
         self.shared.lock().update.take()
     }
 
-    /// What the compiler says of the newest text, once, while its picture is still being built.
+    /// What the compiler says of the newest text, once, while its picture, or that of an older text, is still being built.
     pub fn poll_words(&self) -> Option<Arc<Words>> {
         self.shared.lock().words.take()
     }
@@ -279,7 +293,11 @@ struct State {
     loading: Option<String>,
     stop: bool,
     update: Option<Update>,
-    /// What the compiler says of the text whose picture is being built.
+    /// What the compiler says of the newest text while a picture is being built, until somebody takes it.
     words: Option<Arc<Words>>,
+    /// Whether one is.
+    building: bool,
+    /// What the compiler says of a text that is newer than the picture that is being built.
+    overheard: Option<Arc<Words>>,
     report: Report,
 }

@@ -1,5 +1,6 @@
 //! The thread that compiles and builds.
 
+use super::overhear;
 use super::record::Recorder;
 use super::rehearsal::Rehearsal;
 use super::watch::Watch;
@@ -24,7 +25,7 @@ const PAUSE: Duration = Duration::from_millis(5);
 /// …but nobody waits longer than this for them to end.
 const LONGEST_PAUSE: Duration = Duration::from_millis(40);
 /// How long an error in a file that changed just now is held back.
-const DOUBT: Duration = Duration::from_millis(50);
+pub(super) const DOUBT: Duration = Duration::from_millis(50);
 /// The same of a scene's file that is empty or not there: who saves it is about to write it, and may be held up on a busy machine.
 const LONGER_DOUBT: Duration = Duration::from_millis(250);
 /// Nobody waits longer than this for files that change again and again, and are wrong each time.
@@ -32,7 +33,7 @@ const LONGEST_DOUBT: Duration = Duration::from_secs(1);
 /// How often the files are read again meanwhile.
 const DOUBT_STEP: Duration = Duration::from_millis(5);
 /// Deep nesting takes stack, here and in naga.
-const STACK: usize = 64 << 20;
+pub(super) const STACK: usize = 64 << 20;
 
 pub(super) fn spawn(setup: Setup, shared: Arc<Shared>) -> std::io::Result<JoinHandle<()>> {
     std::thread::Builder::new().name("surefoot live".to_owned()).stack_size(STACK).spawn(
@@ -122,8 +123,13 @@ impl Worker {
             if other_mode && scene.is_none() {
                 scene = self.newest.good.clone();
             }
-            let update = self.build(scene, mode, since);
-            self.deliver(update);
+            std::thread::scope(|scope| {
+                if scene.is_some() && self.setup.target.is_some() {
+                    overhear::start(scope, self.setup.clone(), self.shared.clone());
+                }
+                let update = self.build(scene, mode, since);
+                self.deliver(update);
+            });
         }
     }
 
@@ -234,34 +240,18 @@ impl Worker {
 
     fn compile(&mut self, job: &mut Job) -> Option<Arc<Compiled>> {
         self.begin(Work::Compiling);
-        let (path, options, texts) = {
+        {
             let mut state = self.shared.lock();
-            state.report.compilations += 1;
             // What was pushed since the job began is compiled with it.
             job.pushed |= take(&mut state.pushed);
             state.anew = false;
-            (state.path.clone(), state.options.clone(), state.texts.clone())
-        };
-        let recorder = Recorder::new(self.setup.loader.clone(), texts);
-        let start = Instant::now();
-        let compile = || (self.setup.compile)(&recorder, &path, &options);
-        let (mut outcome, failure) = match catch_unwind(AssertUnwindSafe(compile)) {
-            Ok(outcome) => (outcome, None),
-            Err(panic) => (nothing(&path), Some(broken("the compiler", panic.as_ref()))),
-        };
-        let compile = start.elapsed();
-        // What the camera sees is worth a word, and no failure.
-        let _ = catch_unwind(AssertUnwindSafe(|| outcome.look()));
-        let Outcome { sources, diagnostics, mut files, compiled } = outcome;
-        for file in recorder.files() {
-            if !files.contains(&file) {
-                files.push(file);
-            }
         }
+        let Compilation { recorder, outcome, failure, took } = Compilation::run(&self.setup, &self.shared);
+        let (words, compiled) = Words::of(outcome, &recorder);
         self.record = Some(recorder);
-        self.newest.words = Arc::new(Words { sources, diagnostics, files });
+        self.newest.words = Arc::new(words);
         self.newest.failure = failure;
-        self.newest.times = Times { compile, ..Times::default() };
+        self.newest.times = Times { compile: took, ..Times::default() };
         match compiled.map(Arc::new) {
             Some(compiled) => {
                 self.load(&compiled);
@@ -339,7 +329,7 @@ impl Worker {
         Ok((Some(picture), Some((passes, Contact::prepare(gpu, compiled)?))))
     }
 
-    fn deliver(&self, mut update: Update) {
+    fn deliver(&mut self, mut update: Update) {
         let mut state = self.shared.lock();
         state.report.updates += 1;
         if let Some(older) = state.update.take() {
@@ -349,8 +339,14 @@ impl Worker {
                 update.ready = older.ready;
             }
         }
+        if let Some(words) = state.overheard.take() {
+            update.words = words;
+            // Of what was said and of what is shown the one is newer: the next look compiles in any case.
+            self.record = None;
+        }
         state.update = Some(update);
-        state.words = None;
+        (state.words, state.building) = (None, false);
+        self.shared.changed.notify_all();
         state.work = None;
         state.busy = state.asked.is_some();
         drop(state);
@@ -378,12 +374,45 @@ impl Worker {
     }
 }
 
-fn wait<'a>(
+pub(super) fn wait<'a>(
     shared: &'a Shared,
     state: MutexGuard<'a, State>,
     time: Duration,
 ) -> MutexGuard<'a, State> {
     shared.changed.wait_timeout(state, time).unwrap_or_else(PoisonError::into_inner).0
+}
+
+/// What came of one run of the compiler.
+pub(super) struct Compilation {
+    /// What it read.
+    pub recorder: Recorder,
+    pub outcome: Outcome,
+    /// What went wrong with the compiler itself.
+    pub failure: Option<String>,
+    /// How long it took, without what the camera sees.
+    pub took: Duration,
+}
+
+impl Compilation {
+    /// Of the newest text.
+    pub fn run(setup: &Setup, shared: &Shared) -> Self {
+        let (path, options, texts) = {
+            let mut state = shared.lock();
+            state.report.compilations += 1;
+            (state.path.clone(), state.options.clone(), state.texts.clone())
+        };
+        let recorder = Recorder::new(setup.loader.clone(), texts);
+        let start = Instant::now();
+        let compile = || (setup.compile)(&recorder, &path, &options);
+        let (mut outcome, failure) = match catch_unwind(AssertUnwindSafe(compile)) {
+            Ok(outcome) => (outcome, None),
+            Err(panic) => (nothing(&path), Some(broken("the compiler", panic.as_ref()))),
+        };
+        let took = start.elapsed();
+        // What the camera sees is worth a word, and no failure.
+        let _ = catch_unwind(AssertUnwindSafe(|| outcome.look()));
+        Self { recorder, outcome, failure, took }
+    }
 }
 
 /// The outcome of a compiler that did not come to its end.
