@@ -15,7 +15,9 @@ pub use crate::home::Home;
 use crate::graph::{multiple_of, Graph, Leaf, Node, NodeId, ShapeId};
 pub use crate::loader::{Loader, MemoryLoader};
 use crate::source::{Sources, Span};
+use crate::reference::shade::encode;
 use crate::syntax::ast::Type;
+use crate::syntax::revise::Written;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -122,7 +124,7 @@ pub struct Parameter {
     pub ty: Type,
     /// Whether it is shown in degrees (its numbers are radians).
     pub degrees: bool,
-    /// Its components at the start. A choice: the index of the chosen name.
+    /// Its components at the start. A choice: the index of the name that the text chooses.
     pub default: Vec<f64>,
     /// Least value of each component.
     pub min: Vec<f64>,
@@ -142,6 +144,51 @@ impl Parameter {
     /// The indices of its components in [`Graph::parameters`]; a choice has none.
     pub fn components(&self) -> Range<u32> {
         self.first.map_or(0..0, |first| first..first + self.default.len() as u32)
+    }
+
+    /// Decimals with which a ten-thousandth of its range can be told, as a person reads it: angles in degrees.
+    pub fn decimals(&self, component: usize) -> usize {
+        let ends = self.min.get(component).zip(self.max.get(component));
+        let range = ends.map_or(0.0, |(min, max)| (max - min) / self.unit());
+        match range > 0.0 && self.ty != Type::Int {
+            true => (4.0 - range.log10()).ceil().clamp(1.0, 9.0) as usize,
+            false if self.ty == Type::Int => 0,
+            false => 3,
+        }
+    }
+
+    /// How much 1 is, as a person reads it.
+    pub fn unit(&self) -> f64 {
+        if self.degrees { 1f64.to_radians() } else { 1.0 }
+    }
+
+    /// A value as the text may have it, within the range.
+    pub fn written(&self, value: &[f64]) -> Written {
+        let number = |(i, value): (usize, &f64)| {
+            let (shown, decimals) = (value / self.unit(), self.decimals(i));
+            let text = format!("{shown:.decimals$}");
+            let short = if decimals > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+            let read = short.parse::<f64>().unwrap_or(shown) * self.unit();
+            let within = self.min.get(i).is_none_or(|min| read >= *min) && self.max.get(i).is_none_or(|max| read <= *max);
+            let unit = if self.degrees { "deg" } else { "" };
+            match (within, short) {
+                (true, "-0") => format!("0{unit}"),
+                (true, short) => format!("{short}{unit}"),
+                (false, _) => format!("{shown}{unit}"),
+            }
+        };
+        if let (None, Some(index)) = (self.first, value.first()) {
+            return Written::Choice(*index as usize);
+        }
+        Written::Text(match (&self.ty, value) {
+            (Type::Bool, [on]) => (*on != 0.0).to_string(),
+            (Type::Color, [r, g, b]) => {
+                let [r, g, b] = [r, g, b].map(|c| (255.0 * encode(*c)).round() as u8);
+                format!("#{r:02x}{g:02x}{b:02x}")
+            }
+            (_, [one]) => number((0, one)),
+            (_, many) => format!("({})", many.iter().enumerate().map(number).collect::<Vec<_>>().join(", ")),
+        })
     }
 }
 

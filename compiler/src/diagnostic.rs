@@ -288,7 +288,7 @@ fn to_codespan(diagnostic: &Diagnostic) -> codespan::Diagnostic<usize> {
         Severity::Error => codespan::Severity::Error,
         Severity::Warning => codespan::Severity::Warning,
     };
-    let range = |span: Span| (span.file.0 as usize, span.start as usize..span.end as usize);
+    let range = |span: Span| (span.file.0 as usize, span.range());
     let (file, bytes) = range(diagnostic.span);
     let mut labels = vec![codespan::Label::primary(file, bytes)];
     labels.extend(diagnostic.labels.iter().map(|(span, words)| {

@@ -1,5 +1,6 @@
 //! Texts and places in them.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Which text: an index into [`Sources`].
@@ -21,6 +22,11 @@ impl Span {
     /// A range of bytes in a text.
     pub fn new(file: FileId, start: usize, end: usize) -> Self {
         Self { file, start: start as u32, end: end as u32 }
+    }
+
+    /// The bytes, to index its text.
+    pub fn range(self) -> Range<usize> {
+        self.start as usize..self.end as usize
     }
 
     /// The smallest range that holds both; `self` where they are of different texts.
@@ -82,7 +88,7 @@ impl Sources {
     /// The text of a span, empty where it is not a whole piece of its text.
     pub fn text(&self, span: Span) -> &str {
         self.get(span.file)
-            .and_then(|f| f.text.get(span.start as usize..span.end as usize))
+            .and_then(|f| f.text.get(span.range()))
             .unwrap_or("")
     }
 }

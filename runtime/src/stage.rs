@@ -38,7 +38,8 @@ impl Stage {
         Self::default()
     }
 
-    /// Puts a new scene on. A parameter that it shares with the old one, by its name, keeps the value that a person gave it.
+    /// Puts a new scene on. A parameter that it shares with the old one, by its name, keeps the value that a person gave it, unless the
+    /// text gives it another one than before.
     pub fn put(&mut self, ready: Ready) {
         let mut live = match (&self.scene, &self.live) {
             (Some(old), Some(live)) => carry_over(old, live, &ready.compiled),
@@ -216,12 +217,13 @@ impl Stage {
     }
 }
 
-/// The live values of a new scene: what a person moved in the old one stays, within the new range; what nobody moved follows the text.
+/// The live values of a new scene: what a person moved in the old one stays, within the new range; what nobody moved, and what the text
+/// gives another value than before, follows the text.
 pub fn carry_over(old: &Compiled, live: &Live, new: &Compiled) -> Live {
     let mut carried = new.live();
     carried.time = live.time;
     for parameter in &new.parameters {
-        let same = |p: &&Parameter| p.name == parameter.name && p.ty == parameter.ty;
+        let same = |p: &&Parameter| p.name == parameter.name && p.ty == parameter.ty && p.default == parameter.default;
         let Some(before) = old.parameters.iter().find(same) else { continue };
         let Some(first) = before.first.map(|f| f as usize) else { continue };
         let value = live.components.get(first..first + before.default.len());

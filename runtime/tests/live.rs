@@ -458,8 +458,11 @@ fn values_stay_by_name_and_within_the_new_range() {
     stage.put(ready(sphere(1.5)));
     assert_eq!(value(&stage), [1.5]);
     assert!(stage.set("radius", &[0.75]));
-    stage.put(ready(sphere(1.25)));
+    stage.put(ready(sphere_in(wgsl, 1.5, (0.25, 4.0))));
     assert_eq!(value(&stage), [0.75]);
+    stage.put(ready(sphere(1.25)));
+    assert_eq!(value(&stage), [1.25], "the text was changed after the slider");
+    assert!(stage.set("radius", &[0.75]));
     stage.put(ready(sphere_in(wgsl, 1.25, (1.0, 1.5))));
     assert_eq!(value(&stage), [1.0], "clamped to the new range");
     assert!(stage.set("radius", &[f64::NAN]));

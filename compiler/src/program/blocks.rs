@@ -298,7 +298,7 @@ impl Elaborator<'_> {
             return Err(self.error(Code::BadRange, choice.span, format!("`{name}` stands twice among the choices"), "leave one of the two out"));
         }
         let asked = self.options.choose.iter().find(|(n, _)| *n == shown).map(|(_, c)| c.clone());
-        let wanted = asked.filter(|a| labels.contains(a)).unwrap_or(written);
+        let wanted = asked.filter(|a| labels.contains(a)).unwrap_or_else(|| written.clone());
         let Some(index) = labels.iter().position(|l| *l == wanted) else {
             return Err(self.error(
                 Code::BadRange,
@@ -316,7 +316,7 @@ impl Elaborator<'_> {
             name: shown,
             ty: Type::Str,
             degrees: false,
-            default: vec![index as f64],
+            default: vec![labels.iter().position(|l| *l == written).unwrap_or(index) as f64],
             min: vec![0.0],
             max: vec![labels.len() as f64 - 1.0],
             choices: labels,
@@ -714,11 +714,11 @@ impl Elaborator<'_> {
     }
 }
 
-/// Whether an expression has an angle written in degrees.
+/// Whether an expression has an angle that is read in degrees.
 fn in_degrees(expr: &Expr) -> bool {
     use crate::syntax::ast::AngleUnit;
     match &expr.kind {
-        ExprKind::Angle(_, AngleUnit::Deg) => true,
+        ExprKind::Angle(_, AngleUnit::Deg | AngleUnit::Turn) => true,
         ExprKind::Range(a, b) => in_degrees(a) || in_degrees(b),
         ExprKind::Unary(_, a) | ExprKind::Paren(a) => in_degrees(a),
         _ => false,

@@ -6,6 +6,7 @@ pub mod highlight;
 pub mod lexer;
 pub mod literals;
 pub mod parser;
+pub mod revise;
 pub mod words;
 
 pub use format::{format, has_carriage_returns};

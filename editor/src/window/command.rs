@@ -17,7 +17,7 @@ use surefoot_compiler::reference::Reference;
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
 use surefoot_compiler::reference::vector::{add, dot, length, scale, sub};
-use surefoot_compiler::syntax;
+use surefoot_compiler::syntax::{self, revise};
 use surefoot_runtime::{Physics, ViewMode};
 use surefoot_runtime::live::{Update, Words};
 
@@ -54,6 +54,8 @@ pub enum Command {
     Reset(String),
     /// The same for all.
     ResetAll,
+    /// Write the values that a hand gave into the scene's text.
+    KeepValues,
     /// Let time run or stand.
     Play(bool),
     /// Go to a moment.
@@ -96,6 +98,8 @@ pub enum Command {
     Dolly(f64),
     /// Back to the scene's camera.
     Home,
+    /// Write where the camera stands into the scene's text.
+    KeepView,
     /// Look through a camera of the scene.
     Camera(String),
     /// Show something else of the scene.
@@ -139,7 +143,8 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::Edit(text) => session.documents.current_mut().edit(text, Instant::now()),
         Command::Save => {
             let shown = session.documents.shown;
-            save(session, world, shown);
+            // What must be decided before is asked above the text.
+            session.open.source |= !save(session, world, shown) && session.notice.is_none();
         }
         Command::Format => format(session),
         Command::Resolve(resolution) => {
@@ -178,6 +183,10 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
                 reset(session, world, &name);
             }
         }
+        Command::KeepValues => {
+            let moved = session.moved();
+            revise(session, |text| revise::parameters(text, &moved));
+        }
         Command::Play(playing) => session.stage.playing = playing,
         Command::Time(seconds) => {
             session.stage.set_time(seconds);
@@ -195,6 +204,7 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::Pan(right, down) => move_camera(session, |orbit| orbit.pan(right, down)),
         Command::Dolly(factor) => move_camera(session, |orbit| orbit.dolly(factor)),
         Command::Home => session.look.orbit = None,
+        Command::KeepView => keep_view(session),
         Command::Camera(name) => {
             session.look.orbit = None;
             session.look.camera = Some(name);
@@ -267,6 +277,33 @@ fn format(session: &mut Session) {
             session.notice = Some("a text with errors can't be laid out".to_owned());
         }
     }
+}
+
+/// Changes the scene's own text, as an edit that can be undone, and shows it.
+fn revise(session: &mut Session, change: impl FnOnce(&str) -> String) {
+    session.documents.shown = 0;
+    let document = session.documents.current_mut();
+    let text = change(&document.text);
+    document.edit(text, Instant::now());
+}
+
+/// Writes where the orbiting camera stands into the scene's text.
+fn keep_view(session: &mut Session) {
+    let Some(camera) = session.look.orbit.map(|orbit| orbit.camera()) else { return };
+    let away = length(sub(camera.eye, camera.target));
+    // A thousandth of the way to what it looks at is a pixel or so.
+    let decimals = (3.0 - away.max(1e-9).log10()).round().clamp(0.0, 9.0) as usize;
+    let point = |place: [f64; 3]| {
+        let numbers = place.map(|c| (format!("{c:.decimals$}").parse::<f64>().unwrap_or(c) + 0.0).to_string());
+        format!("({})", numbers.join(", "))
+    };
+    let mut entries = vec![("eye", point(camera.eye)), ("target", point(camera.target))];
+    // Its angle nobody moves.
+    if session.scene().is_some_and(|scene| scene.blocks.cameras.is_empty()) {
+        entries.push(("fov", format!("{:.1}deg", camera.fov.to_degrees())));
+    }
+    let name = session.look.camera.clone();
+    revise(session, |text| revise::camera(text, name.as_deref(), &entries));
 }
 
 /// Writes the edits as `name.mine.sdf`, then shows what is on the disk.
@@ -454,7 +491,8 @@ fn arrived(session: &mut Session, world: &mut World, update: Update) {
         session.stage.put(ready);
         session.said.swaps += 1;
         if let Some((old, live)) = before {
-            go_home_if_blind(session, &old, &live);
+            go_home(session, &old, &live);
+            follow_choices(session, world, &old);
         }
     }
     said(session, update.words);
@@ -485,14 +523,30 @@ fn said(session: &mut Session, words: Arc<Words>) {
     session.said.words = words;
 }
 
+/// A choice that a hand made ends where the text makes another one than before.
+fn follow_choices(session: &mut Session, world: &World, old: &Compiled) {
+    let Some(new) = session.scene().cloned() else { return };
+    let chosen = |scene: &Compiled, name: &str| {
+        let parameter = scene.parameters.iter().find(|p| p.name == name)?;
+        parameter.choices.get(*parameter.default.first()? as usize).cloned()
+    };
+    let before = session.options.choose.len();
+    session.options.choose.retain(|(name, _)| chosen(old, name) == chosen(&new, name));
+    if session.options.choose.len() < before {
+        world.live.set_options(session.options.clone());
+    }
+}
+
 /// A camera that a hand moved and that saw the old scene is none for the new one where it stands in its solid or sees nothing of it, and the
-/// scene's own does.
-fn go_home_if_blind(session: &mut Session, old: &Compiled, was: &Live) {
+/// scene's own does; nor where the scene's own stands in the same place by now.
+fn go_home(session: &mut Session, old: &Compiled, was: &Live) {
     let Some(orbit) = session.look.orbit.take() else { return };
     let moved = orbit.camera();
     let blind = |camera: &Camera| session.scene().zip(session.stage.live()).is_some_and(|(new, live)| is_blind(new, live, camera));
     let better = blind(&moved) && !is_blind(old, was, &moved) && session.camera().is_some_and(|own| !blind(&own));
-    session.look.orbit = (!better).then_some(orbit);
+    let near = |a: [f64; 3], b: [f64; 3]| length(sub(a, b)) <= 2e-3 * length(sub(moved.eye, moved.target));
+    let same = session.camera().is_some_and(|own| near(own.eye, moved.eye) && near(own.target, moved.target) && (own.fov - moved.fov).abs() < 1e-3);
+    session.look.orbit = (!better && !same).then_some(orbit);
 }
 
 fn on_disk(session: &mut Session, world: &mut World, name: &str, disk: &Disk) {

@@ -170,6 +170,9 @@ impl App {
         let rect = response.rect;
         self.session.look.wide = f64::from(rect.width() / rect.height().max(1.0));
         let scale = ui.ctx().pixels_per_point();
+        if !moves(ui) {
+            self.session.look_around();
+        }
         let order = self.session.camera().map(|camera| Order {
             camera,
             size: [rect.width(), rect.height()].map(|side| (side * scale).round().max(1.0) as u32),

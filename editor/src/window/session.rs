@@ -9,7 +9,9 @@ use surefoot_compiler::Options;
 use surefoot_compiler::compiled::{Camera, Compiled, Parameter};
 use surefoot_compiler::diagnostic::{self, Severity};
 use surefoot_compiler::factors::Explained;
+use surefoot_compiler::outlook::is_blind;
 use surefoot_compiler::source::Span;
+use surefoot_compiler::syntax::revise::Written;
 use surefoot_runtime::live::{Times, Words, Work};
 use surefoot_runtime::{Stage, ViewMode};
 
@@ -113,6 +115,8 @@ pub struct Look {
     pub mode: ViewMode,
     /// How wide the picture is for its height.
     pub wide: f64,
+    /// Where a hand left the camera, in which of the scenes, and whether nothing is seen from there.
+    pub left: Option<(Camera, u64, bool)>,
 }
 
 /// Which panels are open, and what could be.
@@ -204,6 +208,20 @@ impl Session {
         found.map(|(_, camera)| scene.camera_in(*camera, self.look.wide))
     }
 
+    /// Looks whether anything is in sight from where a hand left the camera. Once for each place: it takes some milliseconds.
+    pub fn look_around(&mut self) {
+        let Some(camera) = self.look.orbit.as_ref().map(Orbit::camera) else {
+            self.look.left = None;
+            return;
+        };
+        let swaps = self.said.swaps;
+        if self.look.left.is_some_and(|(known, scene, _)| (known, scene) == (camera, swaps)) {
+            return;
+        }
+        let blind = self.scene().zip(self.stage.live()).is_some_and(|(scene, live)| is_blind(scene, live, &camera));
+        self.look.left = Some((camera, swaps, blind));
+    }
+
     /// The factors of the scene that is drawn, with their places, as large as they are for the values at hand.
     pub fn factors(&self) -> impl Iterator<Item = (&Place, Explained)> {
         let at_hand = self.scene().zip(self.stage.live());
@@ -225,6 +243,28 @@ impl Session {
         // What was chosen may not be there any more.
         let asked = asked.map(|(_, choice)| choice).filter(|choice| parameter.choices.contains(choice));
         asked.or_else(default).map(String::as_str)
+    }
+
+    /// Whether a parameter has another value than the text gives it.
+    pub fn is_moved(&self, parameter: &Parameter) -> bool {
+        match self.stage.value(parameter) {
+            Some(value) => value != parameter.default,
+            None => {
+                let default = parameter.default.first().and_then(|i| parameter.choices.get(*i as usize));
+                self.choice(parameter) != default.map(String::as_str)
+            }
+        }
+    }
+
+    /// The file's own parameters that were moved, each with what the text is to say of it.
+    pub fn moved(&self) -> Vec<(String, Written)> {
+        let parameters = self.scene().map_or(&[][..], |scene| &scene.parameters);
+        let written = |p: &Parameter| {
+            let chosen = || self.choice(p).and_then(|choice| p.choices.iter().position(|c| c == choice)).map(|i| vec![i as f64]);
+            let value = self.stage.value(p).map(<[f64]>::to_vec).or_else(chosen)?;
+            Some((p.name.clone(), p.written(&value)))
+        };
+        parameters.iter().filter(|p| !p.name.contains('.') && self.is_moved(p)).filter_map(written).collect()
     }
 
     /// The first error, if there is one: the picture is then that of an older text.

@@ -35,12 +35,12 @@ impl<'t> Builder<'t> {
 
     /// The characters of a place.
     pub(super) fn source(&self, span: Span) -> Doc<'t> {
-        Doc::Text(self.text.get(span.start as usize..span.end as usize).unwrap_or(""))
+        Doc::Text(self.text.get(span.range()).unwrap_or(""))
     }
 
     /// A number with a digit on each side of its point.
     fn number(&self, span: Span) -> Doc<'t> {
-        let text = self.text.get(span.start as usize..span.end as usize).unwrap_or("");
+        let text = self.text.get(span.range()).unwrap_or("");
         let before = if text.starts_with('.') { "0" } else { "" };
         let after = if text.ends_with('.') { "0" } else { "" };
         Doc::concat([before, text, after].into_iter().filter(|part| !part.is_empty()).map(Doc::Text).collect())

@@ -356,7 +356,7 @@ impl Parser<'_> {
         self.bump();
         let index = self.loop_index();
         let source = self.value_or_range();
-        let text = |span: Span| self.text.get(span.start as usize..span.end as usize).unwrap_or("…");
+        let text = |span: Span| self.text.get(span.range()).unwrap_or("…");
         let help = format!("write `for {} in {} {{ {} }}`", index.text, text(source.span), text(item.span));
         let span = self.span(token);
         self.report(Code::Unexpected, span, "the `for` stands first, and what it makes in braces", help);

@@ -13,7 +13,7 @@ fn survives(text: &str) -> Result<(), TestCaseError> {
     let (_, diagnostics) = parse(FileId(0), text);
     for d in &diagnostics {
         prop_assert!(
-            text.get(d.span.start as usize..d.span.end as usize).is_some(),
+            text.get(d.span.range()).is_some(),
             "{:?} in {}",
             d,
             text

@@ -15,10 +15,14 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.label(RichText::new("Parameters").strong());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let moved = scene.parameters.iter().any(|p| is_moved(session, p));
+            let moved = scene.parameters.iter().any(|p| session.is_moved(p));
             let button = ui.add_enabled(moved, egui::Button::new("Reset").small());
             if button.on_hover_text("all values as the text gives them").clicked() {
                 commands.push(Command::ResetAll);
+            }
+            let keep = ui.add_enabled(moved && !session.moved().is_empty(), egui::Button::new("Keep").small());
+            if keep.on_hover_text("write these values into the text").clicked() {
+                commands.push(Command::KeepValues);
             }
         });
     });
@@ -53,19 +57,9 @@ fn groups(scene: &Compiled) -> Vec<(&str, Vec<&Parameter>)> {
     groups
 }
 
-fn is_moved(session: &Session, parameter: &Parameter) -> bool {
-    match session.stage.value(parameter) {
-        Some(value) => value != parameter.default,
-        None => {
-            let default = parameter.default.first().and_then(|i| parameter.choices.get(*i as usize));
-            session.choice(parameter) != default.map(String::as_str)
-        }
-    }
-}
-
 fn row(ui: &mut Ui, session: &Session, parameter: &Parameter, commands: &mut Vec<Command>) {
     let short = parameter.name.rsplit('.').next().unwrap_or(&parameter.name);
-    let moved = is_moved(session, parameter);
+    let moved = session.is_moved(parameter);
     let label = ui.horizontal(|ui| {
         let color = if moved { theme::ACCENT } else { theme::TEXT };
         let label = egui::Label::new(RichText::new(short.replace('_', " ")).color(color))
@@ -109,7 +103,7 @@ fn sliders(
             if !name.is_empty() {
                 ui.label(RichText::new(*name).color(theme::WEAK).small());
             }
-            let response = slider(ui, parameter, component, (min, max)).labelled_by(label);
+            let response = slider(ui, parameter, i, component, (min, max)).labelled_by(label);
             changed |= response.changed();
             if double_clicked(ui, &response, i)
                 && let Some(&default) = parameter.default.get(i)
@@ -173,13 +167,14 @@ fn compact(
 fn slider(
     ui: &mut Ui,
     parameter: &Parameter,
+    index: usize,
     component: &mut f64,
     (min, max): (f64, f64),
 ) -> Response {
     // Angles are radians inside and degrees outside.
-    let scale = if parameter.degrees { 1f64.to_radians() } else { 1.0 };
+    let scale = parameter.unit();
     let mut shown = *component / scale;
-    let decimals = if parameter.ty == Type::Int { 0 } else { decimals((max - min) / scale) };
+    let decimals = parameter.decimals(index);
     let text = move |value: f64| {
         let text = format!("{value:.decimals$}");
         let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
@@ -207,11 +202,6 @@ fn slider(
         *component = (shown * scale).clamp(min, max);
     }
     response
-}
-
-/// So many decimals that a ten-thousandth of the range can be told.
-fn decimals(range: f64) -> usize {
-    if range > 0.0 { (4.0 - range.log10()).ceil().clamp(1.0, 9.0) as usize } else { 3 }
 }
 
 /// Whether the rail was clicked twice. The slider itself only hears of dragging.

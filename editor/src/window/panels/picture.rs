@@ -71,8 +71,11 @@ pub fn paint(ui: &mut Ui, rect: Rect, session: &Session, shown: Option<Shown>) {
     match shown {
         Some(shown) => {
             ui.painter().image(shown.texture, rect, shown.uv, Color32::WHITE);
+            let unseen = session.look.left.is_some_and(|(_, _, blind)| blind);
             if let Some((work, time)) = working(session, LONG) {
                 label(ui, rect, &format!("{work} {time}"));
+            } else if unseen {
+                label(ui, rect, "nothing is in sight from here; Home goes back to the scene's camera");
             }
         }
         None => {

@@ -2,7 +2,7 @@
 
 use crate::window::session::Session;
 use crate::window::theme;
-use egui::{RichText, Ui};
+use egui::{Label, RichText, Ui};
 use std::time::Duration;
 use surefoot_compiler::compiled::Compiled;
 use surefoot_compiler::functions::Kind;
@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, session: &Session) {
                 true => "this adapter is a program: its times say nothing about graphics cards",
                 false => "the graphics adapter",
             };
-            ui.label(RichText::new(&meter.adapter).color(theme::WEAK)).on_hover_text(hover);
+            ui.add(Label::new(RichText::new(&meter.adapter).color(theme::WEAK)).truncate()).on_hover_text(hover);
         });
     });
 }

@@ -3,7 +3,8 @@
 use crate::window::command::Command;
 use crate::window::panels::icons::{self, Icon};
 use crate::window::session::Session;
-use egui::Ui;
+use egui::scroll_area::ScrollBarVisibility;
+use egui::{Align, Layout, ScrollArea, Ui};
 use surefoot_runtime::ViewMode;
 
 const MODES: [(ViewMode, &str, &str); 4] = [
@@ -13,43 +14,93 @@ const MODES: [(ViewMode, &str, &str); 4] = [
     (ViewMode::Depth, "Depth", "how far the surface is"),
 ];
 
-/// Shows the bar.
+/// Narrower than this the views become a list.
+const NARROW: f32 = 820.0;
+
+/// Shows the bar. What has no room in a narrow window is scrolled to.
 pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    ui.horizontal_centered(|ui| {
+    let narrow = ui.available_width() < NARROW;
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         if ui
-            .selectable_label(session.open.source, "Source")
-            .on_hover_text("the text and what the compiler says of it")
+            .selectable_label(session.open.parameters, "Parameters")
+            .on_hover_text("the scene's parameters")
             .clicked()
         {
-            commands.push(Command::ShowSource(!session.open.source));
+            commands.push(Command::ShowParameters(!session.open.parameters));
         }
-        ui.separator();
-        modes(ui, session, commands);
-        ui.separator();
-        cameras(ui, session, commands);
-        time(ui, session, commands);
-        super::balls::show(ui, session, commands);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui
-                .selectable_label(session.open.parameters, "Parameters")
-                .on_hover_text("the scene's parameters")
-                .clicked()
-            {
-                commands.push(Command::ShowParameters(!session.open.parameters));
-            }
+        ui.menu_button("?", help).response.on_hover_text("keys, and what the mouse does");
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            let hidden = ScrollBarVisibility::AlwaysHidden;
+            ScrollArea::horizontal().scroll_bar_visibility(hidden).show(ui, |ui| ui.horizontal_centered(|ui| left(ui, session, narrow, commands)));
         });
     });
 }
 
-fn modes(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+fn left(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Command>) {
+    if ui
+        .selectable_label(session.open.source, "Source")
+        .on_hover_text("the text and what the compiler says of it")
+        .clicked()
+    {
+        commands.push(Command::ShowSource(!session.open.source));
+    }
+    ui.separator();
+    modes(ui, session, narrow, commands);
+    ui.separator();
+    cameras(ui, session, commands);
+    time(ui, session, commands);
+    super::balls::show(ui, session, commands);
+}
+
+/// Keys, and what the mouse does.
+const HELP: [(&str, &str); 15] = [
+    ("Drag", "turn the camera"),
+    ("Shift and drag, or the right button", "move it sideways"),
+    ("Wheel", "come nearer"),
+    ("Double click, or Home", "the scene's own camera"),
+    ("Space", "let time run or stand"),
+    ("B, or Control and a click", "more balls here, in a scene with balls"),
+    ("Control and drag", "take a ball and throw it"),
+    ("", ""),
+    ("Ctrl+S", "save"),
+    ("Ctrl+Z, Ctrl+Y", "undo, redo"),
+    ("Ctrl+F, then Enter; F3", "find"),
+    ("Ctrl+G", "go to a line"),
+    ("Ctrl+/", "make comments of lines, or code again"),
+    ("Tab, Shift+Tab", "move the selected lines in and out"),
+    ("Double click on a slider", "the value that the text gives"),
+];
+
+fn help(ui: &mut Ui) {
+    egui::Grid::new("help").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
+        for (keys, what) in HELP {
+            ui.label(egui::RichText::new(keys).strong());
+            ui.label(what);
+            ui.end_row();
+        }
+    });
+}
+
+fn modes(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Command>) {
+    if narrow {
+        let shown = MODES.iter().find(|(mode, ..)| *mode == session.look.mode).map_or("", |(_, name, _)| name);
+        let list = egui::ComboBox::from_id_salt("view").selected_text(shown).width(80.0);
+        let list = list.show_ui(ui, |ui| choices(ui, session, commands));
+        icons::name(ui, list.response.id, "View");
+        return;
+    }
     ui.spacing_mut().item_spacing.x = 2.0;
+    choices(ui, session, commands);
+    ui.spacing_mut().item_spacing.x = 8.0;
+}
+
+fn choices(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     for (mode, name, hover) in MODES {
         let chosen = session.look.mode == mode;
         if ui.selectable_label(chosen, name).on_hover_text(hover).clicked() && !chosen {
             commands.push(Command::Mode(mode));
         }
     }
-    ui.spacing_mut().item_spacing.x = 8.0;
 }
 
 fn cameras(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
@@ -59,6 +110,10 @@ fn cameras(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         .clicked()
     {
         commands.push(Command::Home);
+    }
+    let keep = ui.add_enabled(moved, egui::Button::new("Keep view").small());
+    if keep.on_hover_text("write where the camera stands into the text").clicked() {
+        commands.push(Command::KeepView);
     }
     let Some((scene, live)) = session.scene().zip(session.stage.live()) else { return };
     let cameras = scene.frame(live).cameras;

@@ -71,3 +71,66 @@ fn a_small_window_leaves_the_panels_their_width() {
     harness.run_steps(4);
     assert_eq!(width(&harness), before);
 }
+
+fn text(app: &App) -> &str {
+    &app.session.documents.current().text
+}
+
+#[test]
+fn what_a_hand_has_set_is_written_into_the_text() {
+    let folder = Folder::new("kept", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let app = harness.state_mut();
+    app.apply(vec![
+        Command::Set("size".to_owned(), vec![1.234_567_8]),
+        Command::Set("turn".to_owned(), vec![45f64.to_radians()]),
+        Command::Set("tint".to_owned(), vec![0.0, 1.0, 0.0]),
+        Command::Choose("style".to_owned(), "ball".to_owned()),
+    ]);
+    until(&mut harness, |app| app.session.said.swaps == 2);
+    let moved = |app: &App| app.session.scene().unwrap().parameters.iter().filter(|p| app.session.is_moved(p)).count();
+    assert_eq!(moved(harness.state()), 4, "a choice is one of them");
+    harness.get_by_label("Keep").click();
+    until(&mut harness, |app| app.session.said.swaps >= 3 && app.session.options.choose.is_empty());
+    let written = SCENE.replace("= 1 in", "= 1.2346 in").replace("= 30deg", "= 45deg").replace("#d02010", "#00ff00").replace("= block in", "= ball in");
+    assert_eq!(text(harness.state()), written);
+    until(&mut harness, |app| moved(app) == 0);
+    assert_eq!(value(harness.state(), "size"), 1.2346);
+
+    // What the text says later counts more than what a hand did before.
+    harness.state_mut().apply(vec![Command::Set("size".to_owned(), vec![0.5])]);
+    write(&mut harness, &written.replace("1.2346", "1.5"));
+    until(&mut harness, |app| value(app, "size") == 1.5);
+}
+
+#[test]
+fn where_the_camera_stands_is_written_into_the_text() {
+    let folder = Folder::new("viewed", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    drag(&mut harness, MIDDLE, MIDDLE + egui::vec2(60.0, 40.0));
+    let moved = harness.state().session.camera().unwrap();
+    harness.get_by_label("Keep view").click();
+    until(&mut harness, |app| app.session.look.orbit.is_none());
+    let (text, kept) = (text(harness.state()).to_owned(), harness.state().session.camera().unwrap());
+    let off = surefoot_compiler::reference::vector::length(surefoot_compiler::reference::vector::sub(kept.eye, moved.eye));
+    assert!(text != SCENE && text.contains("fov: 40deg") && off < 0.02, "{text}");
+}
+
+#[test]
+fn a_hand_that_loses_the_scene_is_told_the_way_home() {
+    let folder = Folder::new("lost", "scene = sphere(1)\ncamera { eye: (0, 0, 5), target: (0, 0, 0) }\n");
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let hint = |harness: &Harness<'_, App>| harness.query_by_label_contains("nothing is in sight").is_some();
+    harness.state_mut().apply(vec![Command::Pan(0.1, 0.0)]);
+    harness.run_steps(3);
+    assert!(!hint(&harness));
+    harness.state_mut().apply(vec![Command::Dolly(0.1)]);
+    harness.run_steps(3);
+    assert!(hint(&harness), "inside of it");
+    harness.state_mut().apply(vec![Command::Home]);
+    harness.run_steps(3);
+    assert!(!hint(&harness));
+}
