@@ -278,6 +278,8 @@ pub struct Module {
     pub uniforms: Vec<Uniform>,
     /// What the host computes for them once a frame.
     pub formulas: Arc<Formulas>,
+    /// The same for people and other hosts, as the comment at the module's head has it: a line each, in their order, `of_melt = melt * 0.25`.
+    pub computed: Vec<String>,
     /// Size of the uniform block in bytes, a multiple of 16; 0 where there is none.
     pub uniform_size: u32,
     /// Operations of the kernel in one evaluation of the field, and of the bound.

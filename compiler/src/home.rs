@@ -193,7 +193,7 @@ fn values(tape: &Tape, at: &[Vec3]) -> Vec<[f64; 4]> {
 #[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 mod tests {
     use super::{FOV, SHARE, WIDE};
-    use crate::compiled::{Camera, Compiled, Live};
+    use crate::compiled::{Camera, Compiled};
     use crate::diagnostic::Code;
     use crate::reference::Reference;
     use crate::reference::camera::Basis;

@@ -1,6 +1,7 @@
 //! The command line as a shell sees it: what it prints and writes, and with which code it ends.
 
-use serde_json::Value;
+use serde_json::{Value, json};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
@@ -18,10 +19,10 @@ const BAD: &str = "scene = spere(1) | box(-1)\n";
 /// A folder of its own.
 fn folder(test: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("commands").join(test);
-    std::fs::remove_dir_all(&folder).ok();
-    std::fs::create_dir_all(&folder).unwrap();
-    std::fs::write(folder.join("good.sdf"), GOOD).unwrap();
-    std::fs::write(folder.join("bad.sdf"), BAD).unwrap();
+    fs::remove_dir_all(&folder).ok();
+    fs::create_dir_all(&folder).unwrap();
+    fs::write(folder.join("good.sdf"), GOOD).unwrap();
+    fs::write(folder.join("bad.sdf"), BAD).unwrap();
     folder
 }
 
@@ -108,8 +109,8 @@ fn check_tells_a_machine_everything() {
 #[test]
 fn check_explains_factors_and_strict_refuses_what_is_measured() {
     let folder = folder("factors");
-    std::fs::write(folder.join("column.sdf"), "param rate = 0.5 in 0..2\nscene = box((1, 2, 1)).twist(y, rate)\n").unwrap();
-    std::fs::write(folder.join("steep.sdf"), "field f = 1 / p.x - 2\nscene = f\n").unwrap();
+    fs::write(folder.join("column.sdf"), "param rate = 0.5 in 0..2\nscene = box((1, 2, 1)).twist(y, rate)\n").unwrap();
+    fs::write(folder.join("steep.sdf"), "field f = 1 / p.x - 2\nscene = f\n").unwrap();
     let (code, out, _) = run(&folder, &["check", "--factors", "column.sdf", "good.sdf"]);
     assert_eq!(code, 0);
     for words in [
@@ -162,7 +163,7 @@ fn verify_passes_a_sound_scene_and_counts() {
     assert!((30..=40).contains(&report["balls"]["empty"].as_u64().unwrap()) && report["device"].is_null());
     assert!(report["tightness"]["p50"].as_f64().unwrap() <= 1.0 + 1e-9);
 
-    std::fs::write(folder.join("steep.sdf"), "field f = (1 / max(p.x, 0.1) - 2) * sqrt(abs(p.y))\nscene = f.within(box(2))\n").unwrap();
+    fs::write(folder.join("steep.sdf"), "field f = (1 / max(p.x, 0.1) - 2) * sqrt(abs(p.y))\nscene = f.within(box(2))\n").unwrap();
     let (_, out, _) = run(&folder, &["verify", "steep.sdf", "--samples", "400", "--device", "cpu"]);
     assert!(out.contains("unproven"), "{out}");
     let (code, _, err) = run(&folder, &["verify", "bad.sdf"]);
@@ -189,9 +190,9 @@ fn compile_writes_every_language_and_nothing_on_an_error() {
         let args = ["compile", "good.sdf", "-o", target, "--target", target];
         let (code, out, err) = run(&folder, &args);
         assert_eq!((code, out.as_str()), (0, ""), "{target}: {err}");
-        assert!(std::fs::metadata(folder.join(target)).unwrap().len() > 100, "{target}");
+        assert!(fs::metadata(folder.join(target)).unwrap().len() > 100, "{target}");
     }
-    let spirv = std::fs::read(folder.join("spirv")).unwrap();
+    let spirv = fs::read(folder.join("spirv")).unwrap();
     assert_eq!(spirv[..4], [3, 2, 35, 7]);
 
     let args = ["compile", "good.sdf", "--functions", "bound", "--prefix", "my_", "--group", "2"];
@@ -218,7 +219,7 @@ fn compile_writes_tables_into_the_text_or_beside_it() {
     let folder = folder("tables");
     for (name, count, held) in [("few", 100, "var<private> "), ("many", 700, "const ")] {
         let text = format!("scene = for i in 0..{count} {{ sphere(0.1).translate(4 * hash3(i)) }}");
-        std::fs::write(folder.join(format!("{name}.sdf")), text).unwrap();
+        fs::write(folder.join(format!("{name}.sdf")), text).unwrap();
         let (code, wgsl, err) = run(&folder, &["compile", &format!("{name}.sdf")]);
         assert!(code == 0 && err.contains("--tables buffers"), "{err}");
         assert!(["table", "lists"].iter().all(|table| wgsl.contains(&format!("\n{held}sf_{table} = array"))), "{name}");
@@ -230,9 +231,9 @@ fn compile_writes_tables_into_the_text_or_beside_it() {
     let buffers = ["--tables", "buffers"];
     let (code, _, err) = run(&folder, &[&["compile", "few.sdf", "-o", "out.wgsl"], &buffers[..]].concat());
     assert_eq!((code, err.as_str()), (0, ""));
-    let wgsl = std::fs::read_to_string(folder.join("out.wgsl")).unwrap();
+    let wgsl = fs::read_to_string(folder.join("out.wgsl")).unwrap();
     for (binding, file) in [(1, "out.table.bin"), (2, "out.lists.bin")] {
-        let bytes = std::fs::metadata(folder.join(file)).unwrap().len();
+        let bytes = fs::metadata(folder.join(file)).unwrap().len();
         assert!(bytes > 400 && wgsl.contains(&format!(", {bytes} bytes\n")), "{file}: {bytes}");
         assert!(wgsl.contains(&format!("@group(0) @binding({binding}) var<storage, read> ")), "{wgsl}");
     }
@@ -245,29 +246,58 @@ fn compile_writes_tables_into_the_text_or_beside_it() {
 }
 
 #[test]
+fn compile_tells_a_host_the_layout() {
+    let folder = folder("layout");
+    let text = "param size = 1.5 in 0.1..2\nparam spot: vec3 = (0, 1, 0) in (-1, -1, -1)..(1, 1, 1)\nparam style = a in [a, b]\n\
+        shape a = sphere(size)\nshape b = box(size)\nscene = style.translate(spot).rotate(y, time) | box(1).twist(y, 0.5)";
+    fs::write(folder.join("a.sdf"), text).unwrap();
+    let args = ["compile", "a.sdf", "-o", "a.wgsl", "--layout", "a.json", "--prefix", "my_", "--group", "2", "--set", "style=b"];
+    let (exit, _, words) = run(&folder, &args);
+    assert_eq!(exit, 0, "{words}");
+    let layout: Value = serde_json::from_str(&fs::read_to_string(folder.join("a.json")).unwrap()).unwrap();
+    let module = fs::read_to_string(folder.join("a.wgsl")).unwrap();
+    assert_eq!((&layout["group"], &layout["functions"][0]), (&json!(2), &json!("my_field(p: vec3f) -> f32")));
+    assert!(module.contains(&format!("has {} bytes", layout["size"])));
+    // What the head of the module says to people.
+    let rows: Vec<Vec<&str>> = module.lines().take_while(|l| l.starts_with("//")).map(|l| l.split_whitespace().skip(1).collect()).collect();
+    let uniforms = layout["uniforms"].as_array().unwrap();
+    for field in uniforms {
+        let known = [field["offset"].to_string(), field["type"].as_str().unwrap().to_owned(), field["name"].as_str().unwrap().to_owned()];
+        assert!(rows.iter().any(|row| row.get(..3).is_some_and(|row| row.iter().zip(&known).all(|(a, b)| a == b))), "{field}");
+    }
+    let sources: Vec<_> = uniforms.iter().map(|f| f["source"].as_str().unwrap()).collect();
+    assert!(["origin", "parameter", "factor", "computed"].iter().all(|s| sources.contains(s)), "{sources:?}");
+    let spot = uniforms.iter().find(|f| f["parameter"] == "spot").unwrap();
+    assert_eq!(spot["start"], json!([0.0, 1.0, 0.0]));
+    assert!(layout["computed"].as_array().unwrap().iter().all(|line| module.contains(&format!("//   {}\n", line.as_str().unwrap()))));
+    // A choice is the text's, though another one is compiled.
+    assert_eq!((&layout["parameters"][2]["default"], &layout["parameters"][0]["max"]), (&json!("a"), &json!(2.0)));
+}
+
+#[test]
 fn fmt_lays_out_in_place_and_only_asks_with_check() {
     let folder = folder("fmt");
     let path = folder.join("loose.sdf");
     let loose = "scene=sphere( 1 )|box(2)   // both\n";
-    std::fs::write(&path, loose).unwrap();
+    fs::write(&path, loose).unwrap();
     let (code, out, _) = run(&folder, &["fmt", "--check", "loose.sdf"]);
     assert_eq!((code, out.as_str()), (1, "loose.sdf\n"));
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), loose);
+    assert_eq!(fs::read_to_string(&path).unwrap(), loose);
     let (code, _, _) = run(&folder, &["fmt", "loose.sdf"]);
     assert_eq!(code, 0);
-    let laid_out = std::fs::read_to_string(&path).unwrap();
+    let laid_out = fs::read_to_string(&path).unwrap();
     assert!(laid_out.starts_with("scene = sphere(1) | box(2)"), "{laid_out}");
     let (code, _, _) = run(&folder, &["fmt", "--check", "loose.sdf"]);
     assert_eq!(code, 0);
 
-    let stdin = std::fs::File::open(folder.join("loose.sdf")).unwrap();
+    let stdin = fs::File::open(folder.join("loose.sdf")).unwrap();
     let (code, out, _) = texts(command(&folder, &["fmt", "-"]).stdin(stdin).output().unwrap());
     assert_eq!((code, out), (0, laid_out));
 
-    std::fs::write(&path, "scene = (\n").unwrap();
+    fs::write(&path, "scene = (\n").unwrap();
     let (code, _, err) = run(&folder, &["fmt", "loose.sdf"]);
     assert!(code == 1 && err.contains("error["), "{err}");
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), "scene = (\n");
+    assert_eq!(fs::read_to_string(&path).unwrap(), "scene = (\n");
     let (code, _, _) = run(&folder, &["fmt", "nowhere.sdf"]);
     assert_eq!(code, 2);
 }
@@ -363,10 +393,10 @@ fn without_a_display_a_view_becomes_a_picture() {
     assert!(err.contains("no window") && err.contains("good.png"), "{err}");
     assert_eq!(size(&folder.join("good.png")), (1280, 720));
     // What is there already stays.
-    std::fs::write(folder.join("good.png"), "mine").unwrap();
+    fs::write(folder.join("good.png"), "mine").unwrap();
     let (code, _, err) = texts(command.output().unwrap());
     assert!(code == 0 && err.contains("good.2.png"), "{err}");
-    assert_eq!(std::fs::read(folder.join("good.png")).unwrap(), b"mine");
+    assert_eq!(fs::read(folder.join("good.png")).unwrap(), b"mine");
     assert_eq!(size(&folder.join("good.2.png")), (1280, 720));
 }
 
@@ -399,7 +429,7 @@ fn bench_measures_each_stage() {
 fn balls_fall_the_same_way_each_time() {
     let folder = folder("simulate");
     let text = "scene = plane(y) | sphere(0.5)\nballs b { count: 300, radius: 0.03..0.06, spawn: (-0.5, 1, -0.5)..(0.5, 2, 0.5), seed: 4 }\n";
-    std::fs::write(folder.join("balls.sdf"), text).unwrap();
+    fs::write(folder.join("balls.sdf"), text).unwrap();
     let devices: &[&str] = if cfg!(feature = "gpu") { &["gpu", "cpu"] } else { &["cpu"] };
     for device in devices {
         for out in ["one.csv", "two.csv"] {
@@ -407,13 +437,13 @@ fn balls_fall_the_same_way_each_time() {
             assert_eq!(code, 0, "{err}");
             assert!(said.starts_with("300 balls for 1 s"), "{said}");
         }
-        let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+        let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
         assert_eq!(read("one.csv"), read("two.csv"), "{device}");
         assert_eq!(read("one.csv").lines().count(), 301);
     }
     let (code, ..) = run(&folder, &["simulate", "balls.sdf", "--seconds", "0.1", "--device", "cpu", "-o", "end.ply", "--frames", "."]);
     assert_eq!(code, 0);
-    assert!(std::fs::read_to_string(folder.join("end.ply")).unwrap().contains("element vertex 300"));
+    assert!(fs::read_to_string(folder.join("end.ply")).unwrap().contains("element vertex 300"));
     assert!(folder.join("balls_0006.csv").exists() && !folder.join("balls_0007.csv").exists());
     let (code, _, err) = run(&folder, &["simulate", "good.sdf"]);
     assert_eq!(code, 2);
@@ -425,7 +455,7 @@ fn balls_fall_the_same_way_each_time() {
 fn bench_finds_what_steps_too_far_and_nothing_in_ours() {
     let folder = folder("bench-rays");
     let blade = "camera { eye: (3.5, 3.5, 4.5), target: (0, 0, 0), fov: 45deg }\nscene = box((4, 1, 0.16)).twist(z, 3)\n";
-    std::fs::write(folder.join("blade.sdf"), blade).unwrap();
+    fs::write(folder.join("blade.sdf"), blade).unwrap();
     let args = ["bench", "blade.sdf", "--size", "48x48", "--rounds", "1", "--sweep", "--json", "out.json", "--page", "page.md"];
     let (code, out, err) = run(&folder, &args);
     if code == 3 {
@@ -434,7 +464,7 @@ fn bench_finds_what_steps_too_far_and_nothing_in_ours() {
         return;
     }
     assert_eq!(code, 0, "{out}{err}");
-    let report: Value = serde_json::from_slice(&std::fs::read(folder.join("out.json")).unwrap()).unwrap();
+    let report: Value = serde_json::from_slice(&fs::read(folder.join("out.json")).unwrap()).unwrap();
     let of = |method: &str, what: &str| {
         let rows = report["scenes"][0]["methods"].as_array().unwrap();
         let row = rows.iter().find(|r| r["method"] == method).unwrap();
@@ -461,7 +491,7 @@ fn bench_finds_what_steps_too_far_and_nothing_in_ours() {
     assert!(missed > 0 && missed as f64 <= plain["missed"].as_f64().unwrap());
     assert!(plain["wrong"][0]["t"].is_f64() && plain["wrong"][0]["answered"].is_f64(), "{}", plain["wrong"][0]);
     for file in ["page.md", "page.svg"] {
-        assert!(std::fs::metadata(folder.join(file)).is_ok_and(|m| m.len() > 1000), "{file}");
+        assert!(fs::metadata(folder.join(file)).is_ok_and(|m| m.len() > 1000), "{file}");
     }
     let (code, _, err) = run(&folder, &["bench", "blade.sdf", "--methods", "best"]);
     assert!(code == 2 && err.contains("ours, no-planes"), "{err}");
@@ -473,14 +503,14 @@ fn bench_lists_what_nobody_knows_and_stands_in_no_wall() {
     let folder = folder("bench-unknown");
     // The second camera would stand behind the wall; nothing is certain of the skin that `a - a` leaves.
     let scene = "camera { eye: (0.4, 1.2, 4), target: (0, 0, 0) }\nscene = (box(1) - box(1)) | sphere(0.4).translate(1, 0, 0) | plane(z, -2.5)\n";
-    std::fs::write(folder.join("skin.sdf"), scene).unwrap();
+    fs::write(folder.join("skin.sdf"), scene).unwrap();
     let args = ["bench", "skin.sdf", "--size", "32x32", "--views", "2", "--methods", "ours,no-leap", "--rounds", "1", "--json", "out.json"];
     let (code, out, err) = run(&folder, &args);
     if code == 3 {
         return;
     }
     assert_eq!(code, 0, "{out}{err}");
-    let report: Value = serde_json::from_slice(&std::fs::read(folder.join("out.json")).unwrap()).unwrap();
+    let report: Value = serde_json::from_slice(&fs::read(folder.join("out.json")).unwrap()).unwrap();
     let scene = &report["scenes"][0];
     let unknown = scene["unknown"].as_array().unwrap();
     let ours = &scene["methods"][0];
@@ -501,12 +531,12 @@ fn nothing_that_a_scene_reads_is_written_over() {
     let folder = folder("read");
     let stone = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/images/stone.png");
     for name in ["stone.png", "stone_0001.png", "sky.png"] {
-        std::fs::copy(stone, folder.join(name)).unwrap();
+        fs::copy(stone, folder.join(name)).unwrap();
     }
     let text = "material m { texture: \"stone.png\" }\nmaterial n { texture: \"stone_0001.png\" }
 scene = sphere(1).material(m) | box(1).translate(2, 0, 0).material(n)\nenvironment { sky: equirect(\"sky.png\") }\n";
-    std::fs::write(folder.join("stone.sdf"), text).unwrap();
-    let before = std::fs::read(stone).unwrap();
+    fs::write(folder.join("stone.sdf"), text).unwrap();
+    let before = fs::read(stone).unwrap();
     for args in [
         &["render", "stone.sdf", "-o", "stone.png", "--size", "8x8"][..],
         &["render", "stone.sdf", "-o", "sky.png", "--size", "8x8"],
@@ -519,7 +549,7 @@ scene = sphere(1).material(m) | box(1).translate(2, 0, 0).material(n)\nenvironme
         assert!(said.contains("would be written over"), "{args:?}: {said}");
     }
     for name in ["stone.png", "stone_0001.png", "sky.png"] {
-        assert!(std::fs::read(folder.join(name)).unwrap() == before, "{name}");
+        assert!(fs::read(folder.join(name)).unwrap() == before, "{name}");
     }
-    assert_eq!(std::fs::read_to_string(folder.join("stone.sdf")).unwrap(), text);
+    assert_eq!(fs::read_to_string(folder.join("stone.sdf")).unwrap(), text);
 }

@@ -43,8 +43,8 @@ pub struct Facts<'a> {
     pub region: Option<Box3>,
 }
 
-/// The comment.
-pub fn write(facts: &Facts) -> String {
+/// The comment, and the lines in it of what a host computes.
+pub fn write(facts: &Facts) -> (String, Vec<String>) {
     let mut text = String::from(
         "// A signed distance field, compiled by Surefoot: negative inside, positive outside.\n//\n",
     );
@@ -53,7 +53,7 @@ pub fn write(facts: &Facts) -> String {
         let _ = writeln!(text, "//   {signature}");
     }
     if facts.fields.is_empty() {
-        return text;
+        return (text, Vec::new());
     }
     let Options { group, binding, .. } = facts.options;
     let _ = write!(
@@ -93,7 +93,7 @@ pub fn write(facts: &Facts) -> String {
         let [a, b, c, d, e] = row;
         line([a, b, c, d, e], &one_line(&about(facts, field)));
     }
-    computed(facts, &mut text);
+    let lines = computed(facts, &mut text);
     let extent = number(facts.extent);
     let has_factor = facts.fields.iter().any(|f| matches!(f.source, UniformSource::Factor(_)));
     if has_factor {
@@ -112,7 +112,7 @@ pub fn write(facts: &Facts) -> String {
             "//\n// Beyond a distance of {extent} from the scene's own origin nothing is traced.\n"
         );
     }
-    text
+    (text, lines)
 }
 
 fn number(value: f64) -> String {
@@ -191,21 +191,21 @@ fn about(facts: &Facts, field: &Uniform) -> String {
 }
 
 /// What a host computes, and from what.
-fn computed(facts: &Facts, text: &mut String) {
+fn computed(facts: &Facts, text: &mut String) -> Vec<String> {
     let of = |f: &Uniform| match f.source {
         UniformSource::Formula(field) => Some(field),
         _ => None,
     };
     let fields: Vec<(u32, &str)> = facts.fields.iter().filter_map(|f| Some((of(f)?, f.name.as_str()))).collect();
     if fields.is_empty() {
-        return;
+        return Vec::new();
     }
     let (lines, functions) = facts.formulas.lines(&fields, &|i| facts.uniforms.component_name(i));
     text.push_str(
         "//\n// What depends on parameters and time alone is computed once a frame, best in 64 bits. A host in which one of them changes writes\n\
          // these too, in this order; what has no offset above stands in no place of the block:\n//\n",
     );
-    for line in lines {
+    for line in &lines {
         let _ = writeln!(text, "//   {line}");
     }
     // What is the same in every language needs no word.
@@ -220,6 +220,7 @@ fn computed(facts: &Facts, text: &mut String) {
         let letters = letters.get(..row.arity.into()).unwrap_or(&[]);
         let _ = writeln!(text, "//   in which {}({}) is: {}", call_name(op), letters.join(", "), row.doc);
     }
+    lines
 }
 
 /// How a factor is known and what it comes from. Of the file only its own name, so that the same text gives the same module in any folder.

@@ -25,6 +25,7 @@ mod write;
 mod tests;
 
 pub use formulas::Formulas;
+pub use library::signature;
 pub use translate::{Target, translate, validate};
 
 use crate::compiled::{Export, Live, Module, ModuleTables, Options, Parameter, SceneBlocks, UniformSource};
@@ -210,7 +211,7 @@ pub fn emit(
         extent: blocks.extent,
         region: functions.ahead.region,
     };
-    let mut wgsl = header::write(&facts);
+    let (mut wgsl, computed) = header::write(&facts);
     let declared = |buffers: bool, text: &mut String| {
         declarations(&context, &facts, buffers, text);
         if layered {
@@ -235,6 +236,7 @@ pub fn emit(
         uniform_name,
         uniforms: fields,
         formulas: Arc::new(formulas),
+        computed,
         uniform_size: size,
         operations,
         skipped,

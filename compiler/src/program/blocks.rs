@@ -384,9 +384,11 @@ impl Elaborator<'_> {
             let key = &*entry.key.text;
             if !known.contains(&key) {
                 unknown = true;
-                let help = match elsewhere::key(key, known) {
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("the keys of `{words}` are {}", known.join(", ")),
+                let other = elsewhere::BLOCKS.into_iter().find(|other| keys(*other).contains(&key)).map(block_words);
+                let help = match (other, elsewhere::key(key, known)) {
+                    (Some(other), _) => format!("it stands in `{other} {{ {key}: … }}`"),
+                    (_, Some(near)) => format!("did you mean `{near}`?"),
+                    _ => format!("the keys of `{words}` are {}", known.join(", ")),
                 };
                 self.error(
                     Code::UnknownKey,

@@ -47,6 +47,13 @@ impl Elaborator<'_> {
         if let (Some(joins), None, Some((_, at))) = (joins, &env.point, args.iter().find(|(value, _)| matches!(value, Value::Shape(_)))) {
             return Err(self.error(Code::TypeMismatch, *at, format!("`{name}` is of numbers, and a shape is a number only inside a formula"), joins));
         }
+        if matches!(name, "grid" | "polar") {
+            let help = match (name, args.first()) {
+                ("polar", Some((Value::Shape(_), _))) => "copies of a shape around an axis are `.repeat_polar(y, 6)`, of a drawing `.repeat_polar(6)`".to_owned(),
+                _ => format!("write `for c in {name}(…) {{ … }}`"),
+            };
+            return Err(self.error(Code::TypeMismatch, span, format!("`{name}` stands only after `in`"), help));
+        }
         // In a formula, a shape among numbers is its field.
         let takes_shape =
             matches!(name, "at" | "material" | "paint" | "value" | "low_corner" | "high_corner");
@@ -219,12 +226,6 @@ impl Elaborator<'_> {
                 let (zero, one) = (self.graph.constant(0.0), self.graph.constant(1.0));
                 Ok(Value::Number(self.graph.op(Op::Select, &[*c, one, zero]), name == "int"))
             }
-            ("grid" | "polar", _) => Err(self.error(
-                Code::TypeMismatch,
-                span,
-                format!("`{name}` stands only after `in`"),
-                format!("write `for c in {name}(…) {{ … }}`"),
-            )),
             _ => {
                 if let (Some(row), [one]) = (row, values.as_slice())
                     && row.arity == 1

@@ -1,9 +1,10 @@
 //! What is called otherwise in other tools: whoever writes such a name is told ours.
 
+use crate::syntax::ast::BlockKind;
 use crate::syntax::words::{self, nearest};
 
 /// A name of another tool, and ours. Those that begin like Quilez' (`sd`, `op`) stand without that beginning, in small letters.
-const NAMES: [(&str, &str); 66] = [
+const NAMES: [(&str, &str); 65] = [
     // Shadertoy, Quilez, hg_sdf.
     ("smin", "smooth_union"),
     ("smax", "smooth_intersection"),
@@ -71,7 +72,6 @@ const NAMES: [(&str, &str); 66] = [
     ("line", "segment"),
     ("hexagon", "regular_polygon"),
     ("triangle", "polygon"),
-    ("color", "material"),
 ];
 
 /// What a name of another tool is called here. `known`: the names that a scene can use.
@@ -107,6 +107,9 @@ const KEYS: [(&str, &str); 21] = [
     ("background", "sky"),
     ("far", "max_distance"),
 ];
+
+/// Blocks that a key of another one is looked for in: what belongs to the whole scene.
+pub const BLOCKS: [BlockKind; 3] = [BlockKind::Render, BlockKind::Environment, BlockKind::Physics];
 
 /// What a key of a block is called here that others call so, or that is nearest to it.
 pub fn key<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
@@ -168,6 +171,9 @@ pub fn instead(word: &str) -> Option<&'static str> {
         "vec4f" | "vector4" | "float4" => "write `vec4(x, y, z, w)`, or `(x, y, z, w)` alone",
         "math" | "np" | "numpy" => "write the function alone: `sin(a)`, `sqrt(a)`, `pi`",
         "polyhedron" => "write a solid of its planes, `plane(…) & plane(…)`, or a `mesh`",
+        "color" | "colour" | "colored" => "write `.material(swatch(#ff0000))`; what has a name is declared, `material red { color: #ff0000 }`",
+        "minkowski" | "inflate" | "dilate" | "grow" => "what a ball makes thicker is `.round(0.1)`; there is no sum of two other shapes",
+        "render" | "draw" | "show" => "write `scene = ` and the shape",
         "hull" => "there is no convex hull; write a `capsule`, a `rounded_cone` or `smooth_union`",
         "noise" | "snoise" => "write `perlin(p)`, `simplex(p)`, `value_noise(p)`, or `fbm(p)` for several of it",
         "random" | "rand" | "rnd" => "write `hash(i)`, a number from 0 to 1 that is another for each `i`",
@@ -280,6 +286,24 @@ mod tests {
             ("scene = box(1).fillet(0.1)\n", "`.round(0.1)`", "scene = box(1).round(0.1)\n"),
             ("scene = box(1).chamfer(0.1)\n", "`.extrude(1, 0.1)`", "scene = rectangle((1, 1)).extrude(1, 0.1)\n"),
             ("scene = sphere(1).material(red)\n", "`swatch(#ff0000)`", "scene = sphere(1).material(swatch(#ff0000))\n"),
+            ("scene = sphere(0.5).at((1, 0, 0))\n", "`.translate(1, 2, 3)`", "scene = sphere(0.5).translate(1, 2, 3)\n"),
+            ("scene = sphere(1) and box(1.7)\n", "`a & b`", "scene = sphere(1) & box(1.7)\n"),
+            ("scene = sphere(1) or box(1.7)\n", "`a | b`", "scene = sphere(1) | box(1.7)\n"),
+            ("scene = box(1) translate(1, 0, 0)\n", "`.translate(…)`", "scene = box(1).translate(1, 0, 0)\n"),
+            ("scene = sphere(1).color(#f00)\n", "`.material(swatch(#ff0000))`", "scene = sphere(1).material(swatch(#ff0000))\n"),
+            ("scene = minkowski(box(1), sphere(0.1))\n", "`.round(0.1)`", "scene = box(1).round(0.1)\n"),
+            ("scene = sphere(1) * 2\n", "`.scale(2)`", "scene = sphere(1).scale(2)\n"),
+            ("scene = for i in 0..10 step 2 { sphere(0.5).translate(i, 0, 0) }\n", "`2 * i`", "scene = for i in 0..5 { sphere(0.5).translate(2 * i, 0, 0) }\n"),
+            ("module foo(a) { sphere(a); }\nscene = sphere(1)\n", "`shape foo(…) = …`", "shape foo(a) = sphere(a)\nscene = foo(1)\n"),
+            ("param b: bool = true\nscene = if b then sphere(1) else box(1)\n", "`if condition { a } else { b }`", "param b: bool = true\nscene = if b { sphere(1) } else { box(1) }\n"),
+            ("scene = sphere(1)\nenvironment { ambient_occlusion: off }\n", "`render { ambient_occlusion: … }`", "scene = sphere(1)\nrender { ambient_occlusion: off }\n"),
+            ("material m { color: 0xff0000 }\nscene = sphere(1).material(m)\n", "`#ff0000`", "material m { color: #ff0000 }\nscene = sphere(1).material(m)\n"),
+            ("scene = translate((1, 0, 0), sphere(1))\n", "`shape.translate(v)`", "scene = sphere(1).translate((1, 0, 0))\n"),
+            ("scene = cube([1, 2, 3])\n", "`(1, 2, 3)`", "scene = box((1, 2, 3))\n"),
+            ("scene = circle(1).extrude(z, 2)\n", "`.extrude(height)`", "scene = circle(1).extrude(2)\n"),
+            ("scene = for k in polar(6, y) { sphere(0.3).translate(1, 0, 0) }\n", "`polar(y, 6)`", "scene = for k in polar(y, 6) { sphere(0.3).translate(1, 0, 0) }\n"),
+            ("scene = sphere(0.3).translate(1, 0, 0).polar(6)\n", "`.repeat_polar(y, 6)`", "scene = sphere(0.3).translate(1, 0, 0).repeat_polar(y, 6)\n"),
+            ("light(direction: (0, -1, 0))\nscene = sphere(1)\n", "`light sun {", "light sun { direction: (-1, -2, -1), intensity: 3 }\nscene = sphere(1)\n"),
             ("scene = sphere(hash(1.5))\n", "`hash(floor(a))`", "scene = sphere(hash(floor(1.5)))\n"),
         ] {
             let found = errors(wrong);

@@ -26,6 +26,9 @@ impl Elaborator<'_> {
     ) -> Elaborated<Value> {
         let (axis, count) = match given {
             [count] => (None, count.clone()),
+            [(Value::Number(..), _), (Value::Vector(_), at)] => {
+                return Err(self.error(Code::TypeMismatch, *at, "the axis stands first", "write `polar(y, 6)`"));
+            }
             [axis, count] => (Some(axis.clone()), count.clone()),
             _ => {
                 return Err(self.error(

@@ -111,6 +111,11 @@ impl Elaborator<'_> {
         });
         let cells = |variable: u32| numbers.get(variables.iter().position(|&v| v == variable)?).copied();
         let region = self.body_box(body, &cells);
+        // The largest body and the smallest cell never meet where both follow one parameter.
+        let together = match axes.iter().any(|axis| axis.range.lo < axis.range.hi) {
+            true => "where the body follows the size of the cells, repeat it once and scale the whole, `body.repeat(1).scale(size)`; else ",
+            false => "",
+        };
         for axis in &mut axes {
             let side = region.axis(axis.index);
             axis.reach = side.magnitude();
@@ -128,7 +133,7 @@ impl Elaborator<'_> {
                     Code::NoReach,
                     span,
                     why,
-                    format!("make the cells larger, bound the body with `.within(…)`, or do not repeat along {name} (size 0)"),
+                    format!("{together}make the cells larger, bound the body with `.within(…)`, or do not repeat along {name} (size 0)"),
                 ));
             }
         }
@@ -138,7 +143,7 @@ impl Elaborator<'_> {
                 Code::NoReach,
                 span,
                 format!("the body reaches so far that {copies} copies would be looked at for each point"),
-                "make the cells larger, or the body smaller",
+                format!("{together}make the cells larger, or the body smaller"),
             ));
         }
         let shares = |e: &mut Self, axes: &mut [Axis]| {

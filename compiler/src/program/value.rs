@@ -3,7 +3,7 @@
 use super::{Elaborated, Elaborator, Env};
 use crate::diagnostic::Code;
 use crate::graph::kernel::Op;
-use crate::graph::{MaterialId, NodeId, NodeList, ShapeId};
+use crate::graph::{Function, MaterialId, Node, NodeId, NodeList, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast::Type;
 use std::rc::Rc;
@@ -97,8 +97,9 @@ pub fn together(a: &Value, b: &Value) -> &'static str {
             "both vectors must have the same number of components"
         }
         (Value::Shape(_), _) | (_, Value::Shape(_)) => {
-            "shapes are combined with `|`, `&` and `-`, grown with `.round(r)`, moved with `.translate(v)`"
+            "shapes are combined with `|`, `&` and `-`, made larger with `.scale(2)`, thicker with `.round(r)`, moved with `.translate(v)`"
         }
+        (Value::List(_), _) | (_, Value::List(_)) => "a vector is written in parentheses, `(1, 2, 3)`; of a list take one, `list[0]`, or go over it with `for`",
         _ => "this works on numbers and vectors",
     }
 }
@@ -230,6 +231,7 @@ impl Elaborator<'_> {
                     (Value::Bool(_), Type::Float | Type::Int) => {
                         "write a number, or `if condition { 1 } else { 0 }`".to_owned()
                     }
+                    (Value::Shape(_), Type::Vec(_)) => "write a vector, as `(1, 0, 0)`; a shape that is moved stands before the dot, `shape.translate(v)`".to_owned(),
                     _ => format!("write {}", type_words(ty)),
                 };
                 Err(self.error(
@@ -304,7 +306,7 @@ impl Elaborator<'_> {
     /// What to write where a number is needed and a vector stands.
     fn instead_of_vector(&self, span: Span) -> &'static str {
         match self.names_an_axis(span) {
-            true => "`x`, `y` and `z` are unit vectors: the coordinates of a point are `p.x`, `p.y` and `p.z`",
+            true => "`x`, `y` and `z` are unit vectors, for what has an axis; the coordinates of a point are `p.x`, `p.y` and `p.z`",
             false => "take one component with `.x`, or its `length(…)`",
         }
     }
@@ -316,9 +318,10 @@ impl Elaborator<'_> {
 
     /// What to write where a shape is needed and a number stands.
     pub(super) fn instead_of_number(&self, node: NodeId) -> &'static str {
-        match self.graph.as_constant(node) {
-            Some(_) => "write a shape, as `sphere(1)` or `box(1)`; `cube` is the third power of a number",
-            None => "declare the formula with `field name = …`, and write its name here",
+        match self.graph.node(node) {
+            Node::Constant(_) => "write a shape, as `sphere(1)` or `box(1)`; `cube` is the third power of a number",
+            Node::Call(_, Function::Field, _) => "`.at(point)` is the number that the shape's formula gives there; a shape is moved by `.translate(1, 2, 3)`",
+            _ => "declare the formula with `field name = …`, and write its name here",
         }
     }
 

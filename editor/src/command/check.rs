@@ -175,7 +175,8 @@ fn factors_text(explained: &[Explained], color: bool) -> String {
     text
 }
 
-fn parameter_json(parameter: &Parameter) -> Value {
+/// A parameter: name, type, default, range, description; of a choice its names.
+pub fn parameter_json(parameter: &Parameter) -> Value {
     let one_or_many = |numbers: &[f64]| match numbers {
         [one] => json!(one),
         many => json!(many),

@@ -1,12 +1,15 @@
 //! `surefoot compile`: the functions of a scene as shader text.
 
+use super::check::parameter_json;
 use super::values::{self, Setting};
 use super::{Exit, Failure, compile_file, print, show_broken, show_diagnostics, spare};
 use crate::files;
 use clap::builder::PossibleValuesParser;
+use serde_json::{Value, json};
 use std::io::IsTerminal;
-use std::path::Path;
-use surefoot_compiler::emit::{Target, translate, validate};
+use std::path::{Path, PathBuf};
+use surefoot_compiler::compiled::{Compiled, Module, Uniform, UniformSource};
+use surefoot_compiler::emit::{Target, signature, translate, validate};
 use surefoot_compiler::{Export, Options};
 
 const TEXT: &str = "text";
@@ -40,6 +43,9 @@ pub struct Args {
     /// are faster: near a point only what matters there is looked at.
     #[arg(long, default_value = TEXT, value_parser = PossibleValuesParser::new([TEXT, BUFFERS]))]
     tables: String,
+    /// Write beside the module, as JSON, what a host must know of it: its functions, the fields of its uniform block, its parameters, what is computed.
+    #[arg(long, value_name = "FILE")]
+    layout: Option<String>,
     /// Make it an error where a factor is measured and not proven.
     #[arg(long)]
     strict: bool,
@@ -104,11 +110,12 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         return Ok(Exit::Errors);
     }
     let with_buffers = compiled.module.with_buffers(&options).filter(|_| buffered);
-    let (module, tables) = match &with_buffers {
+    let (module, tables): (&Module, Vec<(PathBuf, &Vec<u8>)>) = match &with_buffers {
         Some((module, bytes)) => (module, file.into_iter().flat_map(|file| ["table.bin", "lists.bin"].map(|end| file.with_extension(end))).zip(bytes).collect()),
         None => (&compiled.module, Vec::new()),
     };
-    for path in file.into_iter().chain(tables.iter().map(|(path, _)| path.as_path())) {
+    let layout = args.layout.as_deref().map(|path| (Path::new(path), layout_json(args, compiled, module, &tables)));
+    for path in file.into_iter().chain(layout.iter().map(|(path, _)| *path)).chain(tables.iter().map(|(path, _)| path.as_path())) {
         spare(path, &outcome)?;
     }
     for skipped in &compiled.module.skipped {
@@ -137,6 +144,12 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
                 args.scene
             ),
         })?;
+    let write = |path: &Path, bytes: &[u8]| {
+        files::write(path, bytes).map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))
+    };
+    if let Some((path, layout)) = &layout {
+        write(path, format!("{layout:#}\n").as_bytes())?;
+    }
     let Some(file) = file else {
         if target == Target::Spirv && std::io::stdout().is_terminal() {
             return Err(Failure::usage(
@@ -147,9 +160,58 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         return Ok(Exit::Fine);
     };
     for (path, bytes) in tables.iter().map(|(path, bytes)| (path.as_path(), *bytes)).chain([(file, &bytes)]) {
-        files::write(path, bytes).map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
+        write(path, bytes)?;
     }
     Ok(Exit::Fine)
+}
+
+/// WGSL's types of one to four numbers.
+const TYPES: [&str; 4] = ["f32", "vec2f", "vec3f", "vec4f"];
+/// Those of the two buffers with tables.
+const BUFFER_TYPES: [&str; 2] = ["array<vec4f>", "array<u32>"];
+
+/// What a host must know of a module.
+fn layout_json(args: &Args, compiled: &Compiled, module: &Module, tables: &[(PathBuf, &Vec<u8>)]) -> Value {
+    let start = compiled.uniform_bytes(&compiled.live(), [0.0; 3]);
+    let field = |uniform: &Uniform| {
+        // As many digits as tell it from its neighbours in 32 bits.
+        let short = |number: f32| number.to_string().parse::<f64>().ok();
+        let of = |i: u32| short(f32::from_le_bytes(*start.get((uniform.offset + 4 * i) as usize..)?.first_chunk()?));
+        let parameter = match uniform.source {
+            UniformSource::Parameter(first) => compiled.parameters.iter().find(|p| p.first == Some(first)).map(|p| p.name.as_str()),
+            _ => None,
+        };
+        json!({
+            "name": uniform.name,
+            "offset": uniform.offset,
+            "type": TYPES.get((uniform.components as usize).saturating_sub(1)),
+            "source": match uniform.source {
+                UniformSource::Origin => "origin",
+                UniformSource::Time => "time",
+                UniformSource::Parameter(_) => "parameter",
+                UniformSource::OcclusionReach => "occlusion_reach",
+                UniformSource::OcclusionStrength => "occlusion_strength",
+                UniformSource::Factor(_) => "factor",
+                UniformSource::Formula(_) => "computed",
+            },
+            "parameter": parameter,
+            "start": (0..uniform.components).map(of).collect::<Vec<_>>(),
+        })
+    };
+    let signature = |export: &Export| signature(*export).replace("sf_", &args.prefix);
+    let buffer = |(i, (path, bytes)): (usize, &(PathBuf, &Vec<u8>))| {
+        json!({ "binding": args.binding + 1 + i as u32, "type": BUFFER_TYPES.get(i), "bytes": bytes.len(), "file": path })
+    };
+    json!({
+        "functions": module.exports.iter().map(signature).collect::<Vec<_>>(),
+        "group": args.group,
+        "binding": args.binding,
+        "size": module.uniform_size,
+        "uniforms": module.uniforms.iter().map(field).collect::<Vec<_>>(),
+        "parameters": compiled.parameters.iter().map(parameter_json).collect::<Vec<_>>(),
+        "computed": module.computed,
+        "buffers": tables.iter().enumerate().map(buffer).collect::<Vec<_>>(),
+    })
 }
 
 #[cfg(test)]

@@ -323,7 +323,13 @@ impl Parser<'_> {
             self.unexpected(format!("`{word}` has no `=`"), format!("write `{word} {{ … }}`"));
             self.bump();
         }
+        let is_whole = self.is(TokenKind::BraceOpen);
         let (_, entries) = self.entries(&format!("`{}`", example_of_block(kind)), false);
+        // Nothing more is said of what could not be read.
+        if !is_whole {
+            self.skip_to_declaration();
+            return None;
+        }
         if kind == BlockKind::Mesh && file.is_none() {
             return None;
         }

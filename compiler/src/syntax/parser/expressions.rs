@@ -445,6 +445,13 @@ impl Parser<'_> {
         }
         let index = self.loop_index();
         let source = self.value_or_range();
+        if self.is_word("step") && !self.next_is(TokenKind::BraceOpen) {
+            let i = &index.text;
+            self.unexpected("a range goes by whole steps of 1", format!("multiply where it counts: `for {i} in 0..5 {{ … }}`, and `2 * {i}` within"));
+            while !matches!(self.peek().kind, TokenKind::BraceOpen | TokenKind::End) && !self.is_on_new_line() {
+                self.bump();
+            }
+        }
         let by = self.is_word("by").then(|| self.fold());
         let body = self.body("the body of a `for`", "write `for i in 0..n { … }`");
         let span = self.span_from(start);
@@ -540,13 +547,24 @@ impl Parser<'_> {
             self.value();
             condition.kind = ExprKind::Hole;
         }
-        let then = self.body("the value of an `if`", "write `if condition { a } else { b }`");
+        let help = "write `if condition { a } else { b }`";
+        // As other languages write it: said once.
+        let words = self.is_word("then");
+        let then = if words {
+            self.missing("`{` before the value of an `if`", help);
+            self.bump();
+            self.value()
+        } else {
+            self.body("the value of an `if`", help)
+        };
         let mut otherwise = None;
         if self.eat_word("else").is_some() {
             let value = if self.is_word("if") {
                 self.nested(Self::choice).unwrap_or_else(|| self.hole())
+            } else if words && !self.is(TokenKind::BraceOpen) {
+                self.value()
             } else {
-                self.body("the value of an `else`", "write `if condition { a } else { b }`")
+                self.body("the value of an `else`", help)
             };
             otherwise = Some(Box::new(value));
         }

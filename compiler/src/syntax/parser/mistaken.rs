@@ -26,6 +26,11 @@ impl Parser<'_> {
                     "a range stands after `in`, and as a value in a block".to_string()
                 }
                 TokenKind::Equals => "two values are compared with `==`".to_string(),
+                TokenKind::Name if word == "and" => "what two shapes share is `a & b`; conditions are joined by `a && b`".to_string(),
+                TokenKind::Name if word == "or" => "two shapes are joined by `a | b`; conditions by `a || b`".to_string(),
+                TokenKind::Name if next == TokenKind::ParenOpen => {
+                    format!("what is done to a shape stands behind a dot, `.{word}(…)`; join shapes with `|`, `&` or `-`")
+                }
                 _ => "join shapes with `|`, `&` or `-`, numbers with `+`, `-`, `*` or `/`"
                     .to_string(),
             };
@@ -90,6 +95,12 @@ impl Parser<'_> {
                 self.bump();
             }
             return self.declaration(meant);
+        }
+        if word == "module" && next == TokenKind::Name {
+            let name = self.word_of(self.peek_next());
+            self.unexpected("no declaration starts with `module`", format!("write `shape {name}(…) = …`"));
+            self.skip_to_declaration();
+            return None;
         }
         if words::is_type(word) && next == TokenKind::Name && third == TokenKind::ParenOpen
         {
