@@ -71,9 +71,10 @@ impl Walk<'_> {
             let below = walk.step(part, low.intersect(others), region);
             walk.step(other, target.sub(low), below)
         };
+        // What is above the cap hardly says anything, and may take all looks at shapes: it comes last.
         let above = |walk: &mut Self| {
-            let above = walk.step(part, Interval::new(cap, f64::INFINITY), region);
-            walk.step(other, target.sub(Interval::point(cap)), above)
+            let above = walk.step(other, target.sub(Interval::point(cap)), region);
+            walk.step(part, Interval::new(cap, f64::INFINITY), above)
         };
         self.either(below, above)
     }
@@ -189,5 +190,13 @@ mod tests {
         // Of either solid, and not of both.
         let [_, high] = region("min(length(turn(p.xz, p.y) - (3, 0)) + abs(p.y) - 1, abs(turn(p.xz, p.y).x) + abs(turn(p.xz, p.y).y - 8) + abs(p.y) - 1)").unwrap();
         assert!(high[2] >= 8.0, "{high:?}");
+    }
+
+    #[test]
+    fn many_live_copies_in_a_drawing_leave_it_its_box() {
+        let text = "param n: int = 18 in 8..40\nscene = (circle(0.7) | for k in polar(n) { rectangle((0.2, 0.1)).translate(0.75, 0) }).extrude(0.6)";
+        let scene = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default()).compiled.unwrap();
+        let [low, high] = scene.bounds().unwrap();
+        assert!(high[0] <= 1.0 && low[1] >= -1.0 && high[2] <= 0.301 && high[0] >= 0.85, "{low:?} {high:?}");
     }
 }
