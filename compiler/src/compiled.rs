@@ -15,7 +15,7 @@ pub use crate::home::Home;
 use crate::graph::{multiple_of, Graph, Leaf, Node, NodeId, ShapeId};
 pub use crate::loader::{Loader, MemoryLoader};
 use crate::source::{Sources, Span};
-use crate::reference::shade::encode;
+use crate::reference::shade::{decode, encode};
 use crate::syntax::ast::Type;
 use crate::syntax::revise::Written;
 use std::ops::Range;
@@ -162,7 +162,7 @@ impl Parameter {
         if self.degrees { 1f64.to_radians() } else { 1.0 }
     }
 
-    /// A value as the text may have it, within the range.
+    /// A number, vector, condition or colour as the text may have it, within the range.
     pub fn written(&self, value: &[f64]) -> Written {
         let number = |(i, value): (usize, &f64)| {
             let (shown, decimals) = (value / self.unit(), self.decimals(i));
@@ -177,18 +177,24 @@ impl Parameter {
                 (false, _) => format!("{shown}{unit}"),
             }
         };
-        if let (None, Some(index)) = (self.first, value.first()) {
-            return Written::Choice(*index as usize);
+        let all = |value: &[f64]| match value {
+            [one] => number((0, one)),
+            many => format!("({})", many.iter().enumerate().map(number).collect::<Vec<_>>().join(", ")),
+        };
+        let range = || Some(format!("{}..{}", all(&self.min), all(&self.max)));
+        match (&self.ty, value) {
+            (Type::Bool, [on]) => Written::Value((*on != 0.0).to_string(), None),
+            (Type::Color, _) => Written::Value(self.color(value).unwrap_or_else(|| all(value)), None),
+            _ => Written::Value(all(value), range()),
         }
-        Written::Text(match (&self.ty, value) {
-            (Type::Bool, [on]) => (*on != 0.0).to_string(),
-            (Type::Color, [r, g, b]) => {
-                let [r, g, b] = [r, g, b].map(|c| (255.0 * encode(*c)).round() as u8);
-                format!("#{r:02x}{g:02x}{b:02x}")
-            }
-            (_, [one]) => number((0, one)),
-            (_, many) => format!("({})", many.iter().enumerate().map(number).collect::<Vec<_>>().join(", ")),
-        })
+    }
+
+    /// A colour by its bytes, where it lies within those and its bytes within its range.
+    fn color(&self, value: &[f64]) -> Option<String> {
+        let bytes: Vec<f64> = value.iter().map(|c| (255.0 * encode(*c)).round()).collect();
+        let mut ends = self.min.iter().zip(&self.max).zip(value.iter().zip(&bytes));
+        let fits = ends.all(|((min, max), (c, byte))| (0.0..=1.0).contains(c) && (*min..=*max).contains(&decode(byte / 255.0)));
+        fits.then(|| bytes.iter().fold("#".to_owned(), |text, byte| format!("{text}{:02x}", *byte as u8)))
     }
 }
 
@@ -278,7 +284,8 @@ pub struct Module {
     pub uniforms: Vec<Uniform>,
     /// What the host computes for them once a frame.
     pub formulas: Arc<Formulas>,
-    /// The same for people and other hosts, as the comment at the module's head has it: a line each, in their order, `of_melt = melt * 0.25`.
+    /// The same for people and other hosts, as the comment at the module's head has it: a line each, in their order, `of_melt = melt * 0.25`;
+    /// then what the operations in them are that not every language has, `in which square(a) is: …`.
     pub computed: Vec<String>,
     /// Size of the uniform block in bytes, a multiple of 16; 0 where there is none.
     pub uniform_size: u32,

@@ -68,6 +68,8 @@ pub struct Compared {
     pub points: usize,
     /// Those at which the two are within the allowance of each other.
     pub within: usize,
+    /// Those at which the device's is larger by more than that, or no number. Where it is smaller a ray takes more steps, and meets the same.
+    pub larger: usize,
     /// The largest difference, as a multiple of the allowance.
     pub worst: f64,
 }
@@ -232,9 +234,11 @@ impl Trial<'_> {
             let narrow: Vec<[f32; 3]> = tried.iter().map(|t| t.point.map(|c| c as f32)).collect();
             for (one, got) in tried.iter_mut().zip(device(live, &narrow)?) {
                 let allowance = ALLOWANCE * 2f64.powi(-24) * (length(one.point) + room.size);
-                let off = (f64::from(got) - one.bound).abs() / allowance;
+                let more = (f64::from(got) - one.bound) / allowance;
+                let off = more.abs();
                 compared.points += 1;
                 compared.within += usize::from(off <= 1.0);
+                compared.larger += usize::from(more > 1.0 || more.is_nan());
                 compared.worst = if off.is_nan() { f64::INFINITY } else { compared.worst.max(off) };
                 one.device = Some((f64::from(got), allowance));
             }

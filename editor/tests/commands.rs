@@ -272,6 +272,9 @@ fn compile_tells_a_host_the_layout() {
     assert!(layout["computed"].as_array().unwrap().iter().all(|line| module.contains(&format!("//   {}\n", line.as_str().unwrap()))));
     // A choice is the text's, though another one is compiled.
     assert_eq!((&layout["parameters"][2]["default"], &layout["parameters"][0]["max"]), (&json!("a"), &json!(2.0)));
+    assert_eq!(layout["chosen"], json!({ "style": "b" }));
+    let (exit, _, words) = run(&folder, &["compile", "a.sdf", "-o", "a.wgsl", "--layout", "./a.wgsl"]);
+    assert!(exit == 2 && words.contains("written twice"), "{words}");
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! A picture that is drawn again and again takes no more memory than once: nothing that a shader reads lets a driver build it anew for each draw.
 
+#![cfg(target_os = "linux")]
+
 mod common;
 
 use common::gpu;
@@ -26,14 +28,12 @@ const SCENES: [(&str, &str); 3] = [
 ];
 
 /// Bytes of memory that this process holds.
-#[cfg(target_os = "linux")]
 fn resident() -> u64 {
     let said = std::fs::read_to_string("/proc/self/status").unwrap();
     let line = said.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
     line.trim().trim_end_matches("kB").trim().parse::<u64>().unwrap() * 1024
 }
 
-#[cfg(target_os = "linux")]
 #[test]
 fn a_thousand_draws_take_no_more_memory_than_a_few() {
     let gpu = gpu();

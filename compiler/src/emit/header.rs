@@ -210,6 +210,7 @@ fn computed(facts: &Facts, text: &mut String) -> Vec<String> {
     }
     // What is the same in every language needs no word.
     let known = |op: &Op| op.row().wgsl.starts_with(&format!("{}({{0}}", call_name(*op)));
+    let mut lines = lines;
     for op in functions.into_iter().filter(|op| !known(op)) {
         let row = op.row();
         let letters = match op {
@@ -218,7 +219,9 @@ fn computed(facts: &Facts, text: &mut String) -> Vec<String> {
             _ => ["a", "b", "c", "d"],
         };
         let letters = letters.get(..row.arity.into()).unwrap_or(&[]);
-        let _ = writeln!(text, "//   in which {}({}) is: {}", call_name(op), letters.join(", "), row.doc);
+        let line = format!("in which {}({}) is: {}", call_name(op), letters.join(", "), row.doc);
+        let _ = writeln!(text, "//   {line}");
+        lines.push(line);
     }
     lines
 }

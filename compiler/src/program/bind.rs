@@ -255,7 +255,7 @@ impl Elaborator<'_> {
                     let help = format!("the axis stands first: write `{}`", written(name, parameters, hidden, false));
                     Err(self.error(Code::TypeMismatch, at, format!("{} is needed here, and this is {found}", type_words(ty)), help))
                 }
-                Some((Type::Float | Type::Int, _)) if matches!(value, Value::Vector(_)) && self.names_an_axis(at) && !parameters.iter().any(|p| &*p.name.text == "axis") => {
+                Some((Type::Float | Type::Int, _)) if matches!(value, Value::Vector(_)) && self.names_an_axis(at) && !parameters.iter().any(|p| matches!(p.ty, Some((Type::Vec(3), _)))) => {
                     let needed: Vec<_> = parameters.iter().take_while(|p| p.default.is_none()).cloned().collect();
                     let help = format!("`{name}` has no axis: write `{}`", written(name, &needed, hidden, false));
                     Err(self.error(Code::TypeMismatch, at, format!("a number is needed here, and this is {}", value.describe(self)), help))

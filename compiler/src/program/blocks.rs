@@ -290,9 +290,9 @@ impl Elaborator<'_> {
         description: Option<String>,
         env: &Env,
     ) -> Elaborated<Value> {
-        let label = |e: &Self, expr: &Expr| -> String { e.choice_label(expr) };
-        let labels: Vec<String> = choices.iter().map(|c| label(self, c)).collect();
-        let written = label(self, value);
+        let label = |expr: &Expr| expr.label().unwrap_or_else(|| format!("at {}", expr.span.start));
+        let labels: Vec<String> = choices.iter().map(label).collect();
+        let written = label(value);
         let twice = choices.iter().zip(&labels).enumerate().find(|(i, (_, name))| labels.iter().take(*i).any(|earlier| earlier == *name));
         if let Some((_, (choice, name))) = twice {
             return Err(self.error(Code::BadRange, choice.span, format!("`{name}` stands twice among the choices"), "leave one of the two out"));
@@ -337,18 +337,6 @@ impl Elaborator<'_> {
     }
 
     /// What a choice is called: its name or number as written.
-    fn choice_label(&self, expr: &Expr) -> String {
-        match &expr.kind {
-            ExprKind::Name(name) => name.clone(),
-            ExprKind::Int(i) => i.to_string(),
-            ExprKind::Float(f) => f.to_string(),
-            ExprKind::Str(s) => s.clone(),
-            ExprKind::Bool(b) => b.to_string(),
-            ExprKind::Dot(inner, name, None) => format!("{}.{}", self.choice_label(inner), name.text),
-            _ => format!("at {}", expr.span.start),
-        }
-    }
-
     /// The blocks of a text.
     pub fn blocks(&mut self, module: usize) -> SceneBlocks {
         let mut blocks = SceneBlocks { extent: self.options.extent.unwrap_or(DEFAULT_EXTENT), ..SceneBlocks::default() };
@@ -384,10 +372,11 @@ impl Elaborator<'_> {
             let key = &*entry.key.text;
             if !known.contains(&key) {
                 unknown = true;
-                let other = elsewhere::BLOCKS.into_iter().find(|other| keys(*other).contains(&key)).map(block_words);
-                let help = match (other, elsewhere::key(key, known)) {
-                    (Some(other), _) => format!("it stands in `{other} {{ {key}: … }}`"),
-                    (_, Some(near)) => format!("did you mean `{near}`?"),
+                // What stands in a block of its own, and means the same there.
+                let other = elsewhere::BLOCKS.into_iter().find(|other| key != "size" && keys(*other).contains(&key)).map(block_words);
+                let help = match (elsewhere::key(key, known), other) {
+                    (Some(near), _) => format!("did you mean `{near}`?"),
+                    (_, Some(other)) => format!("it stands in `{other} {{ {key}: … }}`"),
                     _ => format!("the keys of `{words}` are {}", known.join(", ")),
                 };
                 self.error(

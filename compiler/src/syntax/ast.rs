@@ -307,6 +307,22 @@ pub enum ItemKind {
     },
 }
 
+impl Expr {
+    /// What a choice is called in a list of choices. None where it is no name and no plain value.
+    pub fn label(&self) -> Option<String> {
+        Some(match &self.kind {
+            ExprKind::Name(name) => name.clone(),
+            ExprKind::Int(i) => i.to_string(),
+            ExprKind::Float(f) => f.to_string(),
+            ExprKind::Str(s) => s.clone(),
+            ExprKind::Bool(b) => b.to_string(),
+            ExprKind::Unary(UnaryOp::Neg, inner) => format!("-{}", inner.label()?),
+            ExprKind::Dot(inner, name, None) => format!("{}.{}", inner.label()?, name.text),
+            _ => return None,
+        })
+    }
+}
+
 /// `key: value` in a block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {

@@ -42,7 +42,7 @@ pub fn read_number(text: &str) -> Result<Number, (String, String)> {
         _ => {
             let message = format!("`{unit}` is not a unit");
             let help = match unit {
-                _ if number == "0" && unit.strip_prefix('x').is_some_and(|d| d.len() == 6 && d.bytes().all(|b| b.is_ascii_hexdigit())) => {
+                _ if number == "0" && unit.strip_prefix('x').is_some_and(|d| matches!(d.len(), 3 | 6) && d.bytes().all(|b| b.is_ascii_hexdigit())) => {
                     format!("a colour is written `#{}`", unit.trim_start_matches('x'))
                 }
                 "degrees" | "degree" | "d" => format!("write `{number}deg`"),

@@ -75,6 +75,7 @@ pub fn parse(file: FileId, text: &str) -> (ast::File, Vec<Diagnostic>) {
         height: 0,
         said_too_deep: false,
         last_report: None,
+        said_then: false,
         stray_lets: Vec::new(),
         diagnostics,
     };
@@ -116,6 +117,8 @@ struct Parser<'t> {
     said_too_deep: bool,
     /// The token at which something was said last: what follows from it is not said again.
     last_report: Option<usize>,
+    /// That an `if` has no `then` was said.
+    said_then: bool,
     /// `let`s found among the entries of a block.
     stray_lets: Vec<ast::Let>,
     diagnostics: Vec<Diagnostic>,

@@ -114,8 +114,19 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         Some((module, bytes)) => (module, file.into_iter().flat_map(|file| ["table.bin", "lists.bin"].map(|end| file.with_extension(end))).zip(bytes).collect()),
         None => (&compiled.module, Vec::new()),
     };
+    if args.layout.as_deref() == Some("-") {
+        return Err(Failure::usage("the layout is a file of its own: say where to write it with --layout FILE"));
+    }
     let layout = args.layout.as_deref().map(|path| (Path::new(path), layout_json(args, compiled, module, &tables)));
-    for path in file.into_iter().chain(layout.iter().map(|(path, _)| *path)).chain(tables.iter().map(|(path, _)| path.as_path())) {
+    let paths: Vec<&Path> = file.into_iter().chain(layout.iter().map(|(path, _)| *path)).chain(tables.iter().map(|(path, _)| path.as_path())).collect();
+    let same = |a: &Path, b: &Path| match (std::path::absolute(a), std::path::absolute(b)) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => a == b,
+    };
+    if let Some(twice) = (1..paths.len()).find(|&i| paths[..i].iter().any(|path| same(path, paths[i]))) {
+        return Err(Failure::usage(format!("{} would be written twice: say another file", paths[twice].display())));
+    }
+    for path in paths {
         spare(path, &outcome)?;
     }
     for skipped in &compiled.module.skipped {
@@ -202,13 +213,21 @@ fn layout_json(args: &Args, compiled: &Compiled, module: &Module, tables: &[(Pat
     let buffer = |(i, (path, bytes)): (usize, &(PathBuf, &Vec<u8>))| {
         json!({ "binding": args.binding + 1 + i as u32, "type": BUFFER_TYPES.get(i), "bytes": bytes.len(), "file": path })
     };
+    let chosen = compiled.parameters.iter().filter(|p| !p.choices.is_empty()).map(|p| {
+        let set = values::choices(&args.set).into_iter().find(|(name, _)| *name == p.name).map(|(_, choice)| choice);
+        let text = || p.default.first().and_then(|i| p.choices.get(*i as usize)).cloned();
+        (p.name.clone(), json!(set.or_else(text)))
+    });
+    // GLSL knows its block by name: the head of the text says it.
+    let bound = |number: u32| (args.target != Target::Glsl.name()).then_some(number);
     json!({
         "functions": module.exports.iter().map(signature).collect::<Vec<_>>(),
-        "group": args.group,
-        "binding": args.binding,
+        "group": bound(args.group),
+        "binding": bound(args.binding),
         "size": module.uniform_size,
         "uniforms": module.uniforms.iter().map(field).collect::<Vec<_>>(),
         "parameters": compiled.parameters.iter().map(parameter_json).collect::<Vec<_>>(),
+        "chosen": chosen.collect::<serde_json::Map<_, _>>(),
         "computed": module.computed,
         "buffers": tables.iter().enumerate().map(buffer).collect::<Vec<_>>(),
     })

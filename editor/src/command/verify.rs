@@ -6,7 +6,7 @@ use crate::picture::Device;
 use serde_json::{Value, json};
 use surefoot_compiler::compiled::{Compiled, Live};
 use surefoot_compiler::functions::Kind;
-use surefoot_compiler::verify::{self, ALLOWANCE, DIRECTIONS, Fault, Report, Settings, Side, Violation};
+use surefoot_compiler::verify::{self, ALLOWANCE, Compared, DIRECTIONS, Fault, Report, Settings, Side, Violation};
 use surefoot_compiler::{Options, Outcome};
 
 /// What to verify.
@@ -145,11 +145,17 @@ fn in_words(args: &Args, compiled: &Compiled, report: &Report, device: Option<&s
         text.push_str(&format!("  the bound over the true distance: {half:.3} at the median, {low:.3} at p5, of {count} points\n"));
     }
     if let (Some(compared), Some(name)) = (&report.device, device) {
-        text.push_str(&format!(
-            "  {name}: {} of {} bounds of the emitted module are within {ALLOWANCE}·2⁻²⁴·(|p| + size) of those in 64 bits, the worst \
-             {:.3} times that\n",
-            compared.within, compared.points, compared.worst
-        ));
+        let Compared { points, within, larger, worst } = *compared;
+        text.push_str(&format!("  {name}: {within} of {points} bounds of the emitted module are within {ALLOWANCE}·2⁻²⁴·(|p| + size) of those in 64 bits"));
+        let smaller = points - within - larger;
+        if smaller > 0 {
+            text.push_str(&format!(", {smaller} are smaller, which costs steps and no surface"));
+        }
+        text.push_str(&match (larger, smaller) {
+            (0, 0) => format!(", the worst {worst:.3} times that\n"),
+            (0, _) => ", and none is larger\n".to_owned(),
+            _ => format!(", {larger} are larger, by up to {worst:.3} times that\n"),
+        });
     }
     for violation in report.violations.iter().take(SHOWN) {
         text.push_str(&format!("  {red}violation{plain}: {}\n", words(violation, compiled, report)));
@@ -230,6 +236,7 @@ fn in_json(args: &Args, outcome: &Outcome, compiled: &Compiled, report: &Report,
             "points": c.points,
             "allowance": ALLOWANCE,
             "within": c.within,
+            "larger": c.larger,
             "worst": c.worst,
         })),
         "violations": violations.collect::<Vec<_>>(),

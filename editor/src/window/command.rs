@@ -17,6 +17,7 @@ use surefoot_compiler::reference::Reference;
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
 use surefoot_compiler::reference::vector::{add, dot, length, scale, sub};
+use surefoot_compiler::source::FileId;
 use surefoot_compiler::syntax::{self, revise};
 use surefoot_runtime::{Physics, ViewMode};
 use surefoot_runtime::live::{Update, Words};
@@ -283,8 +284,13 @@ fn format(session: &mut Session) {
 fn revise(session: &mut Session, change: impl FnOnce(&str) -> String) {
     session.documents.shown = 0;
     let document = session.documents.current_mut();
-    let text = change(&document.text);
-    document.edit(text, Instant::now());
+    let is_whole = syntax::parse(FileId(0), &document.text).1.is_empty();
+    if is_whole && document.is_editable() {
+        let text = change(&document.text);
+        document.edit(text, Instant::now());
+    } else {
+        session.notice = Some("nothing is written into a text that can't be read as a scene".to_owned());
+    }
 }
 
 /// Writes where the orbiting camera stands into the scene's text.

@@ -4,7 +4,7 @@ use super::document::Document;
 use super::orbit::Orbit;
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use surefoot_compiler::Options;
 use surefoot_compiler::compiled::{Camera, Compiled, Parameter};
 use surefoot_compiler::diagnostic::{self, Severity};
@@ -115,9 +115,24 @@ pub struct Look {
     pub mode: ViewMode,
     /// How wide the picture is for its height.
     pub wide: f64,
-    /// Where a hand left the camera, in which of the scenes, and whether nothing is seen from there.
-    pub left: Option<(Camera, u64, bool)>,
+    /// What was seen from where a hand left the camera.
+    pub left: Option<Left>,
 }
+
+/// From where a hand left the camera.
+pub struct Left {
+    camera: Camera,
+    /// Which of the scenes it was.
+    swaps: u64,
+    /// Where the sliders stood.
+    values: Vec<f64>,
+    when: Instant,
+    /// Whether nothing is seen.
+    pub blind: bool,
+}
+
+/// What moves is looked at no more often than this.
+const GLANCE: Duration = Duration::from_millis(500);
 
 /// Which panels are open, and what could be.
 pub struct Open {
@@ -208,18 +223,23 @@ impl Session {
         found.map(|(_, camera)| scene.camera_in(*camera, self.look.wide))
     }
 
-    /// Looks whether anything is in sight from where a hand left the camera. Once for each place: it takes some milliseconds.
+    /// Looks whether anything is in sight from where a hand left the camera. Once for each place, and now and then where the scene moves: it takes
+    /// some milliseconds.
     pub fn look_around(&mut self) {
         let Some(camera) = self.look.orbit.as_ref().map(Orbit::camera) else {
             self.look.left = None;
             return;
         };
-        let swaps = self.said.swaps;
-        if self.look.left.is_some_and(|(known, scene, _)| (known, scene) == (camera, swaps)) {
-            return;
+        let Some((scene, live)) = self.scene().zip(self.stage.live()) else { return };
+        let (swaps, moves) = (self.said.swaps, self.stage.animates());
+        let is_known = |left: &Left| {
+            let same = (left.camera, left.swaps) == (camera, swaps) && left.values == live.components;
+            if moves { left.when.elapsed() < GLANCE } else { same }
+        };
+        if !self.look.left.as_ref().is_some_and(is_known) {
+            let blind = is_blind(scene, live, &camera);
+            self.look.left = Some(Left { camera, swaps, values: live.components.clone(), when: Instant::now(), blind });
         }
-        let blind = self.scene().zip(self.stage.live()).is_some_and(|(scene, live)| is_blind(scene, live, &camera));
-        self.look.left = Some((camera, swaps, blind));
     }
 
     /// The factors of the scene that is drawn, with their places, as large as they are for the values at hand.
@@ -260,9 +280,9 @@ impl Session {
     pub fn moved(&self) -> Vec<(String, Written)> {
         let parameters = self.scene().map_or(&[][..], |scene| &scene.parameters);
         let written = |p: &Parameter| {
-            let chosen = || self.choice(p).and_then(|choice| p.choices.iter().position(|c| c == choice)).map(|i| vec![i as f64]);
-            let value = self.stage.value(p).map(<[f64]>::to_vec).or_else(chosen)?;
-            Some((p.name.clone(), p.written(&value)))
+            let chosen = || self.choice(p).map(|choice| Written::Choice(choice.to_owned()));
+            let written = self.stage.value(p).map(|value| p.written(value)).or_else(chosen)?;
+            Some((p.name.clone(), written))
         };
         parameters.iter().filter(|p| !p.name.contains('.') && self.is_moved(p)).filter_map(written).collect()
     }

@@ -1,7 +1,7 @@
 //! What is wrong with a text that is written while the picture of an older one is still being built: said at once, and not after it.
 //! Building may take seconds, compiling takes milliseconds.
 
-use super::worker::{Compilation, DOUBT, STACK, wait};
+use super::worker::{Compilation, DOUBT, LONGER_DOUBT, STACK, wait};
 use super::{Setup, Shared, Words};
 use std::sync::Arc;
 use std::thread::Scope;
@@ -13,18 +13,29 @@ const NAP: Duration = Duration::from_millis(50);
 /// What was heard last: how many texts were pushed, and the newest event of the file system.
 type Heard = (u64, Option<Instant>);
 
-/// Listens, on a thread of its own, for as long as a picture is being built.
-pub(super) fn start<'scope>(scope: &'scope Scope<'scope, '_>, setup: Setup, shared: Arc<Shared>) {
+/// What ends the listening when it goes.
+pub(super) struct Ears<'a>(&'a Shared);
+
+impl Drop for Ears<'_> {
+    fn drop(&mut self) {
+        self.0.lock().building = false;
+        self.0.changed.notify_all();
+    }
+}
+
+/// Listens, on a thread of its own, until what it answers is dropped.
+pub(super) fn start<'scope, 'a>(scope: &'scope Scope<'scope, '_>, setup: Setup, shared: &'a Arc<Shared>) -> Ears<'a> {
     shared.lock().building = true;
+    let other = shared.clone();
     let listen = move || {
         let mut last = None;
-        while let Some(heard) = next(&shared, last) {
-            last = Some(heard);
-            say(&setup, &shared);
+        while let Some(heard) = next(&other, last) {
+            last = say(&setup, &other).then_some(heard);
         }
     };
     // Where no thread can be had it is said later.
     let _ = std::thread::Builder::new().name("surefoot ears".to_owned()).stack_size(STACK).spawn_scoped(scope, listen);
+    Ears(shared)
 }
 
 /// Waits for something newer. None: the picture is built.
@@ -44,19 +55,21 @@ fn next(shared: &Shared, last: Option<Heard>) -> Option<Heard> {
     }
 }
 
-/// Compiles what is there now, and says what the compiler says of it.
-fn say(setup: &Setup, shared: &Shared) {
+/// Compiles what is there now, and says what the compiler says of it. Answers whether that is all there is to say of it.
+fn say(setup: &Setup, shared: &Shared) -> bool {
     let Compilation { recorder, outcome, failure, .. } = Compilation::run(setup, shared);
-    // A file that is empty or gone is most likely about to be written.
-    if failure.is_some() || recorder.is_hollow() {
-        return;
-    }
     let mut state = shared.lock();
-    if state.building {
+    // A file that is empty or gone is most likely about to be written.
+    if recorder.is_hollow() && !state.pushed && state.last_event.is_some_and(|at| at.elapsed() < LONGER_DOUBT) {
+        drop(wait(shared, state, NAP));
+        return false;
+    }
+    if state.building && failure.is_none() {
         let words = Arc::new(Words::of(outcome, &recorder).0);
         state.words = Some(words.clone());
         state.overheard = Some(words);
         drop(state);
         (setup.wake)();
     }
+    true
 }

@@ -27,7 +27,7 @@ const LONGEST_PAUSE: Duration = Duration::from_millis(40);
 /// How long an error in a file that changed just now is held back.
 pub(super) const DOUBT: Duration = Duration::from_millis(50);
 /// The same of a scene's file that is empty or not there: who saves it is about to write it, and may be held up on a busy machine.
-const LONGER_DOUBT: Duration = Duration::from_millis(250);
+pub(super) const LONGER_DOUBT: Duration = Duration::from_millis(250);
 /// Nobody waits longer than this for files that change again and again, and are wrong each time.
 const LONGEST_DOUBT: Duration = Duration::from_secs(1);
 /// How often the files are read again meanwhile.
@@ -124,9 +124,9 @@ impl Worker {
                 scene = self.newest.good.clone();
             }
             std::thread::scope(|scope| {
-                if scene.is_some() && self.setup.target.is_some() {
-                    overhear::start(scope, self.setup.clone(), self.shared.clone());
-                }
+                let shared = self.shared.clone();
+                let listens = scene.is_some() && self.setup.target.is_some();
+                let _ears = listens.then(|| overhear::start(scope, self.setup.clone(), &shared));
                 let update = self.build(scene, mode, since);
                 self.deliver(update);
             });
@@ -346,7 +346,6 @@ impl Worker {
         }
         state.update = Some(update);
         (state.words, state.building) = (None, false);
-        self.shared.changed.notify_all();
         state.work = None;
         state.busy = state.asked.is_some();
         drop(state);

@@ -47,6 +47,7 @@ pub fn sphere_in(wgsl: &str, radius: f64, (min, max): (f64, f64)) -> Compiled {
             uniform("radius", UniformSource::Parameter(0), 1, 12),
         ],
         formulas: Default::default(),
+        computed: Vec::new(),
         uniform_size: 16,
         operations: (8, 8),
         skipped: Vec::new(),

@@ -551,7 +551,9 @@ impl Parser<'_> {
         // As other languages write it: said once.
         let words = self.is_word("then");
         let then = if words {
-            self.missing("`{` before the value of an `if`", help);
+            if !std::mem::replace(&mut self.said_then, true) {
+                self.missing("`{` before the value of an `if`", help);
+            }
             self.bump();
             self.value()
         } else {

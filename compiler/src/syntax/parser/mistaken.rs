@@ -29,7 +29,7 @@ impl Parser<'_> {
                 TokenKind::Name if word == "and" => "what two shapes share is `a & b`; conditions are joined by `a && b`".to_string(),
                 TokenKind::Name if word == "or" => "two shapes are joined by `a | b`; conditions by `a || b`".to_string(),
                 TokenKind::Name if next == TokenKind::ParenOpen => {
-                    format!("what is done to a shape stands behind a dot, `.{word}(…)`; join shapes with `|`, `&` or `-`")
+                    "join shapes with `|`, `&` or `-`, numbers with `+`, `-`, `*` or `/`; what is done to a shape stands behind a dot, `box(1).round(0.1)`".to_string()
                 }
                 _ => "join shapes with `|`, `&` or `-`, numbers with `+`, `-`, `*` or `/`"
                     .to_string(),
@@ -96,7 +96,7 @@ impl Parser<'_> {
             }
             return self.declaration(meant);
         }
-        if word == "module" && next == TokenKind::Name {
+        if word == "module" && next == TokenKind::Name && third == TokenKind::ParenOpen {
             let name = self.word_of(self.peek_next());
             self.unexpected("no declaration starts with `module`", format!("write `shape {name}(…) = …`"));
             self.skip_to_declaration();

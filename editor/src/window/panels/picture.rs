@@ -71,7 +71,7 @@ pub fn paint(ui: &mut Ui, rect: Rect, session: &Session, shown: Option<Shown>) {
     match shown {
         Some(shown) => {
             ui.painter().image(shown.texture, rect, shown.uv, Color32::WHITE);
-            let unseen = session.look.left.is_some_and(|(_, _, blind)| blind);
+            let unseen = session.look.left.as_ref().is_some_and(|left| left.blind);
             if let Some((work, time)) = working(session, LONG) {
                 label(ui, rect, &format!("{work} {time}"));
             } else if unseen {
