@@ -445,13 +445,7 @@ impl Parser<'_> {
         }
         let index = self.loop_index();
         let source = self.value_or_range();
-        if self.is_word("step") && !self.next_is(TokenKind::BraceOpen) {
-            let i = &index.text;
-            self.unexpected("a range goes by whole steps of 1", format!("multiply where it counts: `for {i} in 0..5 {{ … }}`, and `2 * {i}` within"));
-            while !matches!(self.peek().kind, TokenKind::BraceOpen | TokenKind::End) && !self.is_on_new_line() {
-                self.bump();
-            }
-        }
+        self.foreign_steps(&index);
         let by = self.is_word("by").then(|| self.fold());
         let body = self.body("the body of a `for`", "write `for i in 0..n { … }`");
         let span = self.span_from(start);
@@ -548,17 +542,8 @@ impl Parser<'_> {
             condition.kind = ExprKind::Hole;
         }
         let help = "write `if condition { a } else { b }`";
-        // As other languages write it: said once.
-        let words = self.is_word("then");
-        let then = if words {
-            if !std::mem::replace(&mut self.said_then, true) {
-                self.missing("`{` before the value of an `if`", help);
-            }
-            self.bump();
-            self.value()
-        } else {
-            self.body("the value of an `if`", help)
-        };
+        let words = self.foreign_then(help);
+        let then = if words { self.value() } else { self.body("the value of an `if`", help) };
         let mut otherwise = None;
         if self.eat_word("else").is_some() {
             let value = if self.is_word("if") {

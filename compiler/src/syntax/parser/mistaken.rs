@@ -270,6 +270,30 @@ impl Parser<'_> {
         true
     }
 
+    /// `step 2` after a range: says how it is written, and skips it.
+    pub(super) fn foreign_steps(&mut self, index: &Name) {
+        if !self.is_word("step") || self.next_is(TokenKind::BraceOpen) {
+            return;
+        }
+        let i = &index.text;
+        self.unexpected("a range goes by whole steps of 1", format!("multiply where it counts: `for {i} in 0..5 {{ … }}`, and `2 * {i}` within"));
+        while !matches!(self.peek().kind, TokenKind::BraceOpen | TokenKind::End) && !self.is_on_new_line() {
+            self.bump();
+        }
+    }
+
+    /// `then` in the place of a brace: says so once in a text, and skips it. Answers whether it stands there.
+    pub(super) fn foreign_then(&mut self, help: &str) -> bool {
+        if !self.is_word("then") {
+            return false;
+        }
+        if !std::mem::replace(&mut self.said_then, true) {
+            self.missing("`{` before the value of an `if`", help);
+        }
+        self.bump();
+        true
+    }
+
     /// What stands in parentheses after `for`, as in other languages: says how it is written, and skips it with its body.
     pub(super) fn foreign_loop(&mut self) -> bool {
         if !self.is(TokenKind::ParenOpen) {
