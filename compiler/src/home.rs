@@ -234,6 +234,14 @@ mod tests {
             println!("{text}: {high:.2} {wide:.2}");
             assert!(share > 0.8 * SHARE && share < 1.15 * SHARE, "{text}: {high:.2} {wide:.2}");
         }
+        // A row as wide as a slider says, of what has as many flutes as another one says.
+        let [high, wide] = filled(&scene(
+            "param span = 2 in 1.2..3\nparam flutes: int = 16 in 8..24
+            let column = cylinder(0.28, 2) - cylinder(0.05, 3).translate(0.3, 1, 0).repeat_polar(y, flutes)
+            let bay = box((span, 4, 0.6)) | (column | box((0.8, 0.2, 0.8)).translate(0, 0.1, 0)).translate((span + 0.8) / 2, 0, 0.6)
+            scene = for i in -2..3 { bay.translate(i * (span + 0.8), 0, 0) }",
+        ));
+        assert!(high < SHARE && wide < WIDE && wide > 0.3, "{high:.2} {wide:.2}");
         // What moves is seen wherever it goes.
         let moving = camera(&scene("scene = sphere(0.3).translate(2 * sin(time), 0, 0)"));
         assert!(length(moving.eye) > 5.0, "{moving:?}");

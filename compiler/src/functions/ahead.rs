@@ -201,7 +201,8 @@ impl Builder<'_> {
         let ends = |solid: &Box3| solid.0.iter().all(|side| side.magnitude() < extent);
         let widest = box_about.0.iter().map(|side| side.width()).fold(0.0, f64::max);
         let region = ends(&box_about).then(|| box_about.grow(ROOM * widest));
-        let home = self.framed.then(|| self.home(solid)).filter(|home| !home.is_empty() && ends(home));
+        // What holds for all parameters holds for these, and may say more where looks are spent.
+        let home = self.framed.then(|| self.home(solid).intersect(&box_about)).filter(|home| !home.is_empty() && ends(home));
         (region, home)
     }
 
