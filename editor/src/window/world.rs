@@ -99,7 +99,8 @@ impl World {
             let read = update.words.sources.iter().next().map(|(_, file)| file.text.to_string());
             Some(Command::OnDisk(path.clone(), read.map_or_else(|| self.read(path), Disk::Text)))
         });
-        texts.chain(words).chain(updates).collect()
+        // Words are of a newer text than what is shown.
+        texts.chain(updates).chain(words).collect()
     }
 
     /// What is being done for the newest text, and for how long.

@@ -160,7 +160,8 @@ impl LiveScene {
         self.shared.lock().update.take()
     }
 
-    /// What the compiler says of the newest text, once, while its picture, or that of an older text, is still being built.
+    /// What the compiler says of the newest text, once, while its picture, or that of an older text, is still being built: newer than what
+    /// [`Self::poll`] has.
     pub fn poll_words(&self) -> Option<Arc<Words>> {
         self.shared.lock().words.take()
     }

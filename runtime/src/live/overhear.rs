@@ -23,14 +23,14 @@ impl Drop for Ears<'_> {
     }
 }
 
-/// Listens, on a thread of its own, until what it answers is dropped.
-pub(super) fn start<'scope, 'a>(scope: &'scope Scope<'scope, '_>, setup: Setup, shared: &'a Arc<Shared>) -> Ears<'a> {
+/// Listens, on a thread of its own, until what it answers is dropped. `built`: of the text whose picture is being built.
+pub(super) fn start<'scope, 'a>(scope: &'scope Scope<'scope, '_>, setup: Setup, shared: &'a Arc<Shared>, built: Arc<Words>) -> Ears<'a> {
     shared.lock().building = true;
     let other = shared.clone();
     let listen = move || {
         let mut last = None;
         while let Some(heard) = next(&other, last) {
-            last = say(&setup, &other).then_some(heard);
+            last = say(&setup, &other, &built).then_some(heard);
         }
     };
     // Where no thread can be had it is said later.
@@ -56,7 +56,7 @@ fn next(shared: &Shared, last: Option<Heard>) -> Option<Heard> {
 }
 
 /// Compiles what is there now, and says what the compiler says of it. Answers whether that is all there is to say of it.
-fn say(setup: &Setup, shared: &Shared) -> bool {
+fn say(setup: &Setup, shared: &Shared, built: &Words) -> bool {
     let Compilation { recorder, outcome, failure, .. } = Compilation::run(setup, shared);
     let mut state = shared.lock();
     // A file that is empty or gone is most likely about to be written.
@@ -66,8 +66,14 @@ fn say(setup: &Setup, shared: &Shared) -> bool {
     }
     if state.building && failure.is_none() {
         let words = Arc::new(Words::of(outcome, &recorder).0);
-        state.words = Some(words.clone());
-        state.overheard = Some(words);
+        let texts = |words: &Words| words.sources.iter().map(|(_, file)| (file.name.clone(), file.text.clone())).collect::<Vec<_>>();
+        // What is there again is being built already; that something else was said is taken back.
+        let newer = texts(&words) != texts(built);
+        let before = state.overheard.take();
+        if newer || before.is_some() {
+            state.words = Some(words.clone());
+        }
+        state.overheard = newer.then_some(words);
         drop(state);
         (setup.wake)();
     }

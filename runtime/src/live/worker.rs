@@ -126,7 +126,7 @@ impl Worker {
             std::thread::scope(|scope| {
                 let shared = self.shared.clone();
                 let listens = scene.is_some() && self.setup.target.is_some();
-                let _ears = listens.then(|| overhear::start(scope, self.setup.clone(), &shared));
+                let _ears = listens.then(|| overhear::start(scope, self.setup.clone(), &shared, self.words()));
                 let update = self.build(scene, mode, since);
                 self.deliver(update);
             });
@@ -339,13 +339,13 @@ impl Worker {
                 update.ready = older.ready;
             }
         }
-        if let Some(words) = state.overheard.take() {
-            update.words = words;
-            // Of what was said and of what is shown the one is newer: the next look compiles in any case.
+        // What was heard of a newer text is said after what is delivered, and looked at again in any case.
+        state.words = state.overheard.take();
+        if state.words.is_some() {
             self.record = None;
         }
         state.update = Some(update);
-        (state.words, state.building) = (None, false);
+        state.building = false;
         state.work = None;
         state.busy = state.asked.is_some();
         drop(state);
