@@ -146,6 +146,11 @@ impl Parameter {
         self.first.map_or(0..0, |first| first..first + self.default.len() as u32)
     }
 
+    /// The name that the text chooses; none where it does not choose among names.
+    pub fn choice(&self) -> Option<&str> {
+        self.choices.get(*self.default.first()? as usize).map(String::as_str)
+    }
+
     /// Decimals with which a ten-thousandth of its range can be told, as a person reads it: angles in degrees.
     pub fn decimals(&self, component: usize) -> usize {
         let ends = self.min.get(component).zip(self.max.get(component));
@@ -162,20 +167,23 @@ impl Parameter {
         if self.degrees { 1f64.to_radians() } else { 1.0 }
     }
 
+    /// A number in a person's unit, with no more digits than its range tells apart and no zeros at the end.
+    pub fn digits(&self, component: usize, shown: f64) -> String {
+        let decimals = self.decimals(component);
+        let text = format!("{shown:.decimals$}");
+        let short = if decimals > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+        if short == "-0" { "0".to_owned() } else { short.to_owned() }
+    }
+
     /// A number, vector, condition or colour as the text may have it, within the range.
     pub fn written(&self, value: &[f64]) -> Written {
         let number = |(i, value): (usize, &f64)| {
-            let (shown, decimals) = (value / self.unit(), self.decimals(i));
-            let text = format!("{shown:.decimals$}");
-            let short = if decimals > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+            let shown = value / self.unit();
+            let short = self.digits(i, shown);
             let read = short.parse::<f64>().unwrap_or(shown) * self.unit();
             let within = self.min.get(i).is_none_or(|min| read >= *min) && self.max.get(i).is_none_or(|max| read <= *max);
             let unit = if self.degrees { "deg" } else { "" };
-            match (within, short) {
-                (true, "-0") => format!("0{unit}"),
-                (true, short) => format!("{short}{unit}"),
-                (false, _) => format!("{shown}{unit}"),
-            }
+            if within { format!("{short}{unit}") } else { format!("{shown}{unit}") }
         };
         let all = |value: &[f64]| match value {
             [one] => number((0, one)),

@@ -182,11 +182,10 @@ pub fn parameter_json(parameter: &Parameter) -> Value {
         many => json!(many),
     };
     if !parameter.choices.is_empty() {
-        let at = parameter.default.first().map_or(0, |d| *d as usize);
         return json!({
             "name": parameter.name,
             "type": "choice",
-            "default": parameter.choices.get(at),
+            "default": parameter.choice(),
             "choices": parameter.choices,
             "description": parameter.description,
         });

@@ -215,8 +215,7 @@ fn layout_json(args: &Args, compiled: &Compiled, module: &Module, tables: &[(Pat
     };
     let chosen = compiled.parameters.iter().filter(|p| !p.choices.is_empty()).map(|p| {
         let set = values::choices(&args.set).into_iter().find(|(name, _)| *name == p.name).map(|(_, choice)| choice);
-        let text = || p.default.first().and_then(|i| p.choices.get(*i as usize)).cloned();
-        (p.name.clone(), json!(set.or_else(text)))
+        (p.name.clone(), json!(set.or_else(|| p.choice().map(str::to_owned))))
     });
     // GLSL knows its block by name: the head of the text says it.
     let bound = |number: u32| (args.target != Target::Glsl.name()).then_some(number);

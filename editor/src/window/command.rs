@@ -532,10 +532,7 @@ fn said(session: &mut Session, words: Arc<Words>) {
 /// A choice that a hand made ends where the text makes another one than before.
 fn follow_choices(session: &mut Session, world: &World, old: &Compiled) {
     let Some(new) = session.scene().cloned() else { return };
-    let chosen = |scene: &Compiled, name: &str| {
-        let parameter = scene.parameters.iter().find(|p| p.name == name)?;
-        parameter.choices.get(*parameter.default.first()? as usize).cloned()
-    };
+    let chosen = |scene: &Compiled, name: &str| scene.parameters.iter().find(|p| p.name == name)?.choice().map(str::to_owned);
     let before = session.options.choose.len();
     session.options.choose.retain(|(name, _)| chosen(old, name) == chosen(&new, name));
     if session.options.choose.len() < before {

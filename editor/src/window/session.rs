@@ -259,20 +259,16 @@ impl Session {
     /// The name that a parameter has chosen.
     pub fn choice<'a>(&'a self, parameter: &'a Parameter) -> Option<&'a str> {
         let asked = self.options.choose.iter().find(|(name, _)| *name == parameter.name);
-        let default = || parameter.choices.get(*parameter.default.first()? as usize);
         // What was chosen may not be there any more.
         let asked = asked.map(|(_, choice)| choice).filter(|choice| parameter.choices.contains(choice));
-        asked.or_else(default).map(String::as_str)
+        asked.map(String::as_str).or_else(|| parameter.choice())
     }
 
     /// Whether a parameter has another value than the text gives it.
     pub fn is_moved(&self, parameter: &Parameter) -> bool {
         match self.stage.value(parameter) {
             Some(value) => value != parameter.default,
-            None => {
-                let default = parameter.default.first().and_then(|i| parameter.choices.get(*i as usize));
-                self.choice(parameter) != default.map(String::as_str)
-            }
+            None => self.choice(parameter) != parameter.choice(),
         }
     }
 

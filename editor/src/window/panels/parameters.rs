@@ -175,11 +175,7 @@ fn slider(
     let scale = parameter.unit();
     let mut shown = *component / scale;
     let decimals = parameter.decimals(index);
-    let text = move |value: f64| {
-        let text = format!("{value:.decimals$}");
-        let short = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-        if short == "-0" { "0".to_owned() } else { short.to_owned() }
-    };
+    let text = |value: f64| parameter.digits(index, value);
     // As wide as the longest number, so that nothing moves.
     let longest = [min / scale, max / scale, shown].map(|value| text(value).len()).into_iter().fold(decimals + 3, usize::max);
     let digit = ui.fonts_mut(|f| f.glyph_width(&egui::TextStyle::Button.resolve(ui.style()), '0'));
@@ -190,7 +186,7 @@ fn slider(
         // What the text says is not rounded by being shown.
         .clamping(SliderClamping::Edits)
         .smart_aim(true)
-        .custom_formatter(move |value, _| text(value));
+        .custom_formatter(|value, _| text(value));
     if parameter.degrees {
         slider = slider.suffix("°");
     }
