@@ -156,26 +156,41 @@ fn wherever_it_goes(compiled: &Compiled, distance: NodeId, at: &[Vec3]) -> Optio
     Some(least)
 }
 
-/// What tells how near what is solid is: the field and its gradient.
-struct About(Tape);
+/// What tells how near what is solid is: the field and its gradient, and a box that holds it.
+struct About {
+    tape: Tape,
+    region: Option<Box3>,
+}
 
 impl About {
     /// That of a scene; none where its formulas are too long.
     fn of(compiled: &Compiled) -> Option<Self> {
         let all = [Function::Field, Function::Gradient(0), Function::Gradient(1), Function::Gradient(2)].map(|function| own(compiled, function));
         let all: Vec<NodeId> = all.into_iter().collect::<Option<_>>()?;
-        Tape::new(&compiled.graph, &compiled.functions, &all, &compiled.live(), LIMIT).ok().map(Self)
+        let tape = Tape::new(&compiled.graph, &compiled.functions, &all, &compiled.live(), LIMIT).ok()?;
+        let ahead = &compiled.functions.ahead;
+        Some(Self { tape, region: if ahead.planes.is_none() { ahead.home } else { None } })
     }
 
-    /// How far from some places what is solid is.
+    /// How far from some places what is solid is. Far from it a polynomial over its slope is no measure of that, and the box is.
     fn rooms(&self, at: &[Vec3]) -> Vec<f64> {
-        values(&self.0, at).into_iter().map(|[field, x, y, z]| field / length([x, y, z]).max(1.0)).collect()
+        let from_box = |place: &Vec3| self.region.map_or(0.0, |region| length(from_outside(&region, *place)));
+        let slope = |[field, x, y, z]: [f64; 4]| field / length([x, y, z]).max(1.0);
+        let found = values(&self.tape, at).into_iter().map(slope);
+        found.zip(at).map(|(room, place)| if from_box(place) > 0.0 { room.max(from_box(place)) } else { room }).collect()
     }
 }
 
 /// The formula of one of the scene's functions.
 fn own(compiled: &Compiled, function: Function) -> Option<NodeId> {
     compiled.functions.formulas.get(&(compiled.root, function)).copied()
+}
+
+/// The way into a box from a place, by the shortest way; nothing within it.
+fn from_outside(region: &Box3, place: Vec3) -> Vec3 {
+    let [x, y, z] = region.0;
+    let [px, py, pz] = place;
+    [(x, px), (y, py), (z, pz)].map(|(side, at)| (side.lo - at).max(at - side.hi).max(0.0))
 }
 
 /// Up to four formulas at some places.

@@ -8,7 +8,7 @@ use crate::home::{EYE, SMALLEST};
 use crate::reference::camera::Basis;
 use crate::reference::follow::TRACER;
 use crate::reference::march::{Ray, at_points};
-use crate::reference::vector::{Vec3, add, length, scale, sub, unit};
+use crate::reference::vector::{Vec3, add, dot, length, scale, sub, unit};
 use crate::reference::{Hit, Reference};
 use crate::source::{FileId, Span};
 
@@ -32,6 +32,8 @@ const FADED: f64 = 0.99;
 const HOLES: f64 = 0.1;
 /// What is farther from a place than so many pixels is not there.
 const NEAR: f64 = 8.0;
+/// Nor is it where the field is still this share of itself after a step that should end it.
+const STILL: f64 = 0.5;
 /// Where no ray of this picture is lost, few are.
 const SMALL: (u32, u32) = (10, 6);
 /// What helps rays on.
@@ -139,8 +141,16 @@ pub fn is_blind(compiled: &Compiled, live: &Live, camera: &Camera) -> bool {
 }
 
 fn field_at(reference: &Reference, place: Vec3) -> f64 {
-    let mut found = f64::NAN;
-    at_points(reference.field(), &[place], &[], |_, values| found = values.first().copied().unwrap_or(f64::NAN));
+    fields_at(reference, &[place]).first().copied().unwrap_or(f64::NAN)
+}
+
+fn fields_at(reference: &Reference, places: &[Vec3]) -> Vec<f64> {
+    let mut found = vec![f64::NAN; places.len()];
+    at_points(reference.field(), places, &[], |i, values| {
+        if let (Some(slot), Some(value)) = (found.get_mut(i), values.first()) {
+            *slot = *value;
+        }
+    });
     found
 }
 
@@ -193,18 +203,21 @@ fn share_lost(compiled: &Compiled, reference: &Reference, camera: &Camera, frame
         // Those that spend many steps take less and less care, so that they end somewhere.
         let ended: Vec<&(Hit, Ray)> = hits.iter().filter(|(hit, _)| hit.hit || hit.steps >= TRACER.budget).collect();
         let places: Vec<Vec3> = ended.iter().map(|(hit, ray)| ray.at(hit.t)).collect();
-        let slopes = reference.gradients(&places);
-        let mut lost = 0;
-        at_points(reference.field(), &places, &[], |i, values| {
-            let near = ended.get(i).map_or(0.0, |(hit, _)| NEAR * Basis::of(camera).footprint(PIXELS) * hit.t);
-            let slope = slopes.get(i).map_or(0.0, |slope| length(*slope));
-            lost += usize::from(values.first().is_some_and(|field| *field > near * slope));
+        let (fields, slopes) = (fields_at(reference, &places), reference.gradients(&places));
+        // By its slope it is solid there, unless the formula jumps to and fro.
+        let there = places.iter().zip(&fields).zip(&slopes).map(|((at, field), slope)| sub(*at, scale(*slope, field / dot(*slope, *slope).max(SMALLEST))));
+        let left = fields_at(reference, &there.collect::<Vec<Vec3>>());
+        let found = ended.iter().zip(fields.iter().zip(&left).zip(&slopes));
+        let lost = found.filter(|((hit, _), ((field, left), slope))| {
+            let near = NEAR * Basis::of(camera).footprint(PIXELS) * hit.t;
+            **field > near * length(**slope) || **field > near && **left > STILL * **field
         });
-        lost as f64 / ended.len().max(1) as f64
+        (!ended.is_empty()).then(|| lost.count() as f64 / ended.len() as f64)
     };
     let is_short = |picture: (u32, u32)| (picture.0 * picture.1) as usize * compiled.module.operations.1.max(1) <= MOST_LOST;
-    let lost = is_short(SMALL).then(|| share(SMALL)).filter(|lost| *lost > 0.0)?;
-    Some(if is_short(more) { share(more) } else { lost })
+    // Of what is small in the picture these few rays meet nothing, and say nothing.
+    let few = is_short(SMALL).then(|| share(SMALL))?;
+    if few == Some(0.0) || !is_short(more) { few } else { share(more) }
 }
 
 /// What rays meet through the pixels of a picture, up to so far away.
@@ -346,8 +359,11 @@ mod tests {
             z = vec4(z.x*z.x - dot(z.yzw, z.yzw), 2*z.x*z.yzw) + (-0.2, 0.6, 0.2, 0.2), d = 2 * length(z) * d
           }; 0.5 * length(z) * log(length(z)) / d";
         assert_eq!(look(&format!("field julia = {{ {julia} }}\nscene = julia")), None);
-        let lost = look("field f = length(p) - 1 + 0.5 * fract(1000 * p.x * p.y) * p.x\nscene = f").unwrap();
+        let lost = look("field f = p.y + 3 + sin(1000 * p.x * p.z)\nscene = f").unwrap();
         assert!(lost.code == Code::NothingSeen && lost.message.contains("steps"), "{lost:?}");
+        // Steps suffice to come into its box, and not to what is solid there.
+        let torn = look("field f = length(p) - 1 + 0.5 * fract(1000 * p.x * p.y) * p.x\nscene = f").unwrap();
+        assert!(torn.code == Code::RaysLost && torn.message.contains("of 100 rays"), "{torn:?}");
         // A tower of steps, far too steep to be seen over.
         let torn = look("field f = { let r = floor(9 * p.z); p.y - 9 / (1 + abs(floor(9 * p.x + 0.5 * r)) + abs(r)) }\nscene = f").unwrap();
         assert!(torn.code == Code::RaysLost && torn.message.contains("of 100 rays"), "{torn:?}");
