@@ -10,6 +10,8 @@ use crate::graph::{Factor, Function, Graph, Node, NodeId, Proof, ShapeId};
 use crate::source::{Sources, Span};
 use rustc_hash::FxHashSet;
 
+/// Up to so many times the steps are few more.
+const FEW: f64 = 1.5;
 /// How many samples say how steep a formula is at most places.
 const TYPICAL: usize = 33;
 
@@ -40,8 +42,8 @@ pub struct Explained {
     /// How steep the formula is at most places: what is as steep everywhere takes no more steps for its factor. For a map of points 1: what
     /// is moved is a distance.
     pub typical: f64,
-    /// Whether rays go by more than the factor where it says little: see [`Functions::gentle`].
-    pub gentle: bool,
+    /// Where rays go by more than the factor, which says little: how many times the steps that takes. See [`Functions::gentle`].
+    pub gentle: Option<f64>,
     /// How it is known.
     pub proof: Proof,
     /// What it comes from: the name of what is called there, or `formula`.
@@ -202,7 +204,7 @@ fn one(compiled: &Compiled, sources: &Sources, live: &Live, index: u32, factor: 
         factor: factor.lipschitz,
         live: live.factor(&compiled.graph, index),
         typical: search.filter(|s| matches!(s.target, Target::Value(_))).map_or(1.0, |s| s.slope_near_zero(&compiled.graph, TYPICAL)),
-        gentle: compiled.functions.gentle.contains(&index),
+        gentle: compiled.functions.gentle.get(&index).copied(),
         proof: factor.proof,
         form: form(sources, &operation, &text, factor.lipschitz, corners, search.and_then(|s| s.domain.tube)),
         operation,
@@ -379,7 +381,10 @@ impl Explained {
         let together = if self.depth > 0 { format!("; {} times with those around it", rough(self.product)) } else { String::new() };
         let cost = self.factor / self.typical;
         match cost {
-            _ if self.gentle => format!("few more steps: near its surface rays go by how steep it is there{together}"),
+            _ if let Some(steps) = self.gentle => {
+                let times = if steps < FEW { "few more steps".to_owned() } else { format!("about {} times the steps", rough(steps)) };
+                format!("{times}: near its surface rays go by how steep it is there{together}")
+            }
             _ if self.factor <= 1.0 => format!("no more steps: the formula is flatter than a distance{together}"),
             _ if cost < 1.05 && self.factor > 1.5 => format!("no more steps: the formula is as steep nearly everywhere{together}"),
             _ if cost < 1.05 => format!("hardly more steps near it{together}"),

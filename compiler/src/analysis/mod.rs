@@ -7,6 +7,7 @@ mod back;
 pub mod branches;
 mod cells;
 pub mod constant;
+mod directions;
 pub mod domain;
 pub mod dual;
 mod isometry;

@@ -2,8 +2,9 @@
 //!
 //! A fractional part x - ⌊x⌋ lies between zero and one. A mean a(1 - t) + bt lies between a and b. A polynomial of one number, as t²(3 - 2t) is, lies
 //! between the least and the greatest of its Bernstein coefficients over that number's range (Bernstein form: Lane and Riesenfeld 1981), and so does its
-//! slope.
+//! slope. What is known of a coordinate over the length of its vector stands in `directions`, of products of sums in `multilinear`.
 
+use super::directions::Direction;
 use super::dual::Dual;
 use super::multilinear::Multilinear;
 use super::tape::{Step, Tape};
@@ -23,6 +24,8 @@ pub(super) enum Tight {
     Mean { of: [usize; 2], share: usize },
     /// It is a polynomial of an earlier step.
     Polynomial { of: usize, coefficients: Coefficients },
+    /// It is a coordinate over a length.
+    Direction(Direction),
     /// It is a sum of products in which no number is multiplied by itself.
     Multilinear(Multilinear),
 }
@@ -62,6 +65,7 @@ impl Tight {
                 }
                 (_, Step::Op(Op::Sub, args)) => part(tape, args),
                 (_, Step::Op(Op::Add, args)) => mean(tape, args),
+                (_, Step::Op(Op::Div, args)) => Direction::of(tape, args).map(Tight::Direction),
                 _ => None,
             };
             tight.extend(known.map(|known| (i, known)));
@@ -85,6 +89,7 @@ impl Tight {
             Tight::Mean { of: [a, b], share } if is_share(value(*share)) => widened(value(*a).hull(value(*b))),
             Tight::Mean { .. } => Interval::ALL,
             Tight::Polynomial { of, coefficients } => bernstein(coefficients, value(*of)),
+            Tight::Direction(direction) => direction.values(value),
             Tight::Multilinear(sum) => sum.values(value),
         }
     }
@@ -100,6 +105,7 @@ impl Tight {
         let dual = if both.is_empty() { dual } else { Dual { value: both, ..dual } };
         match self {
             Tight::Part(_) => dual,
+            Tight::Direction(direction) => direction.bound(dual, of),
             Tight::Mean { of: [a, b], share } if is_share(of(*share).value) => {
                 // (1 - t) ∇a + t ∇b + (b - a) ∇t
                 let (a, b, share) = (of(*a), of(*b), of(*share));

@@ -1,5 +1,7 @@
 //! How far a ray may step: operands one by one, groups as a whole, each over its Lipschitz factor and behind its region where it needs one.
 
+use super::dear::DEAR;
+use super::domains::LONGER;
 use super::{Builder, Kind, Known, Over, Treatment, BUDGET, GENTLE, LONG, SAMPLES, STEEPEST, UNIT};
 use crate::analysis::search::{Search, Target, ROUNDING};
 use crate::analysis::{Box3, Constant, Domain, has_cells};
@@ -220,7 +222,9 @@ impl Builder<'_> {
         let near = Domain { tube: tube_and_reach, ..domain.at(region.grow(reach)) };
         let constant = self.facts.map_constant(self.graph, point, &near, BUDGET);
         let constant = self.by_counts(point, constant, |facts, graph, point| facts.map_constant(graph, point, &near, BUDGET));
-        if constant.lipschitz > STEEPEST {
+        let more = if constant.lipschitz > DEAR { self.map_of_more(point, &near, LONGER).lipschitz } else { f64::INFINITY };
+        let constant = Constant { lipschitz: constant.lipschitz.min(more), ..constant };
+        if constant.lipschitz > STEEPEST || self.is_dear(node, &near, constant.lipschitz) {
             return self.normalised(shape, node, domain, continuous);
         }
         let known = of_map(&constant, near, Proof::Derived);
@@ -275,7 +279,8 @@ impl Builder<'_> {
             let way = self.times(node, factor);
             match uneven {
                 Some(uneven) => {
-                    self.built.gentle.insert(factor);
+                    let steps = self.steps_over_slope(node, &treatment.holds_in(domain), treatment.constant, &uneven);
+                    self.built.gentle.insert(factor, steps);
                     self.gentler_way(node, way, &uneven)
                 }
                 None => way,
@@ -394,7 +399,9 @@ impl Builder<'_> {
         let near = domain.at(region.grow(reach));
         let (constant, in_a_cell) = self.constant_near(node, &near, all.jumps);
         let constant = if in_a_cell { constant } else { self.constant_by_counts(node, &near, constant) };
-        if plain && all.lipschitz <= STEEPEST && (!bounded || constant.lipschitz > 0.85 * all.lipschitz) {
+        // What is that steep in few places needs the region in which the others are known.
+        let is_uneven = bounded && all.lipschitz > DEAR && self.uneven(node, &near, constant.lipschitz).is_some_and(|uneven| !uneven.is_unknown());
+        if plain && all.lipschitz <= STEEPEST && !is_uneven && (!bounded || constant.lipschitz > 0.85 * all.lipschitz) {
             return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, over: Over::Space });
         }
         if constant.lipschitz > STEEPEST_OF_ALL || constant.lipschitz.is_nan() {

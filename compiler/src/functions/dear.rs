@@ -2,7 +2,8 @@
 //! anywhere, as those of noise at places that noise moves.
 
 use super::trial::{Places, halved, number, places, values, weight};
-use super::{BUDGET, Builder, Kind, Treatment};
+use super::domains::LONGER;
+use super::{BUDGET, Builder, Kind, Over, Treatment};
 use crate::analysis::Domain;
 use crate::analysis::search::{Search, Target};
 use crate::diagnostic::{Code, Diagnostic};
@@ -13,7 +14,7 @@ use crate::verify::Random;
 use std::array::from_fn;
 
 /// A proven constant above this may be such a one.
-const DEAR: f64 = 50.0;
+pub(super) const DEAR: f64 = 50.0;
 /// It costs too much where it is so many times what it is drawn with, which is so much more than at the steepest place found.
 const TIMES_STEEPEST: f64 = 8.0;
 const MARGIN: f64 = 1.25;
@@ -40,14 +41,22 @@ impl Builder<'_> {
         }
         let at = treatment.holds_in(domain);
         // What is known beside the constant counts where it is gentler.
-        let near_surface = self.uneven(node, &at, treatment.constant).map_or(f64::INFINITY, |uneven| uneven.gentlest());
-        let proven = treatment.constant.min(near_surface);
+        let near_surface = self.uneven(node, &at, treatment.constant).filter(|uneven| !uneven.is_unknown());
+        let near_surface = near_surface.map(|uneven| self.usual_divisor(node, &at, treatment.constant, &uneven));
+        let proven = treatment.constant.min(near_surface.unwrap_or(f64::INFINITY));
         if proven <= DEAR {
             return treatment;
         }
         let Some(steepest) = self.steepest(node, &at).map(|steepest| MARGIN * steepest) else { return treatment };
         if steepest <= 0.0 || proven <= TIMES_STEEPEST * steepest {
             return treatment;
+        }
+        // Perhaps it takes but a longer look.
+        if treatment.over == Over::Region && self.facts.has_leisure() {
+            let more = self.constant_of_more(node, &at, LONGER).lipschitz;
+            if more < treatment.constant && (more <= DEAR || more <= TIMES_STEEPEST * steepest) {
+                return Treatment { constant: more, ..treatment };
+            }
         }
         let now = self.as_parameters_stand(node, &at, proven);
         if now <= DEAR || now <= TIMES_STEEPEST * steepest {
@@ -64,6 +73,11 @@ impl Builder<'_> {
         ));
         self.kind = self.kind.max(Kind::Unproven);
         Treatment { constant: steepest, proof: Proof::Measured, ..treatment }
+    }
+
+    /// Whether a factor is of no use for a formula: so many times as large as at the steepest place that is found.
+    pub(super) fn is_dear(&mut self, node: NodeId, at: &Domain, factor: f64) -> bool {
+        !self.strict && factor > DEAR && self.steepest(node, at).is_some_and(|steepest| steepest > 0.0 && factor > TIMES_STEEPEST * MARGIN * steepest)
     }
 
     /// A constant over a domain at the defaults of parameters; the one that is known of their ranges where it reads none.

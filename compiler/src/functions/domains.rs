@@ -316,6 +316,15 @@ impl Builder<'_> {
         found
     }
 
+    /// The same for a map of points.
+    pub(super) fn map_of_more(&mut self, point: &[NodeId], domain: &Domain, longer: usize) -> Constant {
+        let steps = self.facts.steps;
+        self.facts.steps *= longer;
+        let found = self.facts.map_constant(self.graph, point, domain, BUDGET * longer);
+        self.facts.steps = steps;
+        found
+    }
+
     /// The bound of what is wild, no longer than the way out of the part in which it holds: the distance to there is at least the level less
     /// the value of the tame operand, which is no steeper than one.
     pub(super) fn kept_within(&mut self, cut: &Cut, bound: NodeId) -> NodeId {

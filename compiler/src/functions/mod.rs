@@ -71,9 +71,9 @@ pub struct Functions {
     pub mesh_surfaces: Vec<Option<u32>>,
     /// What each of [`Graph::factors`] was found from; none for one that is measured.
     pub searches: Vec<Option<Search>>,
-    /// Those of [`Graph::factors`] that stand for formulas which are gentle at their surface and many times as steep elsewhere: near it rays go by
-    /// their curvature or their levels.
-    pub gentle: FxHashSet<u32>,
+    /// Those of [`Graph::factors`] that stand for formulas which are gentle at their surface and many times as steep elsewhere: rays go by their
+    /// curvature or their levels. With how many times as many steps that takes at half of the places as if they knew how steep it is.
+    pub gentle: FxHashMap<u32, f64>,
     /// Unions of many operands, by the function that each one is.
     pub unions: FxHashMap<unions::Of, unions::Union>,
     /// What rays find without a search.

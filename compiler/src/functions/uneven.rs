@@ -1,19 +1,24 @@
 //! Formulas that are gentle at their surface and many times as steep elsewhere in their region, as products of polynomials are: over the constant
 //! of all the region a ray would hardly get on. One of two things says more.
 //!
-//! *Levels.* Who comes to the surface passes all values in between, so that of a way from a value of |f| = v on only the part counts where |f| is at
-//! most v: no way is shorter than min(|f|, v) / L(v), L(v) the steepest place at which |f| is at most v.
+//! *Levels.* Who comes to the surface passes all values in between, so that of a way from a value of f = v on only the part counts where f is at
+//! most v and not yet below zero: no way is shorter than min(f, v) / L(v), L(v) the steepest place at which f is at most v and no less than some -u. And
+//! from within none is shorter than min(-f, u) / L(v).
 //!
 //! *Curvature.* Where no slope changes faster than a constant M of the second derivatives, a value f of slope g is after a way s still at least
 //! |f| - g s - M s²/2 (Taylor's theorem), so a ray may go to where that is zero, 2|f| / (g + √(g² + 2 M |f|)). Near the surface that is f/g, wherever
 //! the region is steepest. Kalra and Barr (1989) bound a slope along a ray in the same way.
 
+use super::dear::DEAR;
 use super::domains::STEEP;
+use super::trial::{number, places, values};
 use super::{BUDGET, Builder};
 use crate::analysis::Domain;
 use crate::analysis::search::{ROUNDING, Search, Target};
 use crate::graph::kernel::Op;
+use crate::evaluate::LANES;
 use crate::graph::NodeId;
+use crate::verify::Random;
 use std::rc::Rc;
 
 /// Such a formula is so many times as steep somewhere as it is in most places.
@@ -27,11 +32,13 @@ const SHARE: f64 = 0.25;
 const LEVELS: usize = 3;
 const PART: f64 = 0.0625;
 /// How many times as many boxes the constant at a level may cost.
-const LONGER: usize = 4;
+const LONGER: usize = 8;
 /// A level is worth its `min` and `max` where it is gentler by so much than what is known without it.
 const GENTLER: f64 = 0.5;
 /// A slope that changes faster than this says nothing.
 const FASTEST: f64 = 1e8;
+/// So often places tell in each lane what a way comes to.
+const TURNS: usize = 16;
 /// No square root is divided by less: of a field of zero the way is zero.
 const LEAST: f64 = 1e-12;
 
@@ -40,22 +47,30 @@ const LEAST: f64 = 1e-12;
 pub(super) enum Uneven {
     /// How much its slope changes for each unit of the way at most.
     Curvature(f64),
-    /// Where its slope jumps or nothing finite is known of how it changes: levels of its magnitude, and how steep it is where it is at most that. There
-    /// may be none.
-    Levels(Vec<(f64, f64)>),
+    /// Where its slope jumps, changes at once, or nothing finite is known of how it changes.
+    Levels(Levels),
+}
+
+/// Levels of a value, and how steep it is where it is at most that.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Levels {
+    /// Each level with that slope, the highest first. There may be none.
+    up_to: Vec<(f64, f64)>,
+    /// They hold where the value is no less than this, the other way round.
+    down_to: f64,
 }
 
 impl Uneven {
     /// Whether nothing is known but that it is uneven.
     pub(super) fn is_unknown(&self) -> bool {
-        matches!(self, Uneven::Levels(levels) if levels.is_empty())
+        matches!(self, Uneven::Levels(levels) if levels.up_to.is_empty())
     }
 
     /// How steep it is where it is gentlest, as far as its levels say; with its curvature that need not be known.
     pub(super) fn gentlest(&self) -> f64 {
         match self {
             Uneven::Curvature(_) => 0.0,
-            Uneven::Levels(levels) => levels.iter().map(|(_, steep)| *steep).fold(f64::INFINITY, f64::min),
+            Uneven::Levels(levels) => levels.up_to.iter().map(|(_, steep)| *steep).fold(f64::INFINITY, f64::min),
         }
     }
 }
@@ -84,31 +99,64 @@ impl Builder<'_> {
         }
         // Over a jump neither holds.
         if self.facts.constant(self.graph, node, domain, 1).jumps {
-            return Some(Uneven::Levels(Vec::new()));
+            return Some(Uneven::Levels(Levels::default()));
         }
-        if let Some(curvature) = self.curvature(node, domain) {
-            return Some(Uneven::Curvature(curvature));
+        let curved = self.curvature(node, domain).map(Uneven::Curvature);
+        let by_curvature = curved.as_ref().map_or(f64::INFINITY, |curved| self.usual_divisor(node, domain, constant, curved));
+        if curved.is_some() && by_curvature <= DEAR.max(UNEVEN * usual) {
+            return curved;
         }
-        // They cost more than all else, and must not be the reason that the next formula gets no search at all.
-        let levels = if self.facts.has_leisure() { self.levels(node, domain, constant) } else { Vec::new() };
-        Some(Uneven::Levels(levels))
+        let levels = Uneven::Levels(self.levels(node, domain, constant));
+        // A slope that changes very fast in one place says next to nothing of all others.
+        Some(curved.filter(|_| by_curvature <= self.usual_divisor(node, domain, constant, &levels)).unwrap_or(levels))
     }
 
-    fn levels(&mut self, node: NodeId, domain: &Domain, constant: f64) -> Vec<(f64, f64)> {
-        let size = self.graph.op(Op::Abs, &[node]);
-        let whole = self.facts.range(self.graph, size, domain).hi;
-        let (mut level, mut least, mut levels) = (whole, constant, Vec::new());
+    /// By what a value is divided, at half of the places outside, for the way that is known: by `constant`, or by less.
+    pub(super) fn usual_divisor(&mut self, node: NodeId, domain: &Domain, constant: f64, uneven: &Uneven) -> f64 {
+        let share = self.graph.constant(1.0 / constant);
+        let way = self.graph.op(Op::Mul, &[node, share]);
+        let way = self.gentler_way(node, way, uneven);
+        let Some(tape) = self.tape_of(domain, &[node, way], 0) else { return constant };
+        let (mut evaluator, mut random) = (tape.evaluator(), Random(0));
+        let mut found = Vec::with_capacity(TURNS * LANES);
+        for turn in 0..TURNS {
+            let [values, ways] = values(&mut evaluator, &places(domain, turn, &mut random));
+            let outside = (0..LANES).map(|lane| (number(&values, lane), number(&ways, lane))).filter(|(value, way)| *value > 0.0 && *way > 0.0);
+            found.extend(outside.map(|(value, way)| value / way));
+        }
+        found.sort_by(f64::total_cmp);
+        found.get(found.len() / 2).copied().unwrap_or(constant)
+    }
+
+    /// How many times as many steps that is at half of the places as if rays knew how steep it is there.
+    pub(super) fn steps_over_slope(&mut self, node: NodeId, domain: &Domain, constant: f64, uneven: &Uneven) -> f64 {
+        let search = Search { target: Target::Value(node), domain: domain.clone(), parameters: Vec::new() };
+        self.usual_divisor(node, domain, constant, uneven) / search.quantile(self.graph, PLACES, 0.5)
+    }
+
+    fn levels(&mut self, node: NodeId, domain: &Domain, constant: f64) -> Levels {
+        let highest = self.facts.range(self.graph, node, domain).hi;
+        // It may be that high in a few places alone.
+        let usual = Search { target: Target::Value(node), domain: domain.clone(), parameters: Vec::new() }.usual_size(self.graph, PLACES);
+        let mut level = (PART * highest).min(usual.unwrap_or(highest));
+        let down_to = PART * level;
+        let below = self.graph.op(Op::Neg, &[node]);
+        let (mut least, mut up_to) = (constant, Vec::new());
         for _ in 0..LEVELS {
-            level *= PART;
+            // They cost more than all else, and must not be the reason that the next formula gets no search at all.
+            if !self.facts.has_leisure() {
+                break;
+            }
             let mut near = domain.clone();
-            near.within.push((size, level));
+            near.within.extend([(node, level), (below, down_to)]);
             let steep = self.constant_within(node, &near, LONGER).lipschitz * (1.0 + ROUNDING);
             if steep > 0.0 && steep < GENTLER * least {
                 least = steep;
-                levels.push((level, steep));
+                up_to.push((level, steep));
             }
+            level *= PART;
         }
-        levels
+        Levels { up_to, down_to }
     }
 
     fn curvature(&mut self, node: NodeId, domain: &Domain) -> Option<f64> {
@@ -129,18 +177,20 @@ impl Builder<'_> {
         }
         let size = self.graph.op(Op::Abs, &[node]);
         let further = match uneven {
-            Uneven::Curvature(curvature) => self.by_curvature(node, size, *curvature),
-            Uneven::Levels(levels) => {
-                let ways = levels.iter().map(|&(level, steep)| {
+            Uneven::Curvature(curvature) => [self.by_curvature(node, size, *curvature); 2],
+            Uneven::Levels(Levels { up_to, down_to }) => {
+                let mut kept = |level: f64, steep: f64| {
                     let [level, share] = [level, 1.0 / steep].map(|c| self.graph.constant(c));
                     let kept = self.graph.op(Op::Min, &[size, level]);
                     self.graph.op(Op::Mul, &[kept, share])
-                });
-                let ways: Vec<NodeId> = ways.collect();
-                ways.into_iter().reduce(|a, b| self.graph.op(Op::Max, &[a, b])).unwrap_or(way)
+                };
+                let ways: Vec<NodeId> = up_to.iter().map(|&(level, steep)| kept(level, steep)).collect();
+                let back = up_to.last().map_or(way, |&(_, steep)| kept(*down_to, steep));
+                [ways.into_iter().reduce(|a, b| self.graph.op(Op::Max, &[a, b])).unwrap_or(way), back]
             }
         };
-        let back = self.graph.op(Op::Neg, &[further]);
+        let [further, back] = further;
+        let back = self.graph.op(Op::Neg, &[back]);
         self.further(node, way, [further, back])
     }
 
@@ -180,7 +230,10 @@ mod tests {
     /// Of a formula of r, the distance from the origin, that is zero on the unit sphere alone: how much of the way to there the bound and the estimate
     /// are, at each of some distances from it; and how steep the formula is at most.
     fn shares(formula: &str, ways: &[f64]) -> (Vec<[f64; 2]>, f64) {
-        let text = format!("field f = {formula}\nscene = f.within(box(6))");
+        shares_in(&format!("field f = {formula}\nscene = f.within(box(6))"), ways)
+    }
+
+    fn shares_in(text: &str, ways: &[f64]) -> (Vec<[f64; 2]>, f64) {
         let scene = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default()).compiled.unwrap();
         let roots = [Function::Bound, Function::Distance].map(|f| scene.functions.formulas[&(scene.root, f)]);
         let tape = Tape::new(&scene.graph, &scene.functions, &roots, &scene.live(), 1_000_000).unwrap();
@@ -211,6 +264,16 @@ mod tests {
         assert!(factor > 100.0, "{factor}");
         for [bound, estimate] in found {
             assert!(bound > 3.0 / factor && bound <= 1.0 && estimate <= 1.0 && bound <= estimate + 1e-9, "{bound} {estimate} of {factor}");
+        }
+    }
+
+    #[test]
+    fn what_is_steep_in_one_place_goes_by_its_levels() {
+        // As steep as 300 within a thousandth of the middle, which is far from the surface.
+        let (found, factor) = shares_in("field f = { let u = p / max(length(p), 0.001); (length(p) - 1) * (1 + 0.3 * u.x * u.z) }\nscene = f", &[0.01, 0.1, 0.3, -0.01]);
+        assert!(factor > 100.0, "{factor}");
+        for [bound, estimate] in found {
+            assert!(bound > 0.1 && bound <= 1.0 && estimate <= 1.0 && bound <= estimate + 1e-9, "{bound} {estimate} of {factor}");
         }
     }
 

@@ -78,6 +78,17 @@ pub enum AngleUnit {
     Rad,
 }
 
+impl AngleUnit {
+    /// As it is written.
+    pub fn name(self) -> &'static str {
+        match self {
+            AngleUnit::Deg => "deg",
+            AngleUnit::Turn => "turn",
+            AngleUnit::Rad => "rad",
+        }
+    }
+}
+
 /// Operators before their operand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UnaryOp {
@@ -314,6 +325,10 @@ impl Expr {
             ExprKind::Name(name) => name.clone(),
             ExprKind::Int(i) => i.to_string(),
             ExprKind::Float(f) => f.to_string(),
+            ExprKind::Angle(value, unit) => format!("{value}{}", unit.name()),
+            ExprKind::Color([r, g, b]) => format!("#{r:02x}{g:02x}{b:02x}"),
+            ExprKind::Vector(parts) => format!("({})", parts.iter().map(Expr::label).collect::<Option<Vec<_>>>()?.join(", ")),
+            ExprKind::Paren(inner) => inner.label()?,
             ExprKind::Str(s) => s.clone(),
             ExprKind::Bool(b) => b.to_string(),
             ExprKind::Unary(UnaryOp::Neg, inner) => format!("-{}", inner.label()?),

@@ -88,10 +88,6 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if buffered && target == Target::Glsl {
         return Err(Failure::usage("GLSL ES 3.0 has no storage buffers: leave --tables buffers out"));
     }
-    if let Some(live) = args.set.iter().find(|s| !matches!(s.value, values::Value::Word(_))) {
-        let name = &live.name;
-        return Err(Failure::usage(format!("--set {name}=…: only choices are set here; a module's host writes `{name}` into the uniform block")));
-    }
     let options = Options {
         choose: values::choices(&args.set),
         exports: args.functions.clone(),
@@ -106,6 +102,10 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     show_diagnostics(&outcome);
     let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
     values::apply(&args.set, compiled, &mut compiled.live()).map_err(Failure::usage)?;
+    if let Some(live) = compiled.parameters.iter().find(|p| p.first.is_some() && args.set.iter().any(|s| s.name == p.name)) {
+        let name = &live.name;
+        return Err(Failure::usage(format!("--set {name}=…: only choices are set here; a module's host writes `{name}` into the uniform block")));
+    }
     if show_broken(&outcome, &crate::picture::broken_meshes(compiled)) == Exit::Errors {
         return Ok(Exit::Errors);
     }

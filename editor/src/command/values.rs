@@ -11,6 +11,8 @@ pub struct Setting {
     pub name: String,
     /// What it shall be.
     pub value: Value,
+    /// What it is called where the parameter chooses from a list.
+    pub label: String,
 }
 
 /// A value as written; which parameter it fits is known only when the scene is compiled.
@@ -20,7 +22,7 @@ pub enum Value {
     Numbers(Vec<f64>),
     /// sRGB, 0 to 1.
     Color([f64; 3]),
-    /// A word: one of the names that a parameter chooses among.
+    /// Words: one of the names that a parameter chooses among.
     Word(String),
 }
 
@@ -31,7 +33,9 @@ pub fn setting(text: &str) -> Result<Setting, String> {
     if name.is_empty() || value.is_empty() {
         return Err("write NAME=VALUE".to_owned());
     }
-    Ok(Setting { name: name.to_owned(), value: self::value(value)? })
+    // `8.0` is the same number as `8`.
+    let label = value.parse::<f64>().ok().filter(|n| n.is_finite()).map_or(value.to_owned(), |number| number.to_string());
+    Ok(Setting { name: name.to_owned(), value: self::value(value)?, label })
 }
 
 fn value(text: &str) -> Result<Value, String> {
@@ -49,7 +53,8 @@ fn value(text: &str) -> Result<Value, String> {
     let numbers: Option<Vec<f64>> = inner.split(',').map(|part| number(part.trim())).collect();
     match numbers {
         Some(numbers) if numbers.len() <= 4 => Ok(Value::Numbers(numbers)),
-        None if text.chars().all(|c| c.is_alphanumeric() || c == '_') => {
+        // A name, one of an import, or what stands in a text.
+        None if text.starts_with(char::is_alphabetic) || text.starts_with('_') => {
             Ok(Value::Word(text.to_owned()))
         }
         _ => Err(format!("`{text}` is no number, vector, colour, angle, true, false or name")),
@@ -85,13 +90,9 @@ fn color(digits: &str) -> Option<[f64; 3]> {
     }
 }
 
-/// The choices among the settings, for `Options::choose`.
+/// The settings for `Options::choose`, which is asked only where a parameter chooses from a list.
 pub fn choices(settings: &[Setting]) -> Vec<(String, String)> {
-    let word = |s: &Setting| match &s.value {
-        Value::Word(word) => Some((s.name.clone(), word.clone())),
-        _ => None,
-    };
-    settings.iter().filter_map(word).collect()
+    settings.iter().map(|s| (s.name.clone(), s.label.clone())).collect()
 }
 
 /// Puts the settings into a scene's live values, or says which of them does not fit.
@@ -110,7 +111,7 @@ pub fn apply(settings: &[Setting], compiled: &Compiled, live: &mut Live) -> Resu
         })?;
         let wrong = |why: String| format!("--set {name}: {why}");
         match (&setting.value, parameter.first) {
-            (Value::Word(word), None) if parameter.choices.contains(word) => {}
+            (_, None) if parameter.choices.contains(&setting.label) => {}
             (_, None) => {
                 return Err(wrong(format!("choose one of {}", parameter.choices.join(", "))));
             }
@@ -192,6 +193,12 @@ mod tests {
         assert_eq!(read("#f00"), Value::Color([1.0, 0.0, 0.0]));
         assert_eq!(read("ionic"), Value::Word("ionic".to_owned()));
         assert_eq!(read("inf"), Value::Word("inf".to_owned()));
+    }
+
+    #[test]
+    fn numbers_choose_from_lists_too() {
+        let label = |text: &str| setting(&format!("a={text}")).unwrap().label;
+        assert_eq!([label("8"), label("8.0"), label("0.50"), label("30deg"), label("ionic"), label("sky.dusk")], ["8", "8", "0.5", "30deg", "ionic", "sky.dusk"]);
     }
 
     #[test]
