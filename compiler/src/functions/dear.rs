@@ -15,6 +15,8 @@ use std::array::from_fn;
 
 /// A proven constant above this may be such a one.
 pub(super) const DEAR: f64 = 50.0;
+/// Above this a map's is one.
+const HOPELESS: f64 = 250.0;
 /// It costs too much where it is so many times what it is drawn with, which is so much more than at the steepest place found.
 const TIMES_STEEPEST: f64 = 8.0;
 const MARGIN: f64 = 1.25;
@@ -75,9 +77,10 @@ impl Builder<'_> {
         Treatment { constant: steepest, proof: Proof::Measured, ..treatment }
     }
 
-    /// Whether a factor is of no use for a formula: so many times as large as at the steepest place that is found.
+    /// Whether the factor of a map is of no use for a formula that it moves: no ray gets anywhere by it, and the steepest place that is found is far
+    /// gentler.
     pub(super) fn is_dear(&mut self, node: NodeId, at: &Domain, factor: f64) -> bool {
-        !self.strict && factor > DEAR && self.steepest(node, at).is_some_and(|steepest| steepest > 0.0 && factor > TIMES_STEEPEST * MARGIN * steepest)
+        !self.strict && factor > HOPELESS && self.steepest(node, at).is_some_and(|steepest| steepest > 0.0 && factor > TIMES_STEEPEST * MARGIN * steepest)
     }
 
     /// A constant over a domain at the defaults of parameters; the one that is known of their ranges where it reads none.
