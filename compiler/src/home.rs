@@ -264,6 +264,12 @@ mod tests {
         let distance = |text: &str| length(camera(&scene(&format!("scene = {text}"))).eye);
         let turning = distance("cylinder(1, 1).rotate(y, time)") / distance("cylinder(1, 1)");
         assert!((0.99..1.2).contains(&turning), "{turning}");
+        // So does a drawing, whose coordinates may then be anything.
+        let turning = distance("star(5, 1, 0.5).rotate(time).extrude(0.3)") / distance("star(5, 1, 0.5).extrude(0.3)");
+        assert!((0.99..1.7).contains(&turning), "{turning}");
+        // Of a polynomial its slope far away says nothing of how near it is.
+        let cubed = distance("polynomial.within(sphere(1.6))\nfield polynomial = cube(dot(p, p) - 1)") / distance("sphere(1)");
+        assert!((0.99..1.6).contains(&cubed), "{cubed}");
         // In an upright picture it stands farther away, and not where the text says where.
         let still = scene("scene = box(4, 1, 1)");
         let (usual, upright) = (camera(&still), still.camera_in(camera(&still), 0.65));

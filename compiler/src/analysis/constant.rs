@@ -109,6 +109,11 @@ impl Facts {
         if by.jumps != 0 { f64::INFINITY } else { by.norm }
     }
 
+    /// From here on searches are counted with those made aside, until this is asked again: they must not be the reason that the next formula gets no search.
+    pub fn turn_aside(&mut self) {
+        std::mem::swap(&mut self.searched, &mut self.searched_aside);
+    }
+
     /// Whether searches have cost less than half of what they may.
     pub fn has_leisure(&self) -> bool {
         self.searched < self.most_searched / 2

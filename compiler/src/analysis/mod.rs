@@ -9,6 +9,7 @@ mod cells;
 pub mod constant;
 mod directions;
 pub mod domain;
+mod drawn;
 pub mod dual;
 mod isometry;
 pub mod joined;
@@ -96,7 +97,9 @@ pub struct Facts {
     forked: u64,
     /// How many steps searches for constants have cost so far.
     searched: u64,
-    /// How many they may cost.
+    /// And those that are made aside: see [`Facts::turn_aside`].
+    searched_aside: u64,
+    /// How many they may cost, and those aside as many.
     most_searched: u64,
     /// Values of the parameters, where these facts hold for those alone.
     pub pinned: Pinned,
@@ -132,6 +135,7 @@ impl Default for Facts {
             forks: None,
             forked: 0,
             searched: 0,
+            searched_aside: 0,
             most_searched: MOST_SEARCHED,
             pinned: Rc::new([]),
         }

@@ -38,6 +38,8 @@ const PLACES: usize = 24;
 pub const WORLD_SIDE: f64 = 1e5;
 /// As far as shapes are looked at, in their own space: what lies within [`WORLD_SIDE`] lies within this after all moves.
 const FARTHEST: f64 = 1e6;
+/// What is known no better than to lie within this is looked at more closely where that costs little.
+const FAR: f64 = 1e4;
 /// See [`FARTHEST`].
 const MOVES: usize = 70;
 
@@ -418,8 +420,11 @@ impl Facts {
             }
             let tape = self.tape(graph, node);
             let mut region = self.contract(graph, &tape, &domain, target);
+            let is_drawing = s.dimensions == 2 && s.exactness == Exactness::Exact;
             if self.sifts > 0 {
                 region = self.sift(graph, node, &domain, region, level);
+            } else if is_drawing && region.axis(0).is_finite() && region.axis(1).is_finite() && region.size() > FAR {
+                region = self.drawn(graph, node, &domain, region, level);
             }
             self.regions.insert(key, region);
             return region;

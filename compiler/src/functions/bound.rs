@@ -222,8 +222,12 @@ impl Builder<'_> {
         let near = Domain { tube: tube_and_reach, ..domain.at(region.grow(reach)) };
         let constant = self.facts.map_constant(self.graph, point, &near, BUDGET);
         let constant = self.by_counts(point, constant, |facts, graph, point| facts.map_constant(graph, point, &near, BUDGET));
-        let more = if constant.lipschitz > DEAR { self.map_of_more(point, &near, LONGER).lipschitz } else { f64::INFINITY };
-        let constant = Constant { lipschitz: constant.lipschitz.min(more), ..constant };
+        let mut constant = constant;
+        if constant.lipschitz > DEAR {
+            self.facts.turn_aside();
+            constant.lipschitz = constant.lipschitz.min(self.map_of_more(point, &near, LONGER).lipschitz);
+            self.facts.turn_aside();
+        }
         if constant.lipschitz > STEEPEST || self.is_dear(node, &near, constant.lipschitz) {
             return self.normalised(shape, node, domain, continuous);
         }

@@ -46,7 +46,8 @@ impl Builder<'_> {
         let near_surface = self.uneven(node, &at, treatment.constant).filter(|uneven| !uneven.is_unknown());
         let near_surface = near_surface.map(|uneven| self.usual_divisor(node, &at, treatment.constant, &uneven));
         let proven = treatment.constant.min(near_surface.unwrap_or(f64::INFINITY));
-        if proven <= DEAR {
+        // What is gentle at its surface ends well.
+        if proven <= if near_surface.is_some() { 2.0 * DEAR } else { DEAR } {
             return treatment;
         }
         let Some(steepest) = self.steepest(node, &at).map(|steepest| MARGIN * steepest) else { return treatment };
@@ -54,8 +55,10 @@ impl Builder<'_> {
             return treatment;
         }
         // Perhaps it takes but a longer look.
-        if treatment.over == Over::Region && self.facts.has_leisure() {
+        if treatment.over == Over::Region {
+            self.facts.turn_aside();
             let more = self.constant_of_more(node, &at, LONGER).lipschitz;
+            self.facts.turn_aside();
             if more < treatment.constant && (more <= DEAR || more <= TIMES_STEEPEST * steepest) {
                 return Treatment { constant: more, ..treatment };
             }

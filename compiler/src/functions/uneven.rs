@@ -142,8 +142,8 @@ impl Builder<'_> {
         let down_to = PART * level;
         let below = self.graph.op(Op::Neg, &[node]);
         let (mut least, mut up_to) = (constant, Vec::new());
+        self.facts.turn_aside();
         for _ in 0..LEVELS {
-            // They cost more than all else, and must not be the reason that the next formula gets no search at all.
             if !self.facts.has_leisure() {
                 break;
             }
@@ -156,6 +156,7 @@ impl Builder<'_> {
             }
             level *= PART;
         }
+        self.facts.turn_aside();
         Levels { up_to, down_to }
     }
 
