@@ -125,6 +125,12 @@ impl Elaborator<'_> {
                         _ => span,
                     };
                     let (takes, given) = (parameters.len() - hidden, given - hidden);
+                    let has_axis = parameters.iter().any(|p| &*p.name.text == "axis" || matches!(p.ty, Some((Type::Vec(3), _))));
+                    let axis = args.iter().find(|a| matches!(&a.value.kind, ExprKind::Name(name) if matches!(&**name, "x" | "y" | "z")));
+                    if let (Some(axis), false) = (axis, has_axis) {
+                        let help = format!("write `{}`", written(name, parameters, hidden, true));
+                        return Err(self.error(Code::ExtraArgument, axis.value.span, format!("`{name}` has no axis here"), help));
+                    }
                     let hides = (is_of_prelude(name) || is_function(name)) && parameters.iter().all(|p| !in_prelude(p.name.span));
                     self.error(
                         Code::ExtraArgument,

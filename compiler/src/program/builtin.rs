@@ -40,7 +40,7 @@ impl Elaborator<'_> {
         env: &Env,
     ) -> Elaborated<Value> {
         let joins = match name {
-            "min" => Some("shapes are joined by `a | b`"),
+            "min" => Some("shapes are joined by `a | b`; in a `blend` they are numbers, and have no type: `blend name(a, b, k: float) = …`"),
             "max" => Some("what shapes share is `a & b`, and what is left of `b` without `a` is `b - a`"),
             _ => None,
         };

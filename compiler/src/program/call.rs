@@ -1,6 +1,7 @@
 //! Calls: what is called, by a name, through an import or after a dot.
 
 use super::bind::written_out;
+use super::builtin::is_function;
 use super::elsewhere::{color, instead, ours};
 use super::load::{ItemRef, Resolution};
 use super::overload::at_a_point;
@@ -11,7 +12,7 @@ use crate::graph::NodeId;
 use crate::graph::kernel::KERNEL;
 use crate::source::Span;
 use crate::syntax::ast::{self, Argument, Expr, ExprKind, FunctionKind, ItemKind, Name};
-use crate::syntax::words::nearest;
+use crate::syntax::words::{DECLARATIONS, nearest};
 
 impl Elaborator<'_> {
     /// `callee(args)`.
@@ -443,9 +444,14 @@ impl Elaborator<'_> {
             }
             _ => {
                 let value = self.item_value(&[item], span, env)?;
-                let found = value.describe(self);
                 let name = declared_name(declared);
-                let hides = !modules.is_prelude(item.module) && modules.visible(modules.prelude()).contains(&&*name);
+                // That no value is called so is said where it is declared.
+                if DECLARATIONS.contains(&&*name) {
+                    return Err(Stop);
+                }
+                let found = value.describe(self);
+                let is_ours = modules.visible(modules.prelude()).contains(&&*name) || is_function(&name);
+                let hides = !modules.is_prelude(item.module) && is_ours;
                 let help = match hides {
                     true => format!("it hides the `{name}` of the language: give it another name"),
                     false => format!("write `{name}` alone"),

@@ -306,6 +306,18 @@ mod tests {
             ("scene = for k in polar(6, y) { sphere(0.3).translate(1, 0, 0) }\n", "`polar(y, 6)`", "scene = for k in polar(y, 6) { sphere(0.3).translate(1, 0, 0) }\n"),
             ("scene = sphere(0.3).translate(1, 0, 0).polar(6)\n", "`.repeat_polar(y, 6)`", "scene = sphere(0.3).translate(1, 0, 0).repeat_polar(y, 6)\n"),
             ("light(direction: (0, -1, 0))\nscene = sphere(1)\n", "`light sun {", "light sun { direction: (-1, -2, -1), intensity: 3 }\nscene = sphere(1)\n"),
+            ("let paint = swatch(#f00)\nscene = sphere(1).paint(box(1), paint)\n", "another name", "let red = swatch(#f00)\nscene = sphere(1).paint(box(1), red)\n"),
+            ("fn f(x: float): float = x * 2\nscene = sphere(f(1))\n", "leave the type out", "fn f(x: float) = x * 2\nscene = sphere(f(1))\n"),
+            ("field f = { let d = length(p) - 1; return d; }\nscene = f\n", "without `return`", "field f = { let d = length(p) - 1; d }\nscene = f\n"),
+            ("scene = sphere(1) |> translate(1, 0, 0)\n", "`sphere(1).translate(1, 2, 3)`", "scene = sphere(1).translate(1, 0, 0)\n"),
+            ("scene = sphere(1) >> move [1, 0, 0]\n", "`sphere(1).translate(1, 2, 3)`", "scene = sphere(1).translate(1, 0, 0)\n"),
+            ("scene = rectangle(1, 2).rotate(z, 1).extrude(1)\n", "`rotate(angle)`", "scene = rectangle(1, 2).rotate(1).extrude(1)\n"),
+            ("scene = [sphere(1), box(1)]\n", "`for s in [a, b] { s }`", "scene = for s in [sphere(1), box(1)] { s }\n"),
+            ("(sphere 1)\nscene = sphere(1)\n", "`scene = sphere(1) | box(1).translate(2, 0, 0)`", "scene = sphere(1) | box(1).translate(2, 0, 0)\n"),
+            ("fn smin(a, b, k) = min(a, b) - k * 0.1\nscene = smin(sphere(1), box(1.7), 0.2)\n", "`blend name(a, b, k: float) = …`", "blend smin(a, b, k: float) = min(a, b) - k * 0.1\nscene = sphere(1).smin(box(1.7), 0.2)\n"),
+            ("fn smin(a, b, k) = a + b - k\nscene = smin(sphere(1), box(1.7), 0.2)\n", "`blend name(a, b, k: float) = …`", "blend sum(a, b, k: float) = min(a, b) - k * 0.1\nscene = sphere(1).sum(box(1.7), 0.2)\n"),
+            ("blend b(a: shape, b: shape, k: float) = min(a, b) - k\nscene = sphere(1).b(box(1.7), 0.1)\n", "have no type", "blend b(a, b, k: float) = min(a, b) - k\nscene = sphere(1).b(box(1.7), 0.1)\n"),
+            ("scene = sphere(1).extrude(2)\n", "`.elongate((0, 1, 0))`", "scene = sphere(1).elongate((0, 1, 0))\n"),
             ("scene = sphere(hash(1.5))\n", "`hash(floor(a))`", "scene = sphere(hash(floor(1.5)))\n"),
         ] {
             let found = errors(wrong);

@@ -97,7 +97,7 @@ pub fn together(a: &Value, b: &Value) -> &'static str {
             "both vectors must have the same number of components"
         }
         (Value::Shape(_), _) | (_, Value::Shape(_)) => {
-            "shapes are combined with `|`, `&` and `-`, made larger with `.scale(2)`, thicker with `.round(r)`, moved with `.translate(v)`"
+            "shapes are combined with `|`, `&` and `-`, made larger with `.scale(2)`, thicker with `.round(r)`, moved with `.translate(v)`; a formula of two shapes is a `blend`: `blend name(a, b, k: float) = …`"
         }
         (Value::List(_), _) | (_, Value::List(_)) => "a vector is written in parentheses, `(1, 2, 3)`; of a list take one, `list[0]`, or go over it with `for`",
         _ => "this works on numbers and vectors",
@@ -228,6 +228,7 @@ impl Elaborator<'_> {
                     (Value::Shape(id), Type::Shape) if self.dimensions(*id) == 2 => {
                         "make a solid of the drawing with `.extrude(height)` or `.revolve()`".to_owned()
                     }
+                    (Value::Shape(_), Type::Shape2) => "a drawing is flat, as `circle(1)`; a solid is made longer with `.elongate((0, 1, 0))` or `.stretch(1, 2, 1)`".to_owned(),
                     (Value::Bool(_), Type::Float | Type::Int) => {
                         "write a number, or `if condition { 1 } else { 0 }`".to_owned()
                     }
@@ -343,6 +344,7 @@ impl Elaborator<'_> {
                     Value::Number(node, _) => {
                         self.instead_of_number(*node)
                     }
+                    Value::List(_) => "shapes are joined with `a | b`; of a list all are drawn with `for s in [a, b] { s }`",
                     _ => "write a shape, for example `sphere(1)`",
                 };
                 let wanted = if dimensions == 3 { "a shape" } else { "a drawing (shape2)" };

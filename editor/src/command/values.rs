@@ -149,8 +149,10 @@ fn write(
             let shown = |n: f64| {
                 if parameter.degrees { format!("{}deg", round(n.to_degrees())) } else { round(n) }
             };
+            let degrees = parameter.degrees && (min..=max).contains(&number.to_radians());
+            let hint = if degrees { format!("; write {}deg", round(number)) } else { String::new() };
             return Err(format!(
-                "{} is outside of {} to {}",
+                "{} is outside of {} to {}{hint}",
                 shown(number),
                 shown(min),
                 shown(max)

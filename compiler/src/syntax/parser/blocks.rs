@@ -45,7 +45,8 @@ impl Parser<'_> {
                 break;
             }
         }
-        if self.is_word("return") && self.returns() {
+        let returned = self.is_word("return") && self.returns();
+        if returned {
             self.unexpected("a block has no `return`", words::NO_RETURN);
             self.bump();
         }
@@ -65,6 +66,9 @@ impl Parser<'_> {
                 "write `let` and a new name with the whole of it, as `let q2 = (1, q.y, q.z);`",
             );
             self.skip_to_brace();
+        }
+        if returned {
+            self.eat(TokenKind::Semicolon);
         }
         if self.is(TokenKind::Semicolon) {
             self.unexpected(

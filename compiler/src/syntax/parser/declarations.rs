@@ -115,6 +115,12 @@ impl Parser<'_> {
                     self.unexpected("`==` compares, found where `=` declares", help);
                     self.bump();
                 }
+                TokenKind::Colon if words::is_type(self.word_of(self.peek_next())) => {
+                    self.unexpected("of what a function gives no type is written", "leave the type out: `fn double(t: float) = 2 * t`");
+                    self.bump();
+                    self.bump();
+                    self.eat(TokenKind::Equals);
+                }
                 TokenKind::Colon => {
                     self.unexpected("a declaration is written with `=`, found `:`", help);
                     self.bump();

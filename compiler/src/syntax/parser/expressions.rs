@@ -310,6 +310,7 @@ impl Parser<'_> {
                         self.bump();
                         self.value();
                     }
+                    (Some(operator), TokenKind::Greater) if matches!(operator.text(self.text), "|" | ">") => self.handed_on(),
                     _ => self.missing("a value", "write a number, a name, a call, or something in brackets"),
                 }
                 return self.hole();

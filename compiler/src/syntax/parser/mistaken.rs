@@ -61,10 +61,11 @@ impl Parser<'_> {
             TokenKind::Name => {}
             _ => {
                 let found = self.describe(token);
-                self.unexpected(
-                    format!("expected a declaration, found {found}"),
-                    declaration_help(),
-                );
+                let help = match token.kind {
+                    TokenKind::ParenOpen | TokenKind::BracketOpen => "what is drawn is written `scene = sphere(1) | box(1).translate(2, 0, 0)`".to_owned(),
+                    _ => declaration_help(),
+                };
+                self.unexpected(format!("expected a declaration, found {found}"), help);
                 self.skip_to_declaration();
                 return None;
             }
@@ -169,6 +170,12 @@ impl Parser<'_> {
                 None
             }
         }
+    }
+
+    /// `a |> f` or `a >> f`, with the last sign at hand: says what to write, and skips what follows.
+    pub(super) fn handed_on(&mut self) {
+        self.unexpected("a shape is handed on by a dot", "write `sphere(1).translate(1, 2, 3)`");
+        self.skip_to_declaration();
     }
 
     /// `d += 1`, with the `=` at hand: says what to write, and skips it.
