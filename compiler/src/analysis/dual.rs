@@ -352,6 +352,7 @@ pub fn run(
                     }
                 };
                 match of {
+                    [_] if dual.jumps != 0 && super::turns::is_same_after_turns(graph, *op, args, tape, &values) => Dual { jumps: 0, ..dual },
                     [_, a, b] if dual.jumps != 0 && let Some(compared) = tape.meets(i) => {
                         let jumps = compared.iter().fold(a.jumps | b.jumps, |jumps, &side| jumps | values.get(side).map_or(JUMPS_HERE, |d| d.jumps));
                         Dual { jumps, ..dual }
@@ -365,7 +366,7 @@ pub fn run(
                 if *op == Op::Div && graph.is_spread && args.get(1).is_some_and(|&b| tape.vanishes_rarely(b)) {
                     dual.value = dual.value.intersect(super::slopes::quotient_of_positive(of[0].value, of[1].value));
                 }
-                if dual.jumps != 0 && super::turns::is_same_after_turns(*op, args, tape, &values) {
+                if dual.jumps != 0 && super::turns::is_same_after_turns(graph, *op, args, tape, &values) {
                     dual.jumps = 0;
                 }
                 // What is never below zero, and zero on planes alone, does not cross the line on which the angle turns over.

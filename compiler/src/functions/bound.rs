@@ -7,7 +7,7 @@ use crate::analysis::search::{Search, Target, ROUNDING};
 use crate::analysis::{Box3, Constant, Domain, has_cells};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
-use crate::graph::{Claim, Exactness, Factor, Function, Node, NodeId, Proof, ShapeId, FAR};
+use crate::graph::{Claim, Exactness, Factor, Function, Leaf, Node, NodeId, Proof, ShapeId, FAR};
 use crate::program::load::in_prelude;
 
 /// No formula may be steeper than this, though it is gentle at its surface: 32 bits can't hold what its bound is made of.
@@ -305,6 +305,11 @@ impl Builder<'_> {
         let region = self.region_of(node, domain);
         let term = self.facts.steep_term(self.graph, node, domain, STEEPEST);
         let (at, why, instead) = match &term {
+            Some(term) if self.parts_of_waves(node, term.node) => (
+                self.graph.location(term.node).unwrap_or(span),
+                "a parameter that need not be whole multiplies an angle, and part of a wave ends in a jump",
+                "write `param n: int = 6` for what multiplies the angle: then whole waves go round",
+            ),
             Some(term) => (self.graph.location(term.node).unwrap_or(span), term.why(), term.instead(domain.narrowed)),
             None => (span, "it grows without a limit that is known", "keep the shape within a region with `.within(box(…))`"),
         };
@@ -431,6 +436,16 @@ impl Builder<'_> {
 
     fn constant_by_counts(&mut self, node: NodeId, domain: &Domain, known: Constant) -> Constant {
         self.by_counts(&[node], known, |facts, graph, of| of.iter().map(|&node| facts.constant(graph, node, domain, BUDGET)).next().unwrap_or(known))
+    }
+
+    /// Whether an angle of a formula is multiplied by a parameter that need not be whole.
+    fn parts_of_waves(&self, node: NodeId, angle: NodeId) -> bool {
+        let is_loose = |id: NodeId| matches!(self.graph.node(id), Node::Leaf(Leaf::Parameter(i)) if self.graph.parameters.get(*i as usize).is_some_and(|p| !p.whole));
+        let multiplies = |id: NodeId| match self.graph.node(id) {
+            Node::Op(Op::Mul, args) => args.contains(&angle) && args.iter().any(|&a| is_loose(a)),
+            _ => false,
+        };
+        matches!(self.graph.node(angle), Node::Op(Op::Atan2, _)) && self.graph.reachable(&[node]).into_iter().any(multiplies)
     }
 
     /// `inside` near the region, the distance to the region beyond; the region is cut down to a tube about an axis where there is one.
