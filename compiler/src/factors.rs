@@ -1,6 +1,7 @@
 //! What a person may know of each factor: what it comes from, where it holds, what it costs, and what would lower it.
 
-use crate::analysis::search::Target;
+use crate::analysis::Box3;
+use crate::analysis::search::{Search, Target};
 use crate::certify::{Steepest, Truth};
 use crate::compiled::{Compiled, Live};
 use crate::functions::Functions;
@@ -12,6 +13,8 @@ use rustc_hash::FxHashSet;
 
 /// Up to so many times the steps are few more.
 const FEW: f64 = 1.5;
+/// Where nothing is known of how large a scene is, it is taken to be of this size.
+const FAR_ENOUGH: f64 = 4.0;
 /// How many samples say how steep a formula is at most places.
 const TYPICAL: usize = 33;
 
@@ -203,7 +206,7 @@ fn one(compiled: &Compiled, sources: &Sources, live: &Live, index: u32, factor: 
         product: 1.0,
         factor: factor.lipschitz,
         live: live.factor(&compiled.graph, index),
-        typical: search.filter(|s| matches!(s.target, Target::Value(_))).map_or(1.0, |s| s.slope_near_zero(&compiled.graph, TYPICAL)),
+        typical: search.filter(|s| matches!(s.target, Target::Value(_))).map_or(1.0, |s| about_the_scene(compiled, s).slope_near_zero(&compiled.graph, TYPICAL)),
         gentle: compiled.functions.gentle.get(&index).copied(),
         proof: factor.proof,
         form: form(sources, &operation, &text, factor.lipschitz, corners, search.and_then(|s| s.domain.tube)),
@@ -219,6 +222,12 @@ fn one(compiled: &Compiled, sources: &Sources, live: &Live, index: u32, factor: 
     };
     explained.advice = advice(&explained);
     explained
+}
+
+/// The same where the scene is: most of what holds everywhere is far from anything that is seen.
+fn about_the_scene(compiled: &Compiled, search: &Search) -> Search {
+    let size = compiled.functions.ahead.region.map_or(FAR_ENOUGH, |region| region.0.map(Interval::magnitude).into_iter().fold(0.0, f64::max));
+    Search { domain: search.domain.at(search.domain.point.intersect(&Box3::cube(size))), ..search.clone() }
 }
 
 /// What stands at a place on one line, and the name of what is called there.
