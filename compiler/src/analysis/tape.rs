@@ -176,6 +176,11 @@ impl Tape {
         self.is_square(step, DEEPEST) && self.vanishing(step, DEEPEST) != 0
     }
 
+    /// Whether a step is zero in planes at most, be it less than zero elsewhere or not.
+    pub(super) fn is_zero_in_planes(&self, step: usize) -> bool {
+        self.vanishing(step, DEEPEST) != 0
+    }
+
     /// Coordinates (a bit each) that all have one value wherever a step is zero: where more than one has, that is no surface.
     fn vanishing(&self, step: usize, depth: u32) -> u8 {
         let Some(depth) = depth.checked_sub(1) else { return 0 };

@@ -46,7 +46,10 @@ impl Jumps<'_> {
         match self.tape.steps.get(step)? {
             // Of the coordinates only an angle jumps, in the place of one.
             Step::Leaf(Leaf::P(_)) => Some(1.0),
-            Step::Op(Op::Atan2, args) if args.iter().all(|&a| self.is_smooth(a)) => Some(1.0),
+            Step::Op(Op::Atan2, args) if args.iter().all(|&a| self.is_smooth(a)) => {
+                // What stays at zero has the angle of zero ahead, and of half a turn behind.
+                Some(if self.crosses_zero(*args.first()?) { 1.0 } else { 0.5 })
+            }
             Step::Op(Op::Neg, args) => of(*args.first()?),
             Step::Op(Op::Add | Op::Sub, args) => {
                 let &[a, b] = args.as_slice() else { return None };
@@ -70,6 +73,37 @@ impl Jumps<'_> {
             }
             _ => None,
         }
+    }
+
+    /// Whether a step is zero on surfaces alone, as far as that is seen: in planes, where it rises all over the box, or as a turned coordinate.
+    fn crosses_zero(&self, step: usize) -> bool {
+        let rises = |d: &Dual| d.gradient.iter().any(|slope| slope.lo > 0.0 || slope.hi < 0.0);
+        let turned = || match self.tape.operation(step) {
+            Some((Op::TurnU | Op::TurnV, &[u, v, angle])) => {
+                let of = [u, v].map(|a| self.coordinate(a));
+                of[0].is_some() && of[1].is_some() && of[0] != of[1] && self.is_still(angle)
+            }
+            _ => false,
+        };
+        self.tape.is_zero_in_planes(step) || self.values.get(step).is_some_and(rises) || turned()
+    }
+
+    /// Which coordinate of the point a step is, moved or not.
+    fn coordinate(&self, step: usize) -> Option<u8> {
+        match self.tape.steps.get(step)? {
+            Step::Leaf(Leaf::P(i)) => Some(*i),
+            Step::Op(Op::Add | Op::Sub, args) => match *args.as_slice() {
+                [a, b] if self.is_still(b) => self.coordinate(a),
+                [a, b] if self.is_still(a) => self.coordinate(b),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// Whether a step is the same at all points.
+    fn is_still(&self, step: usize) -> bool {
+        self.values.get(step).is_some_and(|d| d.norm == 0.0 && d.jumps == 0)
     }
 
     /// Whether a step is a parameter that is a whole number, whatever else it is.
@@ -108,6 +142,15 @@ mod tests {
         assert!(jumps("0.02 * cos(x * atan(p.z, p.x))"));
         assert!(jumps("0.02 * abs(sin(n * atan(p.z, p.x) / 4))"));
         assert!(jumps("0.02 * sin(n * atan(p.z, p.x) / 2)"));
+        assert!(!jumps("0.02 * sin(3 * atan(rotate(p, y, time).z, rotate(p, y, time).x))"));
+        assert!(!jumps("0.02 * sin(3 * atan(rotate(p, y, 20deg).z, rotate(p, y, 20deg).x))"));
+        // What stays at zero jumps by half a turn.
+        for stays in ["max(p.z, 0)", "abs(max(p.z, 0))", "floor(0.1 * abs(p.z))", "0"] {
+            assert!(jumps(&format!("0.02 * cos(atan({stays}, p.x + 1))")), "{stays}");
+            assert!(jumps(&format!("0.02 * abs(sin(atan({stays}, p.x + 1) / 2))")), "{stays}");
+        }
+        assert!(jumps("0.02 * cos(n * atan(max(p.z, 0), p.x + 1))"));
+        assert!(!jumps("0.02 * cos(2 * atan(max(p.z, 0), p.x + 1))"));
         // Not a whole number of waves, and not a whole turn.
         assert!(jumps("0.02 * sin(6.5 * atan(p.z, p.x))"));
         assert!(jumps("0.02 * sin(tau * sign(atan(p.z, p.x)) + 0.2 * atan(p.z, p.x))"));
