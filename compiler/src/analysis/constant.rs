@@ -109,7 +109,7 @@ impl Facts {
         if by.jumps != 0 { f64::INFINITY } else { by.norm }
     }
 
-    /// From here on searches are counted with those made aside, until this is asked again: they must not be the reason that the next formula gets no search.
+    /// From here on searches are counted with those made aside, until this is asked again.
     pub fn turn_aside(&mut self) {
         std::mem::swap(&mut self.searched, &mut self.searched_aside);
     }

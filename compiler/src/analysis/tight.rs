@@ -173,23 +173,24 @@ fn part(tape: &Tape, args: &[usize]) -> Option<Tight> {
         return None;
     }
     // Only by powers of two is a device sure to divide exactly.
-    let least = if size.log2().fract() == 0.0 && size >= 1.0 && is_whole(tape, x, DEEPEST) { 1.0 } else { 0.0 };
+    let least = if size.log2().fract() == 0.0 && size >= 1.0 && is_whole(tape, x, &|_| false, DEEPEST) { 1.0 } else { 0.0 };
     let whole = part.mul(Interval::point(size));
     let values = Interval::new(if part.lo == -1.0 { whole.lo + least } else { whole.lo }, if part.hi == 1.0 { whole.hi - least } else { whole.hi });
     Some(Tight::Part(if size == 1.0 { values } else { widened(values) }))
 }
 
-/// Whether a step is always a whole number.
-fn is_whole(tape: &Tape, step: usize, deep: usize) -> bool {
+/// Whether a step is always a whole number. `known`: of those that are no operation, which are.
+pub(super) fn is_whole(tape: &Tape, step: usize, known: &dyn Fn(usize) -> bool, deep: usize) -> bool {
     if let Some(c) = tape.constant(step) {
         return c.fract() == 0.0;
     }
     match tape.operation(step) {
         Some((Op::Floor | Op::Ceil | Op::Round | Op::Trunc | Op::Sign, _)) => true,
         Some((Op::Add | Op::Sub | Op::Mul | Op::Neg | Op::Abs | Op::Min | Op::Max, args)) if deep > 0 => {
-            args.iter().all(|&arg| is_whole(tape, arg, deep - 1))
+            args.iter().all(|&arg| is_whole(tape, arg, known, deep - 1))
         }
-        _ => false,
+        Some(_) => false,
+        None => known(step),
     }
 }
 

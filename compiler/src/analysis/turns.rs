@@ -2,6 +2,7 @@
 
 use super::dual::Dual;
 use super::tape::{Step, Tape};
+use super::tight::is_whole;
 use crate::graph::kernel::Op;
 use crate::graph::{Graph, Leaf};
 
@@ -106,12 +107,13 @@ impl Jumps<'_> {
         self.values.get(step).is_some_and(|d| d.norm == 0.0 && d.jumps == 0)
     }
 
-    /// Whether a step is a parameter that is a whole number, whatever else it is.
+    /// Whether a step is a whole number, the same at all points: a parameter, or what is made of such.
     fn is_whole(&self, step: usize) -> bool {
-        match self.tape.steps.get(step) {
+        let is_parameter = |step: usize| match self.tape.steps.get(step) {
             Some(Step::Leaf(Leaf::Parameter(i))) => self.graph.parameters.get(*i as usize).is_some_and(|p| p.whole),
             _ => false,
-        }
+        };
+        self.is_still(step) && is_whole(self.tape, step, &is_parameter, DEEPEST)
     }
 }
 
@@ -136,6 +138,9 @@ mod tests {
         assert!(!jumps("0.02 * cos(-atan(p.z, p.x) * 3)"));
         assert!(!jumps("{ let q = rotate((p.x, p.y), 2 * atan(p.z, p.x)); 0.1 * q.x }"));
         assert!(!jumps("0.02 * cos(n * atan(p.z, p.x))"));
+        assert!(!jumps("0.02 * cos(2 * n * atan(p.z, p.x))"));
+        assert!(!jumps("0.02 * cos((n + 1) * atan(p.z, p.x) + time)"));
+        assert!(jumps("0.02 * cos((n + 0.5) * atan(p.z, p.x))"));
         assert!(!jumps("0.02 * abs(sin(n * atan(p.z, p.x) / 2 + p.y))"));
         assert!(!jumps("0.02 * sq(cos(2.5 * atan(p.z, p.x)))"));
         assert!(!jumps("0.02 * sin(3 * (2 * atan(p.z, p.x) - n * atan(p.z, p.x)))"));

@@ -224,9 +224,8 @@ impl Builder<'_> {
         let constant = self.by_counts(point, constant, |facts, graph, point| facts.map_constant(graph, point, &near, BUDGET));
         let mut constant = constant;
         if constant.lipschitz > DEAR {
-            self.facts.turn_aside();
-            constant.lipschitz = constant.lipschitz.min(self.map_of_more(point, &near, LONGER).lipschitz);
-            self.facts.turn_aside();
+            let more = self.aside(|builder| builder.map_of_more(point, &near, LONGER));
+            constant.lipschitz = constant.lipschitz.min(more.lipschitz);
         }
         if constant.lipschitz > STEEPEST || self.is_dear(node, &near, constant.lipschitz) {
             return self.normalised(shape, node, domain, continuous);

@@ -56,9 +56,7 @@ impl Builder<'_> {
         }
         // Perhaps it takes but a longer look.
         if treatment.over == Over::Region {
-            self.facts.turn_aside();
-            let more = self.constant_of_more(node, &at, LONGER).lipschitz;
-            self.facts.turn_aside();
+            let more = self.aside(|builder| builder.constant_of_more(node, &at, LONGER)).lipschitz;
             if more < treatment.constant && (more <= DEAR || more <= TIMES_STEEPEST * steepest) {
                 return Treatment { constant: more, ..treatment };
             }

@@ -316,6 +316,14 @@ impl Builder<'_> {
         found
     }
 
+    /// Does what costs more than all else, and must not be the reason that the next formula gets no search: it is counted with all else that is done so.
+    pub(super) fn aside<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        self.facts.turn_aside();
+        let done = work(self);
+        self.facts.turn_aside();
+        done
+    }
+
     /// The same for a map of points.
     pub(super) fn map_of_more(&mut self, point: &[NodeId], domain: &Domain, longer: usize) -> Constant {
         let steps = self.facts.steps;

@@ -106,7 +106,7 @@ impl Builder<'_> {
         if curved.is_some() && by_curvature <= DEAR.max(UNEVEN * usual) {
             return curved;
         }
-        let levels = Uneven::Levels(self.levels(node, domain, constant));
+        let levels = Uneven::Levels(self.aside(|builder| builder.levels(node, domain, constant)));
         // A slope that changes very fast in one place says next to nothing of all others.
         Some(curved.filter(|_| by_curvature <= self.usual_divisor(node, domain, constant, &levels)).unwrap_or(levels))
     }
@@ -142,7 +142,6 @@ impl Builder<'_> {
         let down_to = PART * level;
         let below = self.graph.op(Op::Neg, &[node]);
         let (mut least, mut up_to) = (constant, Vec::new());
-        self.facts.turn_aside();
         for _ in 0..LEVELS {
             if !self.facts.has_leisure() {
                 break;
@@ -156,7 +155,6 @@ impl Builder<'_> {
             }
             level *= PART;
         }
-        self.facts.turn_aside();
         Levels { up_to, down_to }
     }
 
