@@ -319,7 +319,7 @@ fn claim(sources: &Sources, operation: &str) -> Option<String> {
             let declaration = file.text.get(start + 1..)?;
             let head = declaration.split(" =").next()?;
             let claim = head.split(") lipschitz ").nth(1);
-            return claim.map(|c| c.split_whitespace().collect::<Vec<_>>().join(" "));
+            return claim.filter(|c| !c.contains('{')).map(|c| c.split_whitespace().collect::<Vec<_>>().join(" "));
         }
     }
     None
@@ -340,6 +340,7 @@ fn advice(known: &Explained) -> String {
         "twist" | "bend" | "shear" => "a smaller rate",
         "taper" => "less narrowing, or a clamp of what is narrowed to a smaller part",
         "scale" | "stretch" | "matrix" => "a stretch that is more alike along its axes",
+        "sweep_helix" => "a smaller pitch, or a larger radius",
         "displace" => "a smaller amplitude or a lower frequency",
         name if name.contains("union") || name.contains("intersection") || name.contains("difference") => {
             "operands that are nearer to distances: the group is as steep as its steepest one"

@@ -226,7 +226,7 @@ impl Algebra for Duals {
                 for group in groups.iter() {
                     let (n, values) = match group {
                         ClaimGroup::Vector(n) => (usize::from(*n), false),
-                        ClaimGroup::Values(n) => (*n as usize, true),
+                        ClaimGroup::Values(n) | ClaimGroup::Bounds(n) => (*n as usize, true),
                     };
                     let (these, after) = rest.split_at(n.min(rest.len()));
                     rest = after;
@@ -388,7 +388,7 @@ pub fn run(
                     for group in groups.iter() {
                         match group {
                             ClaimGroup::Vector(n) => at += usize::from(*n),
-                            ClaimGroup::Values(n) => {
+                            ClaimGroup::Values(n) | ClaimGroup::Bounds(n) => {
                                 for k in at..at + *n as usize {
                                     let own = own_constant(facts, graph, tape, &values, args.get(k));
                                     if let (Some(slot), Some(norm)) = (of.get_mut(k), own) {

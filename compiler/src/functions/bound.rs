@@ -100,6 +100,9 @@ impl Builder<'_> {
             Node::Call(inner, Function::Field, args) => {
                 self.bound_of_call(shape, node, inner, &args, domain, continuous)
             }
+            Node::Claim(args, Claim::Lipschitz(formula, groups, _)) => self
+                .by_bounds(shape, node, &args, (formula, &groups), domain)
+                .unwrap_or_else(|| self.normalised(shape, node, domain, continuous)),
             _ => self.normalised(shape, node, domain, continuous),
         }
     }

@@ -21,6 +21,7 @@ mod folds;
 mod found;
 mod gradient;
 mod ground;
+mod groups;
 mod heights;
 mod jumps;
 mod outlines;

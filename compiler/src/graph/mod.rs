@@ -136,6 +136,8 @@ pub enum ClaimGroup {
     Vector(u8),
     /// Values of a shape at several points: the constant is the largest.
     Values(u32),
+    /// The same of a shape of which bounds will do: the claim's value grows with them, and has the same sign for values of the same signs.
+    Bounds(u32),
 }
 
 /// A parameter's component that a formula can read.

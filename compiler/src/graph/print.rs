@@ -128,6 +128,7 @@ fn print_node(node: &Node, out: &mut String) -> fmt::Result {
                     match group {
                         ClaimGroup::Vector(n) => write!(out, " vector {n}")?,
                         ClaimGroup::Values(n) => write!(out, " values {n}")?,
+                        ClaimGroup::Bounds(n) => write!(out, " bounds {n}")?,
                     }
                 }
                 if let Some(range) = range.map(ValueRange::interval) {
@@ -454,6 +455,7 @@ fn read_node(words: &mut Words) -> Result<Node, String> {
                             "of" => break,
                             "vector" => groups.push(ClaimGroup::Vector(words.number()?)),
                             "values" => groups.push(ClaimGroup::Values(words.number()?)),
+                            "bounds" => groups.push(ClaimGroup::Bounds(words.number()?)),
                             "in" => range = Some(ValueRange::new(words.number()?, words.number()?)),
                             other => return Err(format!("`{other}` is no group of a claim")),
                         }

@@ -140,7 +140,7 @@ impl Elaborator<'_> {
         let value = self.deeper(span, |e| match function.kind {
             FunctionKind::Fn => {
                 let value = e.value_of(item, function, &values, &env)?;
-                let value = e.claimed_value(value, function, &values, &env);
+                let value = e.claimed_value(value, (item, function), &values, &env);
                 e.hint(&value, &function.name.text);
                 Ok(value)
             }
@@ -164,7 +164,7 @@ impl Elaborator<'_> {
                 let here = env.at(point.clone());
                 let value = e.expression(&function.body, &here)?;
                 let node = e.to_number(&value, function.body.span, &here)?;
-                let node = e.claimed(node, function, &values, &env);
+                let node = e.claimed(node, (item, function), &values, &env);
                 if let Some(reach) = e.reach(item, function, &values) {
                     e.facts.know_reach(&e.graph, node, reach, usize::from(dimensions));
                 }
@@ -185,14 +185,14 @@ impl Elaborator<'_> {
                 }
                 let value = e.expression(&function.body, &here)?;
                 let node = e.to_number(&value, function.body.span, &here)?;
-                let node = e.claimed(node, function, &numbers, &here);
+                let node = e.claimed(node, (item, function), &numbers, &here);
                 Ok(Value::Shape(e.formula_shape(node, dimensions, None, false, span)))
             }
             FunctionKind::Blend => {
                 let here = env.at(point.clone());
                 let value = e.expression(&function.body, &here)?;
                 let value = Value::number(e.to_number(&value, function.body.span, &here)?);
-                Ok(e.claimed_value(value, function, &values, &here))
+                Ok(e.claimed_value(value, (item, function), &values, &here))
             }
         });
         // What is wrong with a person's function is said once; what the prelude can't take is said where it is called.
@@ -261,13 +261,13 @@ impl Elaborator<'_> {
     fn claimed_value(
         &mut self,
         value: Value,
-        function: &ast::Function,
+        of: (ItemRef, &ast::Function),
         args: &[Value],
         env: &Env,
     ) -> Value {
         match value {
-            Value::Number(node, whole) if function.claim.is_some() => {
-                Value::Number(self.claimed(node, function, args, env), whole)
+            Value::Number(node, whole) if of.1.claim.is_some() => {
+                Value::Number(self.claimed(node, of, args, env), whole)
             }
             other => other,
         }
@@ -306,7 +306,7 @@ impl Elaborator<'_> {
     }
 
     /// A value with what its declaration claims of it.
-    fn claimed(&mut self, node: NodeId, function: &ast::Function, args: &[Value], env: &Env) -> NodeId {
+    fn claimed(&mut self, node: NodeId, (item, function): (ItemRef, &ast::Function), args: &[Value], env: &Env) -> NodeId {
         let Some(claim) = &function.claim else { return node };
         if self.graph.as_constant(node).is_some() {
             return node;
@@ -330,7 +330,8 @@ impl Elaborator<'_> {
                 Value::Shape(id) => {
                     let calls = self.calls_of(node, *id);
                     nodes.extend(calls);
-                    ClaimGroup::Values((nodes.len() - before) as u32)
+                    let count = (nodes.len() - before) as u32;
+                    if self.takes_bounds(item, parameter) { ClaimGroup::Bounds(count) } else { ClaimGroup::Values(count) }
                 }
                 _ => ClaimGroup::Values(0),
             });

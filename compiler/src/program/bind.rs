@@ -29,11 +29,18 @@ static REQUIREMENTS: LazyLock<Vec<Vec<Requirement>>> = LazyLock::new(|| {
 });
 
 /// The parameters of which the greatest is as far as each item of the prelude reaches from the origin, from a `Reach:` line of its documentation.
-static REACHES: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| {
-    let list = |doc: &'static str| doc.lines().find_map(|line| line.trim().strip_prefix("Reach:")).unwrap_or("");
+static REACHES: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| listed("Reach:"));
+
+/// The shapes of which bounds will do for each item of the prelude, from a `Bounds:` line of its documentation: its value grows with theirs, and where
+/// theirs are of the same signs it is too.
+static BOUNDS: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| listed("Bounds:"));
+
+/// The names that a line of each prelude item's documentation lists.
+fn listed(line: &str) -> Vec<Vec<&'static str>> {
+    let list = |doc: &'static str| doc.lines().find_map(|l| l.trim().strip_prefix(line)).unwrap_or("");
     let docs = prelude_items().iter().map(|i| i.doc.as_deref().unwrap_or(""));
     docs.map(|doc| list(doc).split(',').map(str::trim).filter(|name| !name.is_empty()).collect()).collect()
-});
+}
 
 /// Where a live value must be above a limit, it is kept so far above it.
 const LEAST: f64 = 1e-5;
@@ -314,6 +321,11 @@ impl Elaborator<'_> {
                 format!("for degrees write `{0}deg`; for radians `{0}rad`", short(angle)),
             );
         }
+    }
+
+    /// Whether an item of the prelude may be made of bounds of a shape that it takes.
+    pub(super) fn takes_bounds(&self, item: ItemRef, parameter: &Parameter) -> bool {
+        self.modules.is_prelude(item.module) && BOUNDS.get(item.item).is_some_and(|names| names.iter().any(|name| *parameter.name.text == **name))
     }
 
     /// How far from the origin a shape of the prelude reaches at most, where its documentation says so and not all of its arguments are known.
