@@ -389,16 +389,17 @@ impl Explained {
     /// What it costs: `about 1.6 times the steps near it`.
     pub fn cost(&self) -> String {
         let together = if self.depth > 0 { format!("; {} times with those around it", rough(self.product)) } else { String::new() };
-        let cost = self.factor / self.typical;
+        let cost = self.live / self.typical;
+        let now = if self.live < 0.95 * self.factor { " as the sliders stand" } else { "" };
         match cost {
             _ if let Some(steps) = self.gentle => {
                 let times = if steps < FEW { "few more steps".to_owned() } else { format!("about {} times the steps", rough(steps)) };
                 format!("{times}: near its surface rays go by how steep it is there{together}")
             }
-            _ if self.factor <= 1.0 => format!("no more steps: the formula is flatter than a distance{together}"),
-            _ if cost < 1.05 && self.factor > 1.5 => format!("no more steps: the formula is as steep nearly everywhere{together}"),
-            _ if cost < 1.05 => format!("hardly more steps near it{together}"),
-            _ => format!("about {} times the steps near it{together}", rough(cost)),
+            _ if self.live <= 1.0 => format!("no more steps: the formula is flatter than a distance{now}{together}"),
+            _ if cost < 1.05 && self.live > 1.5 => format!("no more steps: the formula is as steep nearly everywhere{together}"),
+            _ if cost < 1.05 => format!("hardly more steps near it{now}{together}"),
+            _ => format!("about {} times the steps near it{now}{together}", rough(cost)),
         }
     }
 }

@@ -20,6 +20,13 @@ pub struct Constant {
     pub jumps: bool,
 }
 
+impl Constant {
+    /// Whether it is without jumps and no larger than this.
+    pub fn is_within(&self, limit: f64) -> bool {
+        self.lipschitz <= limit && !self.jumps
+    }
+}
+
 /// How exactly a map keeps lengths that counts as one that does.
 const RIGID: f64 = 1e-6;
 

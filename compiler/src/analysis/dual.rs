@@ -4,16 +4,17 @@
 //! can reach one, and because a turn by any angle, varying or not, is an isometry.
 
 use super::branches::{self, Branches, Side};
+use super::claims::claimed;
 use super::map::{chain_norm, map_norm, point_norm};
-use super::matrix::{Rows, matrix_norm};
 use super::slopes::slopes;
 use super::tape::{Step, Tape};
 use super::{leaf_range, Box3, Domain, Facts, Pinned};
-use crate::graph::algebra::{Algebra, Intervals};
+use crate::graph::algebra::Algebra;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
-use crate::graph::{Claim, ClaimGroup, Graph, Leaf, NodeId, ShapeId};
+use crate::graph::{Claim, ClaimGroup, Graph, Leaf, ShapeId};
 use smallvec::SmallVec;
+use std::ops::Range;
 
 /// Jumps in the formula itself.
 pub const JUMPS_HERE: u8 = 1;
@@ -220,52 +221,9 @@ impl Algebra for Duals {
     fn claim(&mut self, graph: &Graph, value: Dual, claim: &Claim, of: &[Dual]) -> Dual {
         match claim {
             Claim::Continuous => Dual { jumps: value.jumps & !JUMPS_HERE, ..value },
-            Claim::Lipschitz(constant, groups, _) => {
-                let mut constants: SmallVec<[f64; 4]> = SmallVec::new();
-                let mut rest = of;
-                for group in groups.iter() {
-                    let (n, values) = match group {
-                        ClaimGroup::Vector(n) => (usize::from(*n), false),
-                        ClaimGroup::Values(n) | ClaimGroup::Bounds(n) => (*n as usize, true),
-                    };
-                    let (these, after) = rest.split_at(n.min(rest.len()));
-                    rest = after;
-                    constants.push(if values {
-                        these.iter().map(|d| d.norm).fold(0.0, f64::max)
-                    } else {
-                        matrix_norm(&these.iter().map(|d| (d.gradient, d.norm)).collect::<Rows>())
-                    });
-                }
-                let limit = claim_constant(graph, &self.pinned, *constant, &constants);
-                let jumps = of.iter().fold(0, |j, d| j | d.jumps);
-                let mut dual = value.limited(limit);
-                dual.value = claim.within(dual.value);
-                dual.jumps = jumps;
-                dual
-            }
+            Claim::Lipschitz(..) => claimed(graph, &self.pinned, (value, claim), of, |_, norm| norm),
         }
     }
-}
-
-/// The value of a claim's formula for the constants of its arguments.
-pub fn claim_constant(graph: &Graph, pinned: &[f64], formula: NodeId, constants: &[f64]) -> f64 {
-    let domain = Domain::of(Box3::ALL);
-    let range = graph.evaluate(
-        &mut Intervals,
-        &[formula],
-        |_, leaf| match leaf {
-            Leaf::Variable(i) => {
-                Interval::new(0.0, constants.get(i as usize).copied().unwrap_or(0.0))
-            }
-            other => leaf_range(graph, pinned, other, &domain),
-        },
-        |_, _, _, _| Interval::ALL,
-    );
-    range.first().map_or(f64::INFINITY, |r| {
-        // Rounding outward must not turn a constant of one into a factor.
-        let nearest = (r.hi * 1e9).round() / 1e9;
-        if (r.hi - nearest).abs() < 1e-12 * nearest.abs() { nearest } else { r.hi }
-    })
 }
 
 fn by_partials(op: Op, args: &[Dual], values: &[Interval], value: Interval, jumps: u8) -> Dual {
@@ -401,9 +359,15 @@ pub fn run(
                         }
                     }
                 }
-                match of.split_first() {
-                    Some((value, of)) => algebra.claim(graph, *value, claim, of),
-                    None => algebra.constant(0.0),
+                // A point that was folded and turned again and again keeps lengths, though its rows don't say so.
+                let of_vector = |at: Range<usize>, norm: f64| match args.get(at.start + 1..at.end + 1) {
+                    Some(rows) if norm > 1.0 && rows.len() > 1 => norm.min(chain_norm(tape, graph, &values, rows)),
+                    _ => norm,
+                };
+                match (of.split_first(), claim) {
+                    (Some((value, of)), Claim::Lipschitz(..)) => claimed(graph, &algebra.pinned, (*value, claim), of, of_vector),
+                    (Some((value, of)), Claim::Continuous) => algebra.claim(graph, *value, claim, of),
+                    (None, _) => algebra.constant(0.0),
                 }
             }
             Step::Call(shape, args) => {

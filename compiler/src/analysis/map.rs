@@ -54,16 +54,44 @@ fn norm_of_rows(tape: &Tape, values: &[Dual], rows: &[usize], is_open: &dyn Fn(u
             }
         }
     }
+    let mut turning = 0.0;
+    for (i, &a) in rows.iter().enumerate() {
+        for (j, &b) in rows.iter().enumerate().skip(i + 1) {
+            let [a, b] = [a, b].map(|row| unshifted(tape, &dual, row));
+            if let Some((first, second)) = tape.around(a).zip(tape.around(b))
+                && first.is_pair(second)
+                && is_open(a)
+                && is_open(b)
+            {
+                turning += first.turning(dual);
+                for (slot, row) in [i, j].into_iter().zip(first.rows(dual)) {
+                    matrix.get_mut(slot).into_iter().for_each(|slot| *slot = row);
+                }
+            }
+        }
+    }
     let apart: Rows = rows.iter().map(|&r| steady(tape, values, r, 8)).collect();
     let rest = apart.iter().map(|(_, norm)| norm * norm).sum::<f64>().sqrt().next_up();
     let steady: Rows = apart.iter().map(|(g, _)| (*g, Dual::components_norm(g))).collect();
-    let norm = matrix_norm(&matrix).min(matrix_norm(&steady) + rest);
+    let norm = (matrix_norm(&matrix) + turning).min(matrix_norm(&steady) + rest);
     // What is mirrored keeps its lengths, wherever the mirror stands.
     let still = |&step: &usize| dual(step).norm == 0.0;
     match Mirror::of(tape, rows).filter(|mirror| norm > 0.0 && mirror.normal.iter().all(still)) {
         Some(mirror) => norm.min(norm_of_rows(tape, values, &mirror.of, is_open)),
         None => norm,
     }
+}
+
+/// What a step is but for what is added to it that does not move.
+fn unshifted(tape: &Tape, dual: &impl Fn(usize) -> Dual, mut step: usize) -> usize {
+    while let Some((Op::Add | Op::Sub, &[a, b])) = tape.operation(step) {
+        step = match [a, b].map(|side| dual(side).norm == 0.0) {
+            [false, true] => a,
+            [true, false] => b,
+            _ => return step,
+        };
+    }
+    step
 }
 
 /// A gradient as one that is the same in the whole box, and the norm of what is added to it.

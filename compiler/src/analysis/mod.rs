@@ -2,10 +2,12 @@
 //!
 //! Everything here holds for the whole range of every parameter and for any time.
 
+mod around;
 pub mod atoms;
 mod back;
 pub mod branches;
 mod cells;
+pub mod claims;
 pub mod constant;
 mod directions;
 pub mod domain;
@@ -163,13 +165,16 @@ impl Facts {
         self.solids.insert(node, solid);
     }
 
-    /// Remembers that a node is at most zero no farther than `reach` along its axes, where that is not seen at once.
-    pub fn know_reach(&mut self, graph: &Graph, node: NodeId, reach: f64, dimensions: usize) {
+    /// Remembers that a node is at most zero no farther than `reach` along its axes, where that is not seen at once; of what `is_fixed`, a closer box.
+    pub fn know_reach(&mut self, graph: &Graph, node: NodeId, (reach, is_fixed): (f64, bool), dimensions: usize) {
         let side = Interval::new(-reach, reach);
         let seen = self.rough_region(graph, node, &Domain::of(Box3::ALL));
         let around = (0..dimensions).fold(Box3::ALL, |around, axis| around.with_axis(axis, side));
         if seen.intersect(&around) != seen {
-            self.know_solid(node, around);
+            // A drawing has no third axis.
+            let within = (dimensions..3).fold(around, |within, axis| within.with_axis(axis, Interval::ZERO));
+            let closer = if is_fixed { self.on_top(|facts| facts.region(graph, node, &Domain::of(within), 0.0)) } else { within };
+            self.know_solid(node, (0..dimensions).fold(Box3::ALL, |solid, axis| solid.with_axis(axis, closer.axis(axis))));
         }
     }
 

@@ -9,6 +9,7 @@ use std::rc::Rc;
 
 use super::map::{Chain, Chains};
 use super::soft::Soft;
+use super::around::Around;
 use super::tight::Tight;
 use crate::graph::interval::Interval;
 use crate::graph::algebra::Intervals;
@@ -126,6 +127,15 @@ impl Tape {
     pub(super) fn soft(&self, step: usize) -> Option<&Soft> {
         let softs = self.softs();
         softs.binary_search_by_key(&step, |(i, _)| *i).ok().and_then(|i| softs.get(i)).map(|(_, soft)| soft)
+    }
+
+    /// What is known of a step that is a length times the cosine or the sine of an angle.
+    pub(super) fn around(&self, step: usize) -> Option<&Around> {
+        let tight = self.tight();
+        match tight.binary_search_by_key(&step, |(step, _)| *step).ok().and_then(|i| tight.get(i))? {
+            (_, Tight::Around(around)) => Some(around),
+            _ => None,
+        }
     }
 
     /// What more is known of steps than follows step by step, in order.

@@ -4,6 +4,7 @@
 //! between the least and the greatest of its Bernstein coefficients over that number's range (Bernstein form: Lane and Riesenfeld 1981), and so does its
 //! slope. What is known of a coordinate over the length of its vector stands in `directions`, of products of sums in `multilinear`.
 
+use super::around::Around;
 use super::directions::Direction;
 use super::dual::Dual;
 use super::multilinear::Multilinear;
@@ -26,6 +27,8 @@ pub(super) enum Tight {
     Polynomial { of: usize, coefficients: Coefficients },
     /// It is a coordinate over a length.
     Direction(Direction),
+    /// It is a length times the cosine or the sine of an angle.
+    Around(Around),
     /// It is a sum of products in which no number is multiplied by itself.
     Multilinear(Multilinear),
 }
@@ -65,6 +68,7 @@ impl Tight {
                 }
                 (_, Step::Op(Op::Sub, args)) => part(tape, args),
                 (_, Step::Op(Op::Add, args)) => mean(tape, args),
+                (_, Step::Op(Op::Mul, args)) => Around::of(tape, args).map(Tight::Around),
                 (_, Step::Op(Op::Div, args)) => Direction::of(tape, args).map(Tight::Direction),
                 _ => None,
             };
@@ -90,6 +94,7 @@ impl Tight {
             Tight::Mean { .. } => Interval::ALL,
             Tight::Polynomial { of, coefficients } => bernstein(coefficients, value(*of)),
             Tight::Direction(direction) => direction.values(value),
+            Tight::Around(_) => Interval::ALL,
             Tight::Multilinear(sum) => sum.values(value),
         }
     }
@@ -106,6 +111,7 @@ impl Tight {
         match self {
             Tight::Part(_) => dual,
             Tight::Direction(direction) => direction.bound(dual, of),
+            Tight::Around(around) => around.bound(dual, of),
             Tight::Mean { of: [a, b], share } if is_share(of(*share).value) => {
                 // (1 - t) ∇a + t ∇b + (b - a) ∇t
                 let (a, b, share) = (of(*a), of(*b), of(*share));

@@ -84,7 +84,7 @@ impl Builder<'_> {
                 {
                     return scaled;
                 }
-                let has_parts = self.has_parts(inner);
+                let has_parts = self.has_parts(inner) && !self.is_stretched_back(node, inner, domain);
                 if has_parts && range.lo > 0.0 {
                     self.bound(shape, inner, domain, continuous)
                 } else if has_parts && range.hi < 0.0 {
@@ -105,6 +105,15 @@ impl Builder<'_> {
                 .unwrap_or_else(|| self.normalised(shape, node, domain, continuous)),
             _ => self.normalised(shape, node, domain, continuous),
         }
+    }
+
+    /// Whether a multiple of a shape at a moved point is gentler than what moves the point: that may stretch by what the value is divided by.
+    fn is_stretched_back(&mut self, multiple: NodeId, call: NodeId, domain: &Domain) -> bool {
+        let Node::Call(_, Function::Field, args) = self.graph.node(call).clone() else { return false };
+        let everywhere = domain.at(Box3::ALL);
+        let map = self.facts.map_constant(self.graph, args.get(..3).unwrap_or(&args), &everywhere, 1).lipschitz;
+        let whole = |builder: &mut Self| builder.facts.constant(builder.graph, multiple, &everywhere, 1);
+        map > UNIT && whole(self).is_within(UNIT.max(BLAMED * map))
     }
 
     /// Whether a formula is put together of others, each of which has a bound of its own; by themselves a sign and a multiple put nothing together.

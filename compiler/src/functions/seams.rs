@@ -6,14 +6,18 @@
 
 use super::Builder;
 use super::jumps::Site;
-use super::wall::Wall;
+use super::wall::{Along, Wall};
 use crate::analysis::Domain;
 use crate::graph::kernel::Op;
-use crate::graph::{Leaf, NodeId};
+use crate::graph::interval::Interval;
+use crate::graph::{Leaf, Node, NodeId};
 use rustc_hash::FxHashMap;
+use std::f64::consts::{PI, TAU};
 
 /// Longer formulas are not looked at.
 pub(super) const LONGEST: usize = 4000;
+/// A jump of no more than so much of the size of what is looked at is the rounding of the numbers by which it is known.
+const UNSEEN: f64 = 1e-9;
 
 impl Builder<'_> {
     /// How high a formula jumps where this operation of it does: zero where it comes to the same on both sides, without end where nothing is known.
@@ -23,6 +27,7 @@ impl Builder<'_> {
             return *known;
         }
         let found = self.find_height(root, site, near).unwrap_or(f64::INFINITY);
+        let found = if found < UNSEEN * near.point.size() { 0.0 } else { found };
         self.found.heights.insert(key, found);
         found
     }
@@ -32,6 +37,7 @@ impl Builder<'_> {
             Op::Floor => (0.0, [-1.0, 0.0]),
             Op::Ceil => (0.0, [0.0, 1.0]),
             Op::Round => (0.5, [0.0, 1.0]),
+            Op::Atan2 => return self.height_of_turn(root, site.node, near),
             _ => return None,
         };
         let argument = *site.args.first()?;
@@ -39,7 +45,7 @@ impl Builder<'_> {
         if order.len() > LONGEST {
             return None;
         }
-        let along = self.along_axis(argument);
+        let along = self.along(argument);
         let still = self.still(&order);
         let mut least = f64::INFINITY;
         for multiplies in [false, true] {
@@ -51,19 +57,16 @@ impl Builder<'_> {
                 let mut new = FxHashMap::default();
                 let here = self.on_lattice(&mut wall, at);
                 new.insert(argument, here);
-                if let Some((axis, times, more)) = along {
-                    let coordinate = self.canonical(&mut wall, here, 1.0 / times, -more / times);
-                    let leaf = self.graph.leaf(Leaf::P(axis));
-                    new.insert(leaf, coordinate);
+                if let Some(Along { of, over, times, more }) = along {
+                    let mut there = self.canonical(&mut wall, here, 1.0 / times, -more / times);
+                    if let Some(over) = over {
+                        let whole = self.graph.op(Op::Mul, &[over, there]);
+                        there = self.canonical(&mut wall, whole, 1.0, 0.0);
+                    }
+                    new.insert(of, there);
                 }
                 new.insert(site.node, self.on_lattice(&mut wall, side));
-                for &id in &order {
-                    if !new.contains_key(&id) {
-                        let made = self.on_wall(&mut wall, id, &new);
-                        new.insert(id, made);
-                    }
-                }
-                new.get(&root).copied()
+                self.all_on_wall(&mut wall, &order, new).get(&root).copied()
             });
             least = least.min(self.most_apart(left?, right?, &beside));
             if least == 0.0 {
@@ -71,6 +74,62 @@ impl Builder<'_> {
             }
         }
         Some(least)
+    }
+
+    /// How high a formula jumps where an angle of it turns over: on the other side that is a whole turn less, and so many sectors less are whole ones.
+    fn height_of_turn(&mut self, root: NodeId, angle: NodeId, near: &Domain) -> Option<f64> {
+        // What stays at zero has an angle that turns over by half a turn; a coordinate does not stay there.
+        let across = self.graph.arguments(angle).first().and_then(|&y| self.along(y))?;
+        let order = self.graph.reachable(&[root]);
+        if order.len() > LONGEST || !matches!(self.graph.node(across.of), Node::Leaf(Leaf::P(_))) {
+            return None;
+        }
+        let mut beside = near.clone();
+        let here = beside.free_number(self.graph, Interval::new(-PI, PI));
+        let whole = beside.free_number(self.graph, Interval::ALL);
+        // The sectors that are counted: the count, what stands for it, how many are in a turn, and how wide they are where that is live.
+        let mut sectors = Vec::new();
+        for &id in &order {
+            let Node::Op(Op::Floor | Op::Ceil | Op::Round, args) = self.graph.node(id) else { continue };
+            let Some(along) = args.first().and_then(|&a| self.along(a)).filter(|along| along.of == angle) else { continue };
+            let Some(in_a_turn) = self.sectors(&along) else { continue };
+            sectors.push((id, beside.free_number(self.graph, Interval::ALL), in_a_turn, along));
+        }
+        let mut wall = Wall::new(whole, self.still(&order), true);
+        let [before, after] = [0.0, -TAU].map(|more| {
+            let mut new = FxHashMap::default();
+            new.insert(angle, self.canonical(&mut wall, here, 1.0, more));
+            for &(count, stands, in_a_turn, along) in &sectors {
+                let mut counted = stands;
+                if more != 0.0 {
+                    counted = self.graph.op(Op::Sub, &[stands, in_a_turn]);
+                    counted = self.canonical(&mut wall, counted, 1.0, 0.0);
+                }
+                new.insert(count, counted);
+                // So many times as wide as a sector is, that is as much of the angle.
+                let Some(over) = along.over else { continue };
+                let wide = self.graph.op(Op::Mul, &[over, count]);
+                let stands = self.graph.op(Op::Mul, &[over, stands]);
+                new.insert(wide, self.canonical(&mut wall, stands, 1.0, along.times * more));
+            }
+            self.all_on_wall(&mut wall, &order, new).get(&root).copied()
+        });
+        Some(self.most_apart(before?, after?, &beside))
+    }
+
+    /// How many sectors a turn has, where those are whole.
+    fn sectors(&mut self, along: &Along) -> Option<NodeId> {
+        let is_whole = |count: f64| (count - count.round()).abs() < 1e-9 && count != 0.0;
+        let Some(over) = along.over else {
+            let count = along.times * TAU;
+            return is_whole(count).then(|| self.graph.constant(count.round()));
+        };
+        let Node::Op(Op::Div, args) = self.graph.node(over) else { return None };
+        let &[turn, parts] = args.as_ref() else { return None };
+        let whole = matches!(self.graph.node(parts), Node::Leaf(Leaf::Parameter(i)) if self.graph.parameters.get(*i as usize).is_some_and(|p| p.whole));
+        let count = along.times * TAU / self.graph.as_constant(turn)?;
+        let times = (whole && is_whole(count)).then(|| self.graph.constant(count.round()))?;
+        Some(self.graph.op(Op::Mul, &[times, parts]))
     }
 }
 

@@ -4,9 +4,10 @@
 //! What else jumps there is held as it is, whatever that may be, where what it jumps by comes to the same on both sides: it is looked at by itself.
 
 use super::Builder;
+use super::seams::LONGEST;
 use crate::analysis::products::{self, multiplied, scaled};
 use crate::graph::kernel::Op;
-use crate::graph::{Leaf, Node, NodeId};
+use crate::graph::{Function, Leaf, Node, NodeId, ShapeId};
 use rustc_hash::{FxHashMap, FxHashSet};
 use smallvec::smallvec;
 
@@ -33,14 +34,25 @@ pub(super) struct Wall {
     whole: NodeId,
     /// Nodes of the formula that only change where something jumps.
     still: FxHashSet<NodeId>,
+    /// So many nodes are in the shapes that were opened.
+    opened: usize,
     /// What stands for what else jumps, by what that jumps by.
     held: FxHashMap<(NodeId, Vec<NodeId>), NodeId>,
+}
+
+/// A number that rises evenly: `times` that which it is of, over what is the same everywhere, and `more`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Along {
+    pub of: NodeId,
+    pub over: Option<NodeId>,
+    pub times: f64,
+    pub more: f64,
 }
 
 impl Wall {
     /// The wall at which a number is `whole`, of a formula with these nodes that only change where something jumps.
     pub fn new(whole: NodeId, still: FxHashSet<NodeId>, multiplies: bool) -> Self {
-        Self { sums: Sums { multiplies, ..Sums::default() }, whole, still, held: FxHashMap::default() }
+        Self { sums: Sums { multiplies, ..Sums::default() }, whole, still, opened: 0, held: FxHashMap::default() }
     }
 }
 
@@ -67,18 +79,24 @@ impl Builder<'_> {
         self.canonical(wall, wall.whole, 1.0, more)
     }
 
-    /// The axis along which a number rises evenly, how fast, and what it is at zero. None where it does so along more than one, or otherwise.
-    pub(super) fn along_axis(&mut self, number: NodeId) -> Option<(u8, f64, f64)> {
-        let sum = self.sum(&mut Sums::default(), number)?;
-        let (product, times, more) = match sum.as_slice() {
-            [(product, times)] => (product, *times, 0.0),
-            [(none, more), (product, times)] if none.is_empty() => (product, *times, *more),
-            _ => return None,
-        };
-        match product.as_slice() {
-            &[leaf] if let Node::Leaf(Leaf::P(axis)) = self.graph.node(leaf) => Some((*axis, times, more)),
+    /// Along what a number rises evenly. None where that is more than one thing, or neither a coordinate nor an angle.
+    pub(super) fn along(&self, number: NodeId) -> Option<Along> {
+        let over = match self.graph.node(number) {
+            Node::Op(Op::Div, args) => args.get(1).copied().filter(|&over| self.graph.as_constant(over).is_none() && self.is_uniform(over)),
             _ => None,
+        };
+        let number = over.and_then(|_| self.graph.arguments(number).first().copied()).unwrap_or(number);
+        let mut found: Option<(NodeId, f64)> = None;
+        let mut more = 0.0;
+        for (product, times) in self.sum(&mut Sums::default(), number)? {
+            match product.as_slice() {
+                [] if over.is_none() => more += times,
+                &[of] if Some(of) == over => more += times,
+                &[of] if found.is_none() && matches!(self.graph.node(of), Node::Leaf(Leaf::P(_)) | Node::Op(Op::Atan2, _)) => found = Some((of, times)),
+                _ => return None,
+            }
         }
+        found.map(|(of, times)| Along { of, over, times, more })
     }
 
     /// A formula as a sum of multiples, in the order of their nodes, and a constant; of products of sums where that is asked for. A fractional part is
@@ -151,12 +169,12 @@ impl Builder<'_> {
         }
     }
 
-    /// A formula or what it is times -1, whichever comes first.
-    fn without_sign(&mut self, wall: &mut Wall, node: NodeId) -> NodeId {
-        let Some(mut sum) = self.sum(&mut wall.sums, node) else { return node };
+    /// A formula or what it is times -1, whichever comes first; and the sign.
+    fn without_sign(&mut self, wall: &mut Wall, node: NodeId) -> (NodeId, f64) {
+        let Some(mut sum) = self.sum(&mut wall.sums, node) else { return (node, 1.0) };
         let sign = sum.iter().find(|(product, _)| !product.is_empty()).or(sum.first()).map_or(1.0, |(_, by)| by.signum());
         sum.iter_mut().for_each(|(_, by)| *by *= sign);
-        self.written(wall, &sum)
+        (self.written(wall, &sum), sign)
     }
 
     fn written(&mut self, wall: &mut Wall, sum: &[(Product, f64)]) -> NodeId {
@@ -215,6 +233,31 @@ impl Builder<'_> {
         }
     }
 
+    /// All nodes of a formula as they are on one side, of those that are known there.
+    pub(super) fn all_on_wall(&mut self, wall: &mut Wall, order: &[NodeId], mut new: FxHashMap<NodeId, NodeId>) -> FxHashMap<NodeId, NodeId> {
+        for &id in order {
+            if !new.contains_key(&id) {
+                let made = self.on_wall(wall, id, &new);
+                new.insert(id, made);
+            }
+        }
+        new
+    }
+
+    /// The formula of a shape at a point that is what it is at the wall. None where there are too many of them.
+    fn call_on_wall(&mut self, wall: &mut Wall, shape: ShapeId, args: &[NodeId]) -> Option<NodeId> {
+        let shape = self.graph.shape(shape)?;
+        let (value, variables) = (shape.value, shape.variables.clone());
+        let order = self.graph.reachable(&[value]);
+        wall.opened += order.len();
+        if wall.opened > LONGEST {
+            return None;
+        }
+        let leaves = (0..3).map(Leaf::P).chain(variables.iter().map(|&v| Leaf::Variable(v)));
+        let new = leaves.zip(args).map(|(leaf, arg)| (self.graph.leaf(leaf), *arg)).collect();
+        self.all_on_wall(wall, &order, new).get(&value).copied()
+    }
+
     /// A node whose arguments are what they are at the wall.
     pub(super) fn on_wall(&mut self, wall: &mut Wall, id: NodeId, new: &FxHashMap<NodeId, NodeId>) -> NodeId {
         let old = self.graph.arguments(id).to_vec();
@@ -232,9 +275,12 @@ impl Builder<'_> {
                         return made;
                     }
                 }
-                if matches!(op, Op::Length2 | Op::Length3 | Op::Length4 | Op::Abs | Op::Square) {
-                    let args: Vec<NodeId> = args.iter().map(|&a| self.without_sign(wall, a)).collect();
-                    return self.graph.op(op, &args);
+                if matches!(op, Op::Length2 | Op::Length3 | Op::Length4 | Op::Abs | Op::Square | Op::Cos | Op::Sin) {
+                    let signed: Vec<(NodeId, f64)> = args.iter().map(|&a| self.without_sign(wall, a)).collect();
+                    let args: Vec<NodeId> = signed.iter().map(|(a, _)| *a).collect();
+                    let made = self.graph.op(op, &args);
+                    let is_odd = op == Op::Sin && signed.iter().any(|(_, sign)| *sign < 0.0);
+                    return if is_odd { self.graph.op(Op::Neg, &[made]) } else { made };
                 }
                 // A random number of whole numbers is the same for the same numbers.
                 let mut whole = |a: NodeId| self.more_than_whole(wall, a).is_some_and(|more| more.fract() == 0.0);
@@ -257,6 +303,7 @@ impl Builder<'_> {
                 }
                 self.graph.op(op, &args)
             }
+            Node::Call(shape, Function::Field, _) if let Some(opened) = self.call_on_wall(wall, shape, &args) => opened,
             Node::Call(shape, function, _) => self.graph.call(shape, function, &args),
             Node::Claim(..) => args.first().copied().unwrap_or(id),
             _ => id,

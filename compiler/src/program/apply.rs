@@ -165,12 +165,13 @@ impl Elaborator<'_> {
                 let value = e.expression(&function.body, &here)?;
                 let node = e.to_number(&value, function.body.span, &here)?;
                 let node = e.claimed(node, (item, function), &values, &env);
-                if let Some(reach) = e.reach(item, function, &values) {
-                    e.facts.know_reach(&e.graph, node, reach, usize::from(dimensions));
-                }
                 let exact = matches!(&function.claim, Some(c) if c.kind == ClaimKind::Exact);
                 let name = (!modules.is_prelude(item.module)).then(|| function.name.text.clone());
-                Ok(Value::Shape(e.formula_shape(node, dimensions, name, exact, span)))
+                let shape = e.formula_shape(node, dimensions, name, exact, span);
+                if let Some((reach, is_fixed)) = e.reach(item, function, &values) {
+                    e.facts.know_reach(&e.graph, node, (reach, is_fixed), usize::from(dimensions));
+                }
+                Ok(Value::Shape(shape))
             }
             FunctionKind::Warp | FunctionKind::Warp2 => {
                 e.apply_warp(function, receiver.clone(), &env, point.clone(), span)

@@ -328,19 +328,17 @@ impl Elaborator<'_> {
         self.modules.is_prelude(item.module) && BOUNDS.get(item.item).is_some_and(|names| names.iter().any(|name| *parameter.name.text == **name))
     }
 
-    /// How far from the origin a shape of the prelude reaches at most, where its documentation says so and not all of its arguments are known.
-    pub(super) fn reach(&mut self, item: ItemRef, function: &ast::Function, values: &[Value]) -> Option<f64> {
+    /// How far from the origin a shape of the prelude reaches at most, where its documentation says so; and whether it is the same at all times.
+    pub(super) fn reach(&mut self, item: ItemRef, function: &ast::Function, values: &[Value]) -> Option<(f64, bool)> {
         let names = REACHES.get(item.item).filter(|names| self.modules.is_prelude(item.module) && !names.is_empty())?;
-        if values.iter().all(|value| matches!(value, Value::Number(n, _) if self.graph.as_constant(*n).is_some())) {
-            return None;
-        }
         let mut farthest: f64 = 0.0;
         for name in names {
             let at = function.parameters.iter().position(|p| *p.name.text == **name)?;
             let Some(Value::Number(node, _)) = values.get(at) else { return None };
             farthest = farthest.max(self.facts.live_range(&self.graph, *node).hi);
         }
-        Some(farthest).filter(|reach| reach.is_finite())
+        let is_fixed = values.iter().all(|value| matches!(value, Value::Number(n, _) if self.graph.as_constant(*n).is_some()));
+        farthest.is_finite().then_some((farthest, is_fixed))
     }
 
     /// Reports constant arguments that the documentation rules out. Answers what becomes of those that are not constant and might be ruled
