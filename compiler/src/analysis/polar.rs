@@ -2,6 +2,8 @@
 //!
 //! In a box of x and y the gradient of the angle has two components that both vary; along the circle and across it, it is 1/r and 0 everywhere.
 //! So boxes of distance and angle say far more of such a formula than boxes of x and y, and the cut of the angle is nothing but an end.
+//!
+//! Of what is the same all around the axis the distance is all there is: a formula in a plane through the axis, where its gradient is as long.
 
 use super::dual::{Dual, JUMPS_HERE};
 use super::tape::{Step, Tape};
@@ -17,23 +19,29 @@ pub struct Polar {
     pub tape: Tape,
     x: u8,
     y: u8,
+    /// Whether it reads the angle.
+    turns: bool,
     /// The points of interest, in x and y.
     points: Box3,
 }
 
 impl Polar {
-    /// The tape in polar coordinates over a finite box. None where it reads the coordinates in another way, or no angle.
+    /// The tape in polar coordinates. None where it reads the coordinates in another way, or an angle over a box that is not finite.
     pub fn of(tape: &Tape, points: Box3) -> Option<Self> {
         let coordinate = |step: usize| match tape.steps.get(step) {
             Some(Step::Leaf(Leaf::P(i))) => Some(*i),
             _ => None,
         };
         let pair = |args: &[usize]| Some((coordinate(*args.first()?)?, coordinate(*args.get(1)?)?));
-        let (y, x) = tape.steps.iter().find_map(|step| match step {
-            Step::Op(Op::Atan2, args) => pair(args).filter(|(y, x)| y != x),
-            _ => None,
-        })?;
-        let finite = [x, y].iter().all(|&i| points.axis(usize::from(i)).is_finite());
+        let of = |op: Op| {
+            tape.steps.iter().find_map(|step| match step {
+                Step::Op(found, args) if *found == op => pair(args).filter(|(y, x)| y != x),
+                _ => None,
+            })
+        };
+        let angle = of(Op::Atan2);
+        let (turns, (y, x)) = (angle.is_some(), angle.or_else(|| of(Op::Length2))?);
+        let finite = !turns || [x, y].iter().all(|&i| points.axis(usize::from(i)).is_finite());
         let mut polar = tape.clone();
         for (step, slot) in tape.steps.iter().zip(&mut polar.steps) {
             let args: &[usize] = match step {
@@ -48,7 +56,7 @@ impl Polar {
             }
         }
         let root = tape.roots().any(|r| coordinate(r).is_some());
-        (finite && !root).then(|| Self { tape: polar.unmirrored(), x, y, points })
+        (finite && !root).then(|| Self { tape: polar.unmirrored(), x, y, turns, points })
     }
 
     /// The domain in distance and angle: at least the points of interest.
@@ -56,6 +64,7 @@ impl Polar {
         let (x, y) = (self.points.axis(self.x.into()), self.points.axis(self.y.into()));
         let radius = x.square().add(y.square()).sqrt();
         let angle = match x.lo <= 0.0 && y.contains(0.0) {
+            _ if !self.turns => Interval::ZERO,
             true => Interval::new(-PI, PI),
             false => kernel::interval(Op::Atan2, &[y, x]),
         };
@@ -66,7 +75,8 @@ impl Polar {
     /// A box of the plain coordinates that holds all points of a part; none where that holds no point of interest.
     pub fn place(&self, part: &Box3) -> Option<Box3> {
         let (radius, angle) = (part.axis(self.x.into()), part.axis(self.y.into()));
-        let along = |op| radius.mul(kernel::interval(op, &[angle]));
+        let all_around = Interval::new(-radius.hi, radius.hi);
+        let along = |op| if self.turns { radius.mul(kernel::interval(op, &[angle])) } else { all_around };
         let around = part.with_axis(self.x.into(), along(Op::Cos)).with_axis(self.y.into(), along(Op::Sin));
         let place = around.intersect(&self.points);
         (!place.is_empty()).then_some(place)
@@ -78,7 +88,7 @@ impl Polar {
         let radius = part.axis(self.x.into());
         match axis {
             _ if axis == usize::from(self.y) => radius.hi,
-            _ if axis == usize::from(self.x) && radius.lo <= 0.0 => 1e6,
+            _ if axis == usize::from(self.x) && radius.lo <= 0.0 && self.turns => 1e6,
             _ => 1.0,
         }
     }
