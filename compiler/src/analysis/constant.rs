@@ -62,8 +62,13 @@ impl Facts {
             0 | 1 => 1,
             budget => budget.min((self.steps / self.weight(graph, node).max(1)).max(8)),
         };
-        let search = |facts: &mut Self| match Polar::of(&tape, domain.point).filter(|_| budget > 1) {
+        // A condition on the point says nothing of a distance alone.
+        let free = domain.within.is_empty() && domain.tube.is_none();
+        let search = |facts: &mut Self| match Polar::of(&tape, domain.point).filter(|polar| budget > 1 && (free || polar.turns())) {
             Some(polar) => {
+                if !polar.turns() && let Some(found) = facts.along_distance(graph, &tape, domain, Interval::ALL, budget) {
+                    return found;
+                }
                 let whole = facts.dual_of(graph, &tape, domain).0.norm;
                 let found = facts.supremum(graph, &polar.tape, &polar.domain(domain), Sought { polar: Some(&polar), ..Sought::within(budget) }, |facts, d, ()| {
                     let pinned = facts.pinned.clone();
@@ -75,8 +80,6 @@ impl Facts {
                 Constant { lipschitz: found.constant.lipschitz.min(whole), ..found.constant }
             }
             None => {
-                // A condition on the point says nothing of a distance alone.
-                let free = domain.within.is_empty() && domain.tube.is_none();
                 if budget > 1 && free && let Some(found) = facts.along_distance(graph, &tape, domain, Interval::ALL, budget) {
                     return found;
                 }

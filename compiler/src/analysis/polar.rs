@@ -19,7 +19,6 @@ pub struct Polar {
     pub tape: Tape,
     x: u8,
     y: u8,
-    /// Whether it reads the angle.
     turns: bool,
     /// The points of interest, in x and y.
     points: Box3,
@@ -57,6 +56,11 @@ impl Polar {
         }
         let root = tape.roots().any(|r| coordinate(r).is_some());
         (finite && !root).then(|| Self { tape: polar.unmirrored(), x, y, turns, points })
+    }
+
+    /// Whether it reads the angle.
+    pub fn turns(&self) -> bool {
+        self.turns
     }
 
     /// The domain in distance and angle: at least the points of interest.

@@ -19,7 +19,7 @@ const FEWEST: usize = 1024;
 const PLACES: usize = 4096;
 const CHEAP: u64 = 10_000_000;
 /// So often a way is tried in each lane to find them.
-const TURNS: usize = 1024;
+const TURNS: usize = 4096;
 /// A way is halved so often.
 const HALVINGS: usize = 46;
 /// What costs more than that is not looked at to the end: at first, and where nothing else of the formula jumps.
@@ -58,6 +58,13 @@ impl Builder<'_> {
             Some(known) => known,
             None => !jumps && self.agrees(root, site, near, LONGEST) == Some(true),
         })
+    }
+
+    /// Whether both sides of all of some jumps agree at all places that are looked at about the formula's solid.
+    pub(super) fn all_agree(&mut self, root: NodeId, sites: &[Site], near: &Domain) -> bool {
+        let Some((region, _)) = self.region_of(root, near).filter(|_| !self.strict) else { return false };
+        let about = near.at(region.grow(region.size()).intersect(&near.point));
+        sites.iter().all(|site| self.agrees(root, site, &about, LONGEST) == Some(true))
     }
 
     /// Whether a formula comes to the same on both sides of where this operation of it jumps, at all of many places. None where that is not known

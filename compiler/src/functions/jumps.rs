@@ -91,12 +91,14 @@ impl Builder<'_> {
         let mut sites = self.sites(node, &near);
         let span = self.place(shape, node);
         let measured = treatment.proof == Proof::Measured;
-        let mut passed = Vec::new();
+        let (mut passed, mut is_told) = (Vec::new(), true);
         if !sites.is_empty() {
             let proven = !measured && self.past_jump(node, &sites, &[], &near, treatment).is_some();
             if !proven || self.are_nested(&sites) {
                 (sites, passed) = self.without_agreeing(node, sites, proven, &near, span);
             }
+            // Where rays are proven to get past, what seems not to jump is nobody's concern.
+            is_told = !proven || !self.all_agree(node, &sites, &near);
         }
         let (mut nearest, mut stops, mut unknown): (Option<NodeId>, _, _) = (None, None, None);
         for site in &sites {
@@ -114,7 +116,7 @@ impl Builder<'_> {
                 }
             }
         }
-        if let Some(at) = stops {
+        if let Some(at) = stops.filter(|_| is_told) {
             self.diagnostics.push(Diagnostic::new(
                 Code::Jump,
                 at,
