@@ -5,7 +5,7 @@ use crate::analysis::memory::Memory;
 use crate::compiled::{Compiled, Export, Loader, Options, Outcome};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::home::Home;
-use crate::source::Sources;
+use crate::source::{Sources, Span};
 use crate::{emit, functions, program};
 
 /// A stage of the pipeline, in their order.
@@ -190,4 +190,7 @@ fn ground(seen: &Compiled, facts: &mut Facts, options: &Options, sources: &Sourc
 pub(crate) fn tidy(diagnostics: &mut Vec<Diagnostic>) {
     diagnostics.sort_by_key(|d| (d.span.file, d.span.start, d.severity != Severity::Error, d.code));
     diagnostics.dedup_by(|a, b| a.code == b.code && a.span == b.span);
+    // How a named argument is written is said by what names it might have.
+    let unknown: Vec<Span> = diagnostics.iter().filter(|d| d.code == Code::UnknownArgument).map(|d| d.span).collect();
+    diagnostics.retain(|d| d.code != Code::Unexpected || !unknown.contains(&d.span));
 }

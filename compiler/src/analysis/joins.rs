@@ -104,7 +104,7 @@ mod tests {
     /// Whether a formula is said to jump.
     fn jumps(formula: &str) -> bool {
         let text = format!("field f = {formula}\nscene = f.within(box(4))");
-        let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
+        let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options { strict: true, ..Options::default() });
         assert!(outcome.compiled.is_some(), "{formula}");
         outcome.diagnostics.iter().any(|d| d.code == Code::Jump)
     }

@@ -62,7 +62,7 @@ impl Steep {
             _ if self.grows => GROWS,
             Some(Op::Div) if self.kept_away => "keep the divisor farther from zero, or cut off where it is small with `.within(region)`",
             Some(Op::Pow | Op::Sqrt | Op::Log) if self.kept_away => "keep the argument farther from zero, or cut off where it is small with `.within(region)`",
-            Some(Op::Div) => "keep the divisor away from zero, for example `max(d, 0.01)`, or cut its zero off with `.within(region)`",
+            Some(Op::Div) => "keep the divisor away from zero as far as the shape allows, `max(d, 0.1)` rather than `max(d, 0.001)`, or cut its zero off with `.within(region)`",
             Some(Op::Pow | Op::Sqrt | Op::Log) => {
                 "keep the argument away from zero, for example `max(a, 0.01)`, or cut its zero off with `.within(region)`"
             }

@@ -140,12 +140,14 @@ mod tests {
         assert!(!jumps("0.02 * cos(n * atan(p.z, p.x))"));
         assert!(!jumps("0.02 * cos(2 * n * atan(p.z, p.x))"));
         assert!(!jumps("0.02 * cos((n + 1) * atan(p.z, p.x) + time)"));
-        assert!(jumps("0.02 * cos((n + 0.5) * atan(p.z, p.x))"));
+        assert!(jumps("0.02 * cos((n + 0.5) * atan(p.z, p.x) + 1)"));
         assert!(!jumps("0.02 * abs(sin(n * atan(p.z, p.x) / 2 + p.y))"));
         assert!(!jumps("0.02 * sq(cos(2.5 * atan(p.z, p.x)))"));
         assert!(!jumps("0.02 * sin(3 * (2 * atan(p.z, p.x) - n * atan(p.z, p.x)))"));
-        assert!(jumps("0.02 * cos(x * atan(p.z, p.x))"));
-        assert!(jumps("0.02 * abs(sin(n * atan(p.z, p.x) / 4))"));
+        assert!(jumps("0.02 * cos(x * atan(p.z, p.x) + 1)"));
+        assert!(jumps("0.02 * abs(sin(n * atan(p.z, p.x) / 4 + 1))"));
+        // What is the same for an angle and its opposite, as far as one looks.
+        assert!(!jumps("0.02 * cos(x * atan(p.z, p.x))"));
         assert!(jumps("0.02 * sin(n * atan(p.z, p.x) / 2)"));
         assert!(!jumps("0.02 * sin(3 * atan(rotate(p, y, time).z, rotate(p, y, time).x))"));
         assert!(!jumps("0.02 * sin(3 * atan(rotate(p, y, 20deg).z, rotate(p, y, 20deg).x))"));

@@ -143,7 +143,7 @@ mod tests {
     /// Whether a formula is said to jump; with functions before it.
     fn jumps(functions: &str, formula: &str) -> bool {
         let text = format!("{functions}\nfield f = {formula}\nscene = f.within(box(4))");
-        let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
+        let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options { strict: true, ..Options::default() });
         let scene = outcome.compiled.unwrap_or_else(|| panic!("{formula}: {:?}", outcome.diagnostics));
         assert!(scene.graph.factors.iter().all(|f| f.proof != Proof::Measured), "{formula}");
         outcome.diagnostics.iter().any(|d| d.code == Code::Jump)

@@ -79,6 +79,7 @@ impl Elaborator<'_> {
         name: &str,
     ) -> Elaborated<Vec<Option<Bound>>> {
         // What stands before a dot is not counted by who reads.
+        let joins = known.len() > 1;
         let hidden = usize::from(known.first().is_some_and(|(_, at)| at.start <= span.start)).min(parameters.len());
         let mut positional: SmallVec<[Given; 4]> = known.into_iter().map(|(v, s)| Given::Known(v, s)).collect();
         positional.extend(args.iter().filter(|a| a.name.is_none()).map(|a| Given::Written(&a.value)));
@@ -146,6 +147,7 @@ impl Elaborator<'_> {
                         match takes {
                             _ if hides => format!("the language's own `{name}` is hidden by what the scene calls so: give that another name"),
                             0 => format!("write `{name}`"),
+                            _ if name == "box" && given == 2 => "write `box(x, y, z)`; with round edges it is `rounded_box(size, radius)`".to_owned(),
                             _ if name == "scale" => "write `.scale(2)`, the same along all axes, or `.stretch(1, 2, 1)`".to_owned(),
                             _ if is_of_two(parameters) => of_many(name, parameters),
                             _ => format!("write `{}`", written(name, parameters, hidden, true)),
@@ -165,7 +167,8 @@ impl Elaborator<'_> {
                     begun.next().filter(|_| begun.next().is_none())
                 };
                 let help = match nearest(&label.text, names.iter().copied()).or_else(begun) {
-                    Some(near) => format!("did you mean `{near}`?"),
+                    Some(near) => format!("did you mean `{near}: …`?"),
+                    None if matches!(&*label.text, "center" | "centered" | "centre") => "leave it out: shapes stand around the origin".to_owned(),
                     None if matches!((&*label.text, names.as_slice()), ("x" | "y" | "z", ["v"])) => "write all three in order, as in `(1, 0, 0)`, without names".to_owned(),
                     None if names.is_empty() => "it has no arguments".to_owned(),
                     None => format!("its arguments are {}", names.join(", ")),
@@ -221,7 +224,7 @@ impl Elaborator<'_> {
                             parameter.name.text,
                             wanted.unwrap_or_default()
                         ),
-                        match is_of_two(parameters) && matches!(&*parameter.name.text, "a" | "b") {
+                        match is_of_two(parameters) && (joins || matches!(&*parameter.name.text, "a" | "b")) {
                             true => of_many(name, parameters),
                             false if name == "rotate" => "write the axis, then the angle: `.rotate(y, 45deg)`".to_owned(),
                             false => format!("write `{}`", written(name, parameters, hidden, false)),

@@ -460,7 +460,7 @@ impl Elaborator<'_> {
     ) -> Elaborated<Value> {
         let cells = self.cells(v, span)?;
         if cells.iter().any(|&cell| self.is_hardly_whole(cell, 4)) {
-            let help = format!("write `{name}(floor(a))`, or `value_noise(a)` for what changes smoothly");
+            let help = format!("write `{name}(i)` of what counts, `{name}(floor(a))` of cells, or `value_noise(a)` for what changes smoothly");
             self.warn(Code::NotWhole, span, format!("`{name}` is of whole numbers, and this is rounded to one"), help);
         }
         let zero = self.graph.constant(0.0);

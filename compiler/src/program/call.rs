@@ -438,6 +438,10 @@ impl Elaborator<'_> {
         match &declared.kind {
             ItemKind::Function(function) => self.call_function(item, function, known, args, span, env),
             ItemKind::Material { parameters, .. } => {
+                if parameters.is_empty() && !(known.is_empty() && args.is_empty()) {
+                    let name = declared_name(declared);
+                    return Err(self.error(Code::TypeMismatch, span, format!("`{name}` is a material that takes nothing"), format!("write `.material({name})` behind a shape")));
+                }
                 let bound = self.bind(parameters, known, args, span, env, &env.clone(), &declared_name(declared))?;
                 let bound: Vec<Option<Value>> = bound.into_iter().map(|b| b.map(|b| b.value)).collect();
                 self.make_material(item, &bound, span).map(Value::Material)

@@ -4,7 +4,7 @@ use crate::syntax::ast::BlockKind;
 use crate::syntax::words::{self, nearest};
 
 /// A name of another tool, and ours. Those that begin like Quilez' (`sd`, `op`) stand without that beginning, in small letters.
-const NAMES: [(&str, &str); 65] = [
+const NAMES: [(&str, &str); 67] = [
     // Shadertoy, Quilez, hg_sdf.
     ("smin", "smooth_union"),
     ("smax", "smooth_intersection"),
@@ -17,6 +17,8 @@ const NAMES: [(&str, &str); 65] = [
     ("hexprism", "prism"),
     ("triprism", "prism"),
     ("verticalcapsule", "capsule"),
+    ("smoothmin", "smooth_union"),
+    ("smoothmax", "smooth_intersection"),
     ("smoothunion", "smooth_union"),
     ("smoothsubtraction", "smooth_difference"),
     ("smoothintersection", "smooth_intersection"),
@@ -113,7 +115,8 @@ pub const BLOCKS: [BlockKind; 3] = [BlockKind::Render, BlockKind::Environment, B
 
 /// What a key of a block is called here that others call so, or that is nearest to it.
 pub fn key<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
-    let ours = KEYS.iter().find(|(theirs, ours)| *theirs == name && known.contains(ours)).map(|(_, ours)| *ours);
+    let small = name.to_ascii_lowercase();
+    let ours = KEYS.iter().find(|(theirs, ours)| *theirs == small && known.contains(ours)).map(|(_, ours)| *ours);
     known.iter().copied().find(|k| ours == Some(*k)).or_else(|| nearest(name, known.iter().copied()))
 }
 
@@ -148,6 +151,7 @@ const LET: &str = "write `let name = value`: a type need not be said, and a name
 pub fn instead(word: &str) -> Option<&'static str> {
     let small = word.to_ascii_lowercase();
     Some(match small.as_str() {
+        "up" | "down" | "left" | "right" | "forward" | "back" => "write `.translate(0, 1, 0)`: x is to the right, y up, z toward the eye",
         "translatex" | "movex" => "write `.translate(1, 0, 0)`",
         "translatey" | "movey" => "write `.translate(0, 1, 0)`",
         "translatez" | "movez" => "write `.translate(0, 0, 1)`",
@@ -319,6 +323,25 @@ mod tests {
             ("blend b(a: shape, b: shape, k: float) = min(a, b) - k\nscene = sphere(1).b(box(1.7), 0.1)\n", "have no type", "blend b(a, b, k: float) = min(a, b) - k\nscene = sphere(1).b(box(1.7), 0.1)\n"),
             ("scene = sphere(1).extrude(2)\n", "`.elongate((0, 1, 0))`", "scene = sphere(1).elongate((0, 1, 0))\n"),
             ("scene = sphere(hash(1.5))\n", "`hash(floor(a))`", "scene = sphere(hash(floor(1.5)))\n"),
+            ("param r: 1 in 0..2\nscene = sphere(r)\n", "`param height = 2 in 1..5`", "param r = 1 in 0..2\nscene = sphere(r)\n"),
+            ("param r = 1, 0, 2\nscene = sphere(r)\n", "`param height = 2 in 1..5`", "param r = 1 in 0..2\nscene = sphere(r)\n"),
+            ("param r = 1 min 0 max 2\nscene = sphere(r)\n", "`param height = 2 in 1..5`", "param r = 1 in 0..2\nscene = sphere(r)\n"),
+            ("scene = for i in 0..3 by smooth_union { sphere(1).translate(i, 0, 0) }\n", "by smooth_union(k)", "scene = for i in 0..3 by smooth_union(0.1) { sphere(1).translate(i, 0, 0) }\n"),
+            ("material m { color: #f00 }\nscene = sphere(1).m\n", "`.material(m)`", "material m { color: #f00 }\nscene = sphere(1).material(m)\n"),
+            ("material m { color: #f00 }\nscene = m(sphere(1))\n", "`.material(m)`", "material m { color: #f00 }\nscene = sphere(1).material(m)\n"),
+            ("material m { opacity: 0.5 }\nscene = sphere(1).material(m)\n", "leave it out", "material m { }\nscene = sphere(1).material(m)\n"),
+            ("scene = box(1, center=true)\n", "leave it out", "scene = box(1)\n"),
+            ("scene = cylinder(h=1, radius: 2)\n", "`height: …`", "scene = cylinder(height: 1, radius: 2)\n"),
+            ("scene = cylinder(height=1, radius: 2)\n", "`height: …`", "scene = cylinder(height: 1, radius: 2)\n"),
+            ("let balls = sphere(1)\nscene = balls | balls.translate(3, 0, 0)\n", "`my_balls`", "let my_balls = sphere(1)\nscene = my_balls | my_balls.translate(3, 0, 0)\n"),
+            ("scene = sphere(1)\ncamera { lookAt: (0, 0, 0) }\n", "`target`", "scene = sphere(1)\ncamera { target: (0, 0, 0) }\n"),
+            ("scene = for i in 0..10..2 { sphere(0.5).translate(i, 0, 0) }\n", "`2 * i`", "scene = for i in 0..5 { sphere(0.5).translate(2 * i, 0, 0) }\n"),
+            ("scene = box((1, 1, 1), 0.1)\n", "`rounded_box(size, radius)`", "scene = rounded_box((1, 1, 1), 0.1)\n"),
+            ("scene = sphere(1).up(3)\n", "`.translate(0, 1, 0)`", "scene = sphere(1).translate(0, 3, 0)\n"),
+            ("scene = smoothmin(sphere(1), box(1.7), 0.2)\n", "`smooth_union`", "scene = smooth_union(sphere(1), box(1.7), 0.2)\n"),
+            ("module leg(h) { sphere(h); }\nscene = leg(1)\n", "`shape leg(…) = …`", "shape leg(h) = sphere(h)\nscene = leg(1)\n"),
+            ("fn f(x) { return x * 2 }\nscene = sphere(f(1))\n", "`fn double(t: float) = 2 * t`", "fn f(x) = { x * 2 }\nscene = sphere(f(1))\n"),
+            ("param b: bool = true\nscene = if b sphere(1) else box(1)\n", "`if condition { a } else { b }`", "param b: bool = true\nscene = if b { sphere(1) } else { box(1) }\n"),
         ] {
             let found = errors(wrong);
             assert!(found.len() == 1 && found[0].contains(told), "{wrong}{found:?}");

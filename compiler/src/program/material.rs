@@ -102,6 +102,9 @@ impl Elaborator<'_> {
             if !KEYS.contains(&key) {
                 let help = match elsewhere::key(key, &KEYS) {
                     Some(near) => format!("did you mean `{near}`?"),
+                    None if matches!(key, "opacity" | "alpha" | "transparent" | "transparency" | "transmission" | "ior") => {
+                        "leave it out: there are no materials that light goes through".to_owned()
+                    }
                     None => format!("the keys of a material are {}", KEYS.join(", ")),
                 };
                 self.error(

@@ -76,6 +76,7 @@ pub fn parse(file: FileId, text: &str) -> (ast::File, Vec<Diagnostic>) {
         said_too_deep: false,
         last_report: None,
         said_then: false,
+        misnamed: Vec::new(),
         stray_lets: Vec::new(),
         diagnostics,
     };
@@ -119,6 +120,8 @@ struct Parser<'t> {
     last_report: Option<usize>,
     /// That an `if` has no `then` was said.
     said_then: bool,
+    /// Words that were said to be no names where they are declared.
+    misnamed: Vec<&'t str>,
     /// `let`s found among the entries of a block.
     stray_lets: Vec<ast::Let>,
     diagnostics: Vec<Diagnostic>,

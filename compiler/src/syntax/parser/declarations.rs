@@ -101,6 +101,7 @@ impl Parser<'_> {
                 format!("the word `{word}` can't be the name of {what}"),
                 format!("write another name, such as `my_{word}`"),
             );
+            self.misnamed.push(word);
         }
         self.bump();
         Some(self.name_of(token))
@@ -124,6 +125,11 @@ impl Parser<'_> {
                 TokenKind::Colon => {
                     self.unexpected("a declaration is written with `=`, found `:`", help);
                     self.bump();
+                }
+                // A body in braces, as in other languages: what stands in it is another matter.
+                TokenKind::BraceOpen => {
+                    self.missing("`=`", help);
+                    self.skip_balanced();
                 }
                 _ => self.missing("`=`", help),
             }
@@ -180,9 +186,14 @@ impl Parser<'_> {
     pub(super) fn param(&mut self) -> Option<ItemKind> {
         self.bump();
         let name = self.declared_name("a parameter");
-        let mut domain = None;
+        let (mut domain, mut value) = (None, None);
         let is_number = matches!(self.peek_next().kind, TokenKind::Int | TokenKind::Float | TokenKind::Angle | TokenKind::Minus);
-        let ty = if self.is(TokenKind::Colon) && is_number {
+        let ty = if self.is(TokenKind::Colon) && is_number && self.word_of(self.token_at(self.at + 2)) == "in" {
+            self.unexpected("the value of a parameter stands after `=`, found `:`", "write it as in `param height = 2 in 1..5`");
+            self.bump();
+            value = Some(self.value());
+            None
+        } else if self.is(TokenKind::Colon) && is_number {
             self.unexpected("the range of a parameter stands after its value", "write `in` before it: `param height = 2 in 1..5`");
             self.bump();
             domain = Some(self.value_or_range());
@@ -190,15 +201,21 @@ impl Parser<'_> {
         } else {
             self.type_after_colon()
         };
-        let value = self.after_equals("`param height = 2 in 1..5`");
+        let value = value.unwrap_or_else(|| self.after_equals("`param height = 2 in 1..5`"));
         if self.eat_word("in").is_some() {
             domain = Some(self.value_or_range());
         } else if matches!(self.peek().kind, TokenKind::BracketOpen | TokenKind::ParenOpen | TokenKind::Comma)
             && !self.is_on_new_line()
         {
             self.missing("`in`", "write `in` before the range: `param height = 2 in 1..5`");
-            self.eat(TokenKind::Comma);
-            self.value_or_range();
+            while self.eat(TokenKind::Comma).is_some() || self.is(TokenKind::BracketOpen) || self.is(TokenKind::ParenOpen) {
+                self.value_or_range();
+            }
+        } else if matches!(self.word_of(self.peek()), "min" | "from" | "range") && !self.is_on_new_line() {
+            self.missing("`in`", "write `in` before the range: `param height = 2 in 1..5`");
+            while !self.is(TokenKind::End) && !self.is_on_new_line() {
+                self.bump();
+            }
         }
         let mut description = None;
         if self.is(TokenKind::Str) {
@@ -255,7 +272,7 @@ impl Parser<'_> {
         Some(Claim { span: self.span_from(start), kind })
     }
 
-    fn parameters(&mut self) -> Vec<Parameter> {
+    pub(super) fn parameters(&mut self) -> Vec<Parameter> {
         if !self.is(TokenKind::ParenOpen) {
             return Vec::new();
         }

@@ -266,10 +266,8 @@ impl Parser<'_> {
             } else if self.next_is(TokenKind::Equals) && !self.at_declaration() {
                 let token = self.bump();
                 let written = self.name_of(token);
-                self.unexpected(
-                    "a named argument is written with `:`, found `=`",
-                    format!("write `{}: …`", written.text),
-                );
+                let help = format!("write `{}: …`", written.text);
+                self.report(Code::Unexpected, written.span, "a named argument is written with `:`, found `=`", help);
                 name = Some(written);
                 self.bump();
             }
@@ -425,7 +423,9 @@ impl Parser<'_> {
                         "it starts a declaration; call the value something else than `{word}`"
                     ),
                 };
-                self.unexpected(format!("the word `{word}` can't be the name of a value"), help);
+                if !self.misnamed.contains(&word) {
+                    self.unexpected(format!("the word `{word}` can't be the name of a value"), help);
+                }
                 self.bump();
                 ExprKind::Hole
             }
@@ -534,16 +534,14 @@ impl Parser<'_> {
         let start = self.bump().start;
         let mut condition = self.value();
         if self.is(TokenKind::Equals) {
-            self.unexpected(
-                "`=` declares, found where a condition goes on",
-                "two values are compared with `==`",
-            );
+            self.unexpected("`=` declares, found where a condition goes on", "two values are compared with `==`");
             self.bump();
             self.value();
             condition.kind = ExprKind::Hole;
         }
         let help = "write `if condition { a } else { b }`";
         let words = self.foreign_then(help);
+        let bare = !words && !self.is(TokenKind::BraceOpen);
         let then = if words { self.value() } else { self.body("the value of an `if`", help) };
         let mut otherwise = None;
         if self.eat_word("else").is_some() {
@@ -552,6 +550,10 @@ impl Parser<'_> {
             } else if words && !self.is(TokenKind::BraceOpen) {
                 self.value()
             } else {
+                // Said of its `if` already.
+                if bare {
+                    self.last_report = Some(self.at);
+                }
                 self.body("the value of an `else`", help)
             };
             otherwise = Some(Box::new(value));

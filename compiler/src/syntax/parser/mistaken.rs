@@ -25,6 +25,7 @@ impl Parser<'_> {
                 TokenKind::DotDot => {
                     "a range stands after `in`, and as a value in a block".to_string()
                 }
+                TokenKind::Equals if next == TokenKind::Greater => "a function is declared: `fn double(t: float) = 2 * t`".to_string(),
                 TokenKind::Equals => "two values are compared with `==`".to_string(),
                 TokenKind::Name if word == "and" => "what two shapes share is `a & b`; conditions are joined by `a && b`".to_string(),
                 TokenKind::Name if word == "or" => "two shapes are joined by `a | b`; conditions by `a || b`".to_string(),
@@ -100,8 +101,13 @@ impl Parser<'_> {
         if word == "module" && next == TokenKind::Name && third == TokenKind::ParenOpen {
             let name = self.word_of(self.peek_next());
             self.unexpected("no declaration starts with `module`", format!("write `shape {name}(…) = …`"));
+            self.bump();
+            // What calls it is right.
+            let token = self.bump();
+            let (name, parameters) = (self.name_of(token), self.parameters());
+            let body = Expr { kind: ExprKind::Hole, span: name.span };
             self.skip_to_declaration();
-            return None;
+            return Some(ItemKind::Function(Function { kind: FunctionKind::Shape, name, parameters, claim: None, body }));
         }
         if words::is_type(word) && next == TokenKind::Name && third == TokenKind::ParenOpen
         {
@@ -279,7 +285,8 @@ impl Parser<'_> {
 
     /// `step 2` after a range: says how it is written, and skips it.
     pub(super) fn foreign_steps(&mut self, index: &Name) {
-        if !self.is_word("step") || self.next_is(TokenKind::BraceOpen) {
+        let is_step = self.is(TokenKind::DotDot) || self.is_word("step") && !self.next_is(TokenKind::BraceOpen);
+        if !is_step {
             return;
         }
         let i = &index.text;
