@@ -20,6 +20,7 @@ mod map;
 mod matrix;
 pub mod memory;
 mod multilinear;
+mod outlines;
 pub mod period;
 mod placed;
 mod polar;

@@ -31,17 +31,15 @@ const LOOKS: u32 = 1000;
 const ENTRIES: u32 = 400;
 /// How many steps one contraction may visit, shared steps counted each time.
 const VISITS: usize = 4000;
-/// So many places tell whether a solid ends.
-const PLACES: usize = 24;
 
 /// As far as outlines are found.
 pub const WORLD_SIDE: f64 = 1e5;
 /// As far as shapes are looked at, in their own space: what lies within [`WORLD_SIDE`] lies within this after all moves.
-const FARTHEST: f64 = 1e6;
+pub(super) const FARTHEST: f64 = 1e6;
 /// What is known no better than to lie within this is looked at more closely where that costs little.
-const FAR: f64 = 1e4;
+pub(super) const FAR: f64 = 1e4;
 /// See [`FARTHEST`].
-const MOVES: usize = 70;
+pub(super) const MOVES: usize = 70;
 
 impl Facts {
     /// A box within the domain that holds every point at which the node is at most `level`.
@@ -141,11 +139,6 @@ impl Facts {
         self.outline_within(graph, node, 0)
     }
 
-    /// The same, with a closer look where that reaches beyond so far from the origin: a box that hardly holds anything may be wide.
-    pub fn close_outline(&mut self, graph: &Graph, node: NodeId, far: f64) -> Box3 {
-        self.close_outline_within(graph, node, far, 0)
-    }
-
     /// Does something that is not counted in what closer looks at regions may cost: once for a scene, before all others.
     pub fn on_top<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
         let before = (self.closer, self.looks);
@@ -154,55 +147,7 @@ impl Facts {
         done
     }
 
-    fn close_outline_within(&mut self, graph: &Graph, node: NodeId, far: f64, moves: usize) -> Box3 {
-        let outline = self.outline_within(graph, node, moves);
-        if outline.is_empty() || outline.0.iter().all(|side| side.magnitude() < far) {
-            return outline;
-        }
-        if let Some(known) = self.close_outlines.get(&node) {
-            return *known;
-        }
-        let found = match graph.node(node) {
-            Node::Op(Op::Min, args) => args.iter().fold(Box3::EMPTY, |hull, &a| hull.hull(&self.close_outline_within(graph, a, far, moves))),
-            Node::Claim(args, Claim::Continuous) => args.first().map_or(outline, |&a| self.close_outline_within(graph, a, far, moves)),
-            Node::Call(shape, Function::Field, args) if moves < MOVES && let Some((value, placed)) = placed(graph, *shape, args) => {
-                // Of many copies one is looked at.
-                placed.back(self.close_outline_within(graph, value, far, moves + 1))
-            }
-            _ => {
-                let region = outline.intersect(&Box3::cube(FARTHEST));
-                match self.is_found_in(graph, node, &region) {
-                    true => region,
-                    false => self.closer_and_closer(|facts, within| facts.region(graph, node, &Domain::of(within), 0.0), region),
-                }
-            }
-        };
-        self.close_outlines.insert(node, found);
-        found
-    }
-
-    /// Whether some places of a large box can't be told from the solid: a closer look would leave the box as it is.
-    fn is_found_in(&mut self, graph: &Graph, node: NodeId, region: &Box3) -> bool {
-        let tape = self.tape(graph, node);
-        (1..=PLACES).any(|i| {
-            let place = Box3(region.place(i).map(Interval::point));
-            self.ranges_of(graph, &tape, &Domain::of(place)).last().is_none_or(|value| value.lo <= 0.0)
-        })
-    }
-
-    /// What a look at a box leaves of it, again and again: within a large box a small solid is only seen to be somewhere about.
-    pub fn closer_and_closer(&mut self, mut look: impl FnMut(&mut Self, Box3) -> Box3, mut region: Box3) -> Box3 {
-        loop {
-            let before = region.size();
-            region = look(self, region);
-            let gained = region.size() < 0.9 * before;
-            if region.is_empty() || !region.is_finite() || !gained {
-                return region;
-            }
-        }
-    }
-
-    fn outline_within(&mut self, graph: &Graph, node: NodeId, moves: usize) -> Box3 {
+    pub(super) fn outline_within(&mut self, graph: &Graph, node: NodeId, moves: usize) -> Box3 {
         if let Some(known) = self.known_solid(node).or_else(|| self.outlines.get(&node).copied()) {
             return known;
         }
@@ -435,7 +380,7 @@ impl Facts {
 }
 
 /// The value of a shape that reads nothing but its point, and where a call puts it, if it only moves and turns it.
-fn placed(graph: &Graph, shape: ShapeId, args: &[NodeId]) -> Option<(NodeId, Placed)> {
+pub(super) fn placed(graph: &Graph, shape: ShapeId, args: &[NodeId]) -> Option<(NodeId, Placed)> {
     let s = graph.shape(shape).filter(|s| s.variables.is_empty() && s.dimensions == 3)?;
     let placed = Placed::of(graph, args).filter(|placed| placed.farthest() < 0.01 * FARTHEST)?;
     Some((s.value, placed))

@@ -182,11 +182,13 @@ impl Builder<'_> {
 
     /// The box about what is solid where all parameters are as the text gives them.
     fn home(&mut self, solid: NodeId) -> Box3 {
-        if self.graph.parameters.is_empty() {
-            return self.facts.close_outline(self.graph, solid, self.far());
+        let (graph, far) = (&*self.graph, self.far());
+        let look = |facts: &mut Facts, far: f64| facts.close_outline(graph, solid, far).intersect(&facts.outline_in_regions(graph, solid, 0));
+        if graph.parameters.is_empty() {
+            return self.facts.on_top(|facts| look(facts, far));
         }
-        let pinned = self.graph.parameters.iter().map(|p| p.default).collect();
-        Facts::at(pinned).close_outline(self.graph, solid, self.extent)
+        let pinned = graph.parameters.iter().map(|p| p.default).collect();
+        look(&mut Facts::at(pinned), self.extent)
     }
 
     /// What reaches farther is looked at more closely. Nothing is where the text says from where and how far one sees.
