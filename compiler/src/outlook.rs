@@ -55,7 +55,8 @@ fn leaves(compiled: &Compiled, live: &Live, which: usize) -> Option<Diagnostic> 
     };
     let seconds = SECONDS.map(f64::from).find(|seconds| is_out(*seconds))?;
     let extent = short(compiled.frame(live).extent);
-    let message = format!("after {seconds} seconds the camera has left the scene, which ends {extent} from the origin: from there on nothing is seen");
+    let at = short(live.time + seconds);
+    let message = format!("after {at} seconds the camera has left the scene, which ends {extent} from the origin: from there on nothing is seen");
     let help = "set `render { extent: … }` to more, or let the camera come back: `time % 4` begins anew every four seconds";
     Some(Diagnostic::new(Code::NothingSeen, place(compiled, compiled.blocks.cameras.get(which)), message, help))
 }

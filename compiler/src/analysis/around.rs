@@ -44,9 +44,9 @@ impl Around {
         })
     }
 
-    /// Whether two are both coordinates of one turned pair.
+    /// Whether this is the first coordinate of a turned pair and the other its second.
     pub(super) fn is_pair(&self, other: &Self) -> bool {
-        self.is_sine != other.is_sine && self.angle == other.angle && self.radius == other.radius && self.of == other.of
+        !self.is_sine && other.is_sine && self.angle == other.angle && self.radius == other.radius && self.of == other.of
     }
 
     /// The rows of the pair that is turned.

@@ -15,8 +15,8 @@ use smallvec::SmallVec;
 use std::rc::Rc;
 
 /// A bound of the norm of the Jacobian whose rows are the gradients of these steps. A pair of coordinates that is another pair turned
-/// by an angle t counts as that pair with its slip: (∇u - v∇t, ∇v + u∇t), for a turn is an isometry. A point that is another one mirrored
-/// counts as that one.
+/// by an angle t counts as that pair with its slip: (∇u - v∇t, ∇v + u∇t), for a turn is an isometry; so does one that is turned by way of its angle. A
+/// point that is another one mirrored counts as that one.
 pub fn map_norm(tape: &Tape, values: &[Dual], rows: &[usize]) -> f64 {
     norm_of_rows(tape, values, rows, &|_| true)
 }
@@ -32,41 +32,17 @@ fn norm_of_rows(tape: &Tape, values: &[Dual], rows: &[usize], is_open: &dyn Fn(u
     let dual = |i: usize| values.get(i).copied().unwrap_or(Dual::constant(Interval::ALL));
     let mut matrix: Rows =
         rows.iter().map(|&r| (dual(r).gradient, dual(r).norm)).collect();
-    for (i, &a) in rows.iter().enumerate() {
-        let Some(Step::Op(Op::TurnU, first)) = tape.steps.get(a) else { continue };
-        for (j, &b) in rows.iter().enumerate() {
-            let Some(Step::Op(Op::TurnV, second)) = tape.steps.get(b) else { continue };
-            if first != second || !is_open(a) || !is_open(b) {
-                continue;
-            }
-            let [u, v, t] = [0, 1, 2].map(|k| dual(first.get(k).copied().unwrap_or(0)));
-            let slip = |coordinate: Dual, by: Interval| {
-                let gradient = add(coordinate.gradient, t.scaled(by));
-                let turned = if t.norm == 0.0 { 0.0 } else { by.magnitude() * t.norm };
-                let norm = coordinate.norm + turned;
-                (gradient, norm.min(Dual::components_norm(&gradient)))
-            };
-            if let Some(slot) = matrix.get_mut(i) {
-                *slot = slip(u, v.value.neg());
-            }
-            if let Some(slot) = matrix.get_mut(j) {
-                *slot = slip(v, u.value);
-            }
-        }
-    }
+    // Each row stands for itself or in one pair: the rows of a pair are those of what is turned, which as a whole is as steep.
+    let mut paired: SmallVec<[bool; 4]> = SmallVec::from_elem(false, rows.len());
     let mut turning = 0.0;
-    for (i, &a) in rows.iter().enumerate() {
-        for (j, &b) in rows.iter().enumerate().skip(i + 1) {
-            let [a, b] = [a, b].map(|row| unshifted(tape, &dual, row));
-            if let Some((first, second)) = tape.around(a).zip(tape.around(b))
-                && first.is_pair(second)
-                && is_open(a)
-                && is_open(b)
-            {
-                turning += first.turning(dual);
-                for (slot, row) in [i, j].into_iter().zip(first.rows(dual)) {
-                    matrix.get_mut(slot).into_iter().for_each(|slot| *slot = row);
-                }
+    for i in 0..rows.len() {
+        for j in 0..rows.len() {
+            let (Some(&a), Some(&b), Some(false), Some(false)) = (rows.get(i), rows.get(j), paired.get(i), paired.get(j)) else { continue };
+            let Some((pair, more)) = turned_pair(tape, &dual, [a, b], is_open) else { continue };
+            turning += more;
+            for (slot, row) in [i, j].into_iter().zip(pair) {
+                matrix.get_mut(slot).into_iter().for_each(|slot| *slot = row);
+                paired.get_mut(slot).into_iter().for_each(|slot| *slot = true);
             }
         }
     }
@@ -80,6 +56,29 @@ fn norm_of_rows(tape: &Tape, values: &[Dual], rows: &[usize], is_open: &dyn Fn(u
         Some(mirror) => norm.min(norm_of_rows(tape, values, &mirror.of, is_open)),
         None => norm,
     }
+}
+
+/// The gradients of the pair that two steps are when it is turned, the first by its cosine, with their norms; and how much faster the two may move than
+/// those. None where they are no such pair.
+#[allow(clippy::type_complexity)]
+fn turned_pair(tape: &Tape, dual: &impl Fn(usize) -> Dual, [a, b]: [usize; 2], is_open: &dyn Fn(usize) -> bool) -> Option<([([Interval; 3], f64); 2], f64)> {
+    if let (Some(Step::Op(Op::TurnU, first)), Some(Step::Op(Op::TurnV, second))) = (tape.steps.get(a), tape.steps.get(b)) {
+        if first != second || !is_open(a) || !is_open(b) {
+            return None;
+        }
+        let [u, v, t] = [0, 1, 2].map(|k| dual(first.get(k).copied().unwrap_or(0)));
+        let slip = |coordinate: Dual, by: Interval| {
+            let gradient = add(coordinate.gradient, t.scaled(by));
+            let turned = if t.norm == 0.0 { 0.0 } else { by.magnitude() * t.norm };
+            let norm = coordinate.norm + turned;
+            (gradient, norm.min(Dual::components_norm(&gradient)))
+        };
+        return Some(([slip(u, v.value.neg()), slip(v, u.value)], 0.0));
+    }
+    let [a, b] = [a, b].map(|row| unshifted(tape, dual, row));
+    let (first, second) = tape.around(a).zip(tape.around(b))?;
+    let is_pair = first.is_pair(second) && is_open(a) && is_open(b);
+    is_pair.then(|| (first.rows(dual), first.turning(dual)))
 }
 
 /// What a step is but for what is added to it that does not move.

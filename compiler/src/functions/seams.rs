@@ -16,7 +16,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Longer formulas are not looked at.
 pub(super) const LONGEST: usize = 4000;
-/// A jump of no more than so much of the size of what is looked at is the rounding of the numbers by which it is known.
+/// What a formula changes by within so much of the size of what is looked at is the rounding of the numbers by which a jump is known.
 const UNSEEN: f64 = 1e-9;
 
 impl Builder<'_> {
@@ -27,9 +27,16 @@ impl Builder<'_> {
             return *known;
         }
         let found = self.find_height(root, site, near).unwrap_or(f64::INFINITY);
-        let found = if found < UNSEEN * near.point.size() { 0.0 } else { found };
+        let found = if found > 0.0 && found < self.unseen(root, near) { 0.0 } else { found };
         self.found.heights.insert(key, found);
         found
+    }
+
+    /// How high a jump may be that no step could tell from none.
+    fn unseen(&mut self, root: NodeId, near: &Domain) -> f64 {
+        let steep = self.facts.constant(self.graph, root, near, 1).lipschitz;
+        let height = UNSEEN * near.point.size() * steep;
+        if height.is_finite() { height } else { 0.0 }
     }
 
     fn find_height(&mut self, root: NodeId, site: &Site, near: &Domain) -> Option<f64> {
@@ -81,7 +88,8 @@ impl Builder<'_> {
         // What stays at zero has an angle that turns over by half a turn; a coordinate does not stay there.
         let across = self.graph.arguments(angle).first().and_then(|&y| self.along(y))?;
         let order = self.graph.reachable(&[root]);
-        if order.len() > LONGEST || !matches!(self.graph.node(across.of), Node::Leaf(Leaf::P(_))) {
+        let crosses = across.over.is_none() && matches!(self.graph.node(across.of), Node::Leaf(Leaf::P(_)));
+        if order.len() > LONGEST || !crosses {
             return None;
         }
         let mut beside = near.clone();
@@ -128,7 +136,9 @@ impl Builder<'_> {
         let &[turn, parts] = args.as_ref() else { return None };
         let whole = matches!(self.graph.node(parts), Node::Leaf(Leaf::Parameter(i)) if self.graph.parameters.get(*i as usize).is_some_and(|p| p.whole));
         let count = along.times * TAU / self.graph.as_constant(turn)?;
-        let times = (whole && is_whole(count)).then(|| self.graph.constant(count.round()))?;
+        // Of no sectors nothing is known.
+        let some = !self.facts.live_range(self.graph, parts).contains(0.0);
+        let times = (whole && some && is_whole(count)).then(|| self.graph.constant(count.round()))?;
         Some(self.graph.op(Op::Mul, &[times, parts]))
     }
 }

@@ -3,7 +3,7 @@
 use super::bind::written_out;
 use super::builtin::is_function;
 use super::elsewhere::{color, instead, ours};
-use super::load::{ItemRef, Resolution};
+use super::load::{is_of_prelude, ItemRef, Resolution};
 use super::overload::at_a_point;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
@@ -438,11 +438,12 @@ impl Elaborator<'_> {
         match &declared.kind {
             ItemKind::Function(function) => self.call_function(item, function, known, args, span, env),
             ItemKind::Material { parameters, .. } => {
-                if parameters.is_empty() && !(known.is_empty() && args.is_empty()) {
-                    let name = declared_name(declared);
+                let name = declared_name(declared);
+                let hides = is_of_prelude(&name) || is_function(&name);
+                if parameters.is_empty() && !hides && !(known.is_empty() && args.is_empty()) {
                     return Err(self.error(Code::TypeMismatch, span, format!("`{name}` is a material that takes nothing"), format!("write `.material({name})` behind a shape")));
                 }
-                let bound = self.bind(parameters, known, args, span, env, &env.clone(), &declared_name(declared))?;
+                let bound = self.bind(parameters, known, args, span, env, &env.clone(), &name)?;
                 let bound: Vec<Option<Value>> = bound.into_iter().map(|b| b.map(|b| b.value)).collect();
                 self.make_material(item, &bound, span).map(Value::Material)
             }

@@ -153,16 +153,33 @@ fn factor_json(factor: &Explained) -> Value {
     })
 }
 
-/// For a person: a factor and what is known of it, those within it set in.
+/// For a person: a factor and what is known of it, those within it set in. Of those of one place, as copies in a loop have them, the steepest.
 fn factors_text(explained: &[Explained], color: bool) -> String {
     if explained.is_empty() {
         return "  no factor: every step is a whole distance\n".to_owned();
     }
     let mut text = String::new();
-    for factor in explained {
+    // Those within one that is left out are left out too.
+    let mut left_out = None;
+    for (i, factor) in explained.iter().enumerate() {
+        if left_out.is_some_and(|depth| factor.depth > depth) {
+            continue;
+        }
+        let is_alike = |other: &Explained| (&other.operation, &other.place, other.depth, other.proof) == (&factor.operation, &factor.place, factor.depth, factor.proof);
+        let alike = || explained.iter().enumerate().filter(|(_, other)| is_alike(other));
+        let steepest = alike().rev().max_by(|a, b| a.1.factor.total_cmp(&b.1.factor)).map(|(at, _)| at);
+        if steepest != Some(i) {
+            left_out = Some(factor.depth);
+            continue;
+        }
+        left_out = None;
+        let of = match alike().count() {
+            1 => String::new(),
+            count => format!(", the steepest of {count}"),
+        };
         let indent = "  ".repeat(factor.depth + 1);
         let (red, plain) = if color && factor.proof == Proof::Measured { ("\u{1b}[31m", "\u{1b}[0m") } else { ("", "") };
-        text.push_str(&format!("{indent}{red}{}{plain}\n", factor.headline()));
+        text.push_str(&format!("{indent}{red}{}{of}{plain}\n", factor.headline()));
         let known = format!("{red}{}{plain}: {}", factor.knowledge(), factor.reason);
         let following = factor.following("at the defaults");
         let lower = format!("lower it with {}", factor.advice);
