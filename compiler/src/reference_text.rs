@@ -220,6 +220,8 @@ fn write_entries(page: &mut String, chapter: &str, name: &str, entries: &[&Entry
         }
         match entry.claim.as_deref() {
             Some("exact") => page.push_str(" The value is the exact distance."),
+            // What is computed in a block is read where it is written.
+            Some(claim) if claim.contains('{') => page.push_str(" How steep it is, is claimed of its arguments."),
             Some(claim) => {
                 let _ = write!(page, " Claim: `{claim}`.");
             }

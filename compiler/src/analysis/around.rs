@@ -5,9 +5,8 @@
 //! Of what folds an angle into a sector (`mod(θ + s/2, s) - s/2`, the magnitude of an angle) ρ only jumps.
 
 use super::dual::Dual;
-use super::matrix::matrix_norm;
+use super::matrix::{Row, matrix_norm};
 use super::tape::Tape;
-use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use smallvec::SmallVec;
 
@@ -50,7 +49,7 @@ impl Around {
     }
 
     /// The rows of the pair that is turned.
-    pub(super) fn rows(&self, of: impl Fn(usize) -> Dual) -> [([Interval; 3], f64); 2] {
+    pub(super) fn rows(&self, of: impl Fn(usize) -> Dual) -> [Row; 2] {
         self.of.map(|a| (of(a).gradient, of(a).norm))
     }
 

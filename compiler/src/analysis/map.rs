@@ -2,7 +2,7 @@
 
 use super::isometry::Mirror;
 use super::dual::{Dual, Duals, add, on_side, pieces, side_of};
-use super::matrix::{Rows, matrix_norm};
+use super::matrix::{Row, Rows, matrix_norm};
 use super::tape::{Step, Steps, Tape};
 use super::{Facts, Pinned};
 use crate::analysis::branches::Side;
@@ -60,8 +60,7 @@ fn norm_of_rows(tape: &Tape, values: &[Dual], rows: &[usize], is_open: &dyn Fn(u
 
 /// The gradients of the pair that two steps are when it is turned, the first by its cosine, with their norms; and how much faster the two may move than
 /// those. None where they are no such pair.
-#[allow(clippy::type_complexity)]
-fn turned_pair(tape: &Tape, dual: &impl Fn(usize) -> Dual, [a, b]: [usize; 2], is_open: &dyn Fn(usize) -> bool) -> Option<([([Interval; 3], f64); 2], f64)> {
+fn turned_pair(tape: &Tape, dual: &impl Fn(usize) -> Dual, [a, b]: [usize; 2], is_open: &dyn Fn(usize) -> bool) -> Option<([Row; 2], f64)> {
     if let (Some(Step::Op(Op::TurnU, first)), Some(Step::Op(Op::TurnV, second))) = (tape.steps.get(a), tape.steps.get(b)) {
         if first != second || !is_open(a) || !is_open(b) {
             return None;
