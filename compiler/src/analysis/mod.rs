@@ -70,6 +70,7 @@ pub struct Facts {
     sifted: FxHashMap<(NodeId, Key, u64), Box3>,
     outlines: FxHashMap<NodeId, Box3>,
     close_outlines: FxHashMap<NodeId, Box3>,
+    region_outlines: FxHashMap<NodeId, Box3>,
     constants: FxHashMap<(NodeId, Key, usize), Constant>,
     maps: FxHashMap<(NodeList, Key, usize), Constant>,
     /// Boxes that hold all points at which a node is at most zero, where whoever made the node knows.
@@ -122,6 +123,7 @@ impl Default for Facts {
             sifted: FxHashMap::default(),
             outlines: FxHashMap::default(),
             close_outlines: FxHashMap::default(),
+            region_outlines: FxHashMap::default(),
             constants: FxHashMap::default(),
             maps: FxHashMap::default(),
             solids: FxHashMap::default(),

@@ -48,6 +48,9 @@ impl Facts {
         if outline.is_empty() {
             return outline;
         }
+        if let Some(known) = self.region_outlines.get(&node) {
+            return *known;
+        }
         let found = match graph.node(node) {
             Node::Op(Op::Min, args) => args.iter().fold(Box3::EMPTY, |hull, &a| hull.hull(&self.outline_in_regions(graph, a, moves))),
             Node::Claim(args, Claim::Continuous) => args.first().map_or(outline, |&a| self.outline_in_regions(graph, a, moves)),
@@ -59,7 +62,9 @@ impl Facts {
             }
             _ => outline,
         };
-        found.intersect(&outline)
+        let found = found.intersect(&outline);
+        self.region_outlines.insert(node, found);
+        found
     }
 
     /// Whether some places of a large box can't be told from the solid: a closer look would leave the box as it is.
