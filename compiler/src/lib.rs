@@ -23,6 +23,7 @@ pub mod program;
 pub mod reference;
 pub mod reference_text;
 pub mod skipped;
+pub mod solid;
 pub mod source;
 mod spread;
 pub mod syntax;

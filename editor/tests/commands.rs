@@ -106,6 +106,39 @@ fn check_tells_a_machine_everything() {
     assert_eq!(nowhere["ok"], false);
 }
 
+/// Scenes of the corpus, and what `check` says of their boxes: in words, and whether it is an upper limit and leaves planes out.
+const BOXES: [(&str, &str, bool, bool); 3] = [
+    ("box_of_a_ball", "from (0.3, 1.3, 2.3) to (1.7, 2.7, 3.7)", false, false),
+    ("box_beside_a_plane", "from (-1, 0, -1.5) to (1, 1, 1.5), without the planes", false, true),
+    ("box_of_a_slider", "at most from (-2.5, -0.5, -0.5) to (2.5, 0.5, 0.5)", true, false),
+];
+
+#[test]
+fn the_box_of_the_solid_is_the_same_for_people_and_machines() {
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/corpus/cases");
+    let of = |name: &str| {
+        let scene = format!("{name}.sdf");
+        let (code, words, _) = run(&cases, &["check", &scene]);
+        let (_, json, _) = run(&cases, &["check", "--json", &scene]);
+        let report: Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(code, 0, "{words}");
+        (words, report["scene"]["bounds"].clone())
+    };
+    for (name, said, at_most, planes) in BOXES {
+        let (words, bounds) = of(name);
+        assert!(words.ends_with(&format!("  solid:\n    {said}\n")), "{words}");
+        assert_eq!((&bounds["at_most"], &bounds["without_planes"]), (&at_most.into(), &planes.into()), "{name}");
+    }
+    let (words, bounds) = of("json_box");
+    for corner in ["min", "max"] {
+        for side in bounds[corner].as_array().unwrap() {
+            let short = format!("{:.4}", side.as_f64().unwrap());
+            let short = short.trim_end_matches('0').trim_end_matches('.');
+            assert!(words.contains(short), "{side} is not in\n{words}");
+        }
+    }
+}
+
 #[test]
 fn check_explains_factors_and_strict_refuses_what_is_measured() {
     let folder = folder("factors");

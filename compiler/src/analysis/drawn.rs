@@ -11,6 +11,8 @@ use std::collections::VecDeque;
 /// How many parts are looked at, down to which part of what is found first.
 const PARTS: usize = 1500;
 const SMALLEST: f64 = 1.0 / 64.0;
+/// How many steps of formulas that may cost.
+const STEPS: u64 = 4_000_000;
 
 impl Facts {
     /// The part of a finite region of its own plane in which an exact drawing is at most `level`: parts are dropped in which the value at the middle is
@@ -19,6 +21,7 @@ impl Facts {
         let tape = self.tape(graph, drawing);
         let (mut open, mut kept) = (VecDeque::from([region]), Box3::EMPTY);
         let mut smallest = 0.0;
+        let first = self.ran;
         for looked in 0.. {
             let Some(part) = open.pop_front() else { break };
             if kept.hull(&part) == kept {
@@ -35,7 +38,7 @@ impl Facts {
                 kept = kept.hull(&middle);
                 smallest = SMALLEST * kept.size();
             }
-            if looked >= PARTS || part.size() <= smallest {
+            if looked >= PARTS || self.ran - first > STEPS || part.size() <= smallest {
                 kept = kept.hull(&part);
                 continue;
             }

@@ -7,6 +7,7 @@ pub mod atoms;
 mod back;
 pub mod branches;
 mod cells;
+pub mod chain;
 pub mod claims;
 pub mod constant;
 mod directions;
@@ -42,6 +43,7 @@ use crate::graph::kernel;
 use crate::graph::{ANY_TIME, Exactness, Graph, Leaf, Node, NodeId, NodeList, ShapeId, WORLD};
 use constant::{MOST_SEARCHED, STEPS};
 pub use cells::has_cells;
+use chain::DEEP;
 pub use constant::Constant;
 pub use domain::{Box3, Domain, Key};
 use dual::Dual;
@@ -93,6 +95,11 @@ pub struct Facts {
     pub ran: u64,
     /// How many shapes within each other are looked at just now, and how many steps had been run before the outermost.
     nested: (u32, u64),
+    /// How many regions within each other are looked for just now.
+    regions_open: u32,
+    /// How many looks at unions inside are under way within each other, and how many regions were found in such looks so far.
+    looking: u32,
+    looked: u32,
     /// How many steps one look may run: what calls itself twice, thirty times within each other, has no end.
     most_in_one: u64,
     /// Up to which step kinks are looked at side by side, for the box at hand.
@@ -136,6 +143,9 @@ impl Default for Facts {
             boxes: 0,
             ran: 0,
             nested: (0, 0),
+            regions_open: 0,
+            looking: 0,
+            looked: 0,
             most_in_one: MOST_IN_ONE,
             forks: None,
             forked: 0,
@@ -206,17 +216,20 @@ impl Facts {
         if let Some(known) = self.weights.get(&node) {
             return *known;
         }
-        let tape = self.tape(graph, node);
-        let mut weight = tape.steps.len();
-        for step in &tape.steps {
-            if let tape::Step::Call(shape, _) = step
-                && let Some(s) = graph.shape(*shape)
-            {
-                weight = weight.saturating_add(self.weight(graph, s.value));
+        let value = |shape: ShapeId| graph.shape(shape).map(|s| s.value);
+        let inside = graph.called_below(node, |shape| value(shape).is_none_or(|value| self.weights.contains_key(&value)));
+        for node in inside.into_iter().filter_map(value).chain([node]) {
+            let tape = self.tape(graph, node);
+            let mut weight = tape.steps.len();
+            for step in &tape.steps {
+                if let tape::Step::Call(shape, _) = step {
+                    let called = value(*shape).and_then(|value| self.weights.get(&value));
+                    weight = weight.saturating_add(called.copied().unwrap_or(0));
+                }
             }
+            self.weights.insert(node, weight);
         }
-        self.weights.insert(node, weight);
-        weight
+        self.weights.get(&node).copied().unwrap_or(0)
     }
 
     /// All values of a node that reads nothing but parameters and time. Each node is looked at once: loops ask for chains that grow with
@@ -286,7 +299,12 @@ impl Facts {
     /// All values of a shape's field over intervals of its arguments.
     pub fn shape_range(&mut self, graph: &Graph, shape: ShapeId, args: &[Interval]) -> Interval {
         let Some(s) = graph.shape(shape) else { return Interval::ALL };
-        let domain = call_domain(&s.variables, args);
+        self.range_in(graph, shape, &call_domain(&s.variables, args))
+    }
+
+    /// The same over a domain of its own.
+    fn range_in(&mut self, graph: &Graph, shape: ShapeId, domain: &Domain) -> Interval {
+        let Some(s) = graph.shape(shape) else { return Interval::ALL };
         let key = (shape, domain.key());
         if let Some(known) = self.ranges.get(&key) {
             return *known;
@@ -294,7 +312,13 @@ impl Facts {
         if !self.enter() {
             return Interval::ALL;
         }
-        let range = self.range(graph, s.value, &domain);
+        if self.nested.0 >= DEEP {
+            let known = |facts: &Self, shape, domain: &Domain| facts.ranges.contains_key(&(shape, domain.key()));
+            self.from_below(graph, s.value, domain, known, |facts, shape, domain| {
+                facts.range_in(graph, shape, &domain);
+            });
+        }
+        let range = self.range(graph, s.value, domain);
         self.nested.0 -= 1;
         self.ranges.insert(key, range);
         range
@@ -315,7 +339,12 @@ impl Facts {
     /// Value, gradient and its norm of a shape's field over intervals of its arguments.
     pub fn shape_dual(&mut self, graph: &Graph, shape: ShapeId, args: &[Interval]) -> Dual {
         let Some(s) = graph.shape(shape) else { return Dual::constant(Interval::ALL) };
-        let domain = call_domain(&s.variables, args);
+        self.dual_in(graph, shape, &call_domain(&s.variables, args))
+    }
+
+    /// The same over a domain of its own.
+    fn dual_in(&mut self, graph: &Graph, shape: ShapeId, domain: &Domain) -> Dual {
+        let Some(s) = graph.shape(shape) else { return Dual::constant(Interval::ALL) };
         let key = (shape, domain.key());
         if let Some(known) = self.duals.get(&key) {
             return *known;
@@ -324,16 +353,22 @@ impl Facts {
             return Dual { jumps: u8::MAX, ..Dual::unknown(Interval::ALL) };
         }
         let value = s.value;
+        if self.nested.0 >= DEEP {
+            let known = |facts: &Self, shape, domain: &Domain| facts.duals.contains_key(&(shape, domain.key()));
+            self.from_below(graph, value, domain, known, |facts, shape, domain| {
+                facts.dual_in(graph, shape, &domain);
+            });
+        }
         let exact = s.exactness == Exactness::Exact;
         let tape = self.tape(graph, value);
         let dual = if exact {
             // Known without a look at its kinks.
-            let plain = self.all_duals(graph, &tape, &domain).last().copied().unwrap_or(Dual::constant(Interval::ALL));
+            let plain = self.all_duals(graph, &tape, domain).last().copied().unwrap_or(Dual::constant(Interval::ALL));
             let pinned = self.pinned.clone();
-            let whole = dual::both_sides(&tape, plain, &|leaf| leaf_dual(graph, &pinned, leaf, &domain));
+            let whole = dual::both_sides(&tape, plain, &|leaf| leaf_dual(graph, &pinned, leaf, domain));
             Dual { jumps: 0, ..whole.limited(1.0) }
         } else {
-            self.dual_of(graph, &tape, &domain).0
+            self.dual_of(graph, &tape, domain).0
         };
         self.nested.0 -= 1;
         self.duals.insert(key, dual);

@@ -3,6 +3,7 @@
 
 use super::back::Turned;
 use super::branches::backward;
+use super::chain::DEEP;
 use super::placed::Placed;
 use super::tape::{Step, Tape};
 use super::{call_domain, Box3, Constant, Domain, Facts};
@@ -27,6 +28,8 @@ const SIFTS: u32 = 16;
 const UNIONS: u32 = 3;
 /// How many that may be for all regions of a scene: within such a look there may be others.
 const LOOKS: u32 = 1000;
+/// How many regions may be found in those looks: of a chain of blends each look is as long as the chain.
+const LOOKED: u32 = 20_000;
 /// How many shapes one contraction may enter, shared ones counted each time.
 const ENTRIES: u32 = 400;
 /// How many steps one contraction may visit, shared steps counted each time.
@@ -48,7 +51,11 @@ impl Facts {
         if let Some(known) = self.regions.get(&key) {
             return *known;
         }
-        if let Some(region) = self.region_by_parts(graph, node, domain, level) {
+        self.looked += u32::from(self.looking > 0);
+        self.regions_open += 1;
+        let by_parts = self.region_by_parts(graph, node, domain, level);
+        self.regions_open -= 1;
+        if let Some(region) = by_parts {
             self.regions.insert(key, region);
             return region;
         }
@@ -110,6 +117,17 @@ impl Facts {
                 }
                 let value = s.value;
                 let own = Domain { variables, narrowed: domain.narrowed, ..Domain::of(own) };
+                if self.regions_open >= DEEP {
+                    let of = |shape: ShapeId, own: Domain| Some((graph.shape(shape)?.value, Domain { narrowed: domain.narrowed, ..own }));
+                    let known = |facts: &Self, shape, own: &Domain| {
+                        of(shape, own.clone()).is_none_or(|(value, own)| facts.regions.contains_key(&(value, own.key(), level.to_bits())))
+                    };
+                    self.from_below(graph, value, &own, known, |facts, shape, own| {
+                        if let Some((value, own)) = of(shape, own) {
+                            facts.region(graph, value, &own, level);
+                        }
+                    });
+                }
                 let region = self.region(graph, value, &own, level);
                 let mut back = region;
                 for (i, shift) in shifts.iter().enumerate() {
@@ -355,11 +373,13 @@ impl Facts {
             let (node, level) = (s.value, target.hi);
             // A union inside is looked at part by part, where that is not done too often.
             let is_union = matches!(graph.node(node), Node::Op(Op::Min, _) | Node::Call(..));
-            if self.unions > 0 && self.looks < LOOKS && is_union {
+            if self.unions > 0 && self.looks < LOOKS && self.looked < LOOKED && is_union {
                 self.unions -= 1;
                 self.looks += 1;
                 let (entries, sifts) = (self.entries, self.sifts);
+                self.looking += 1;
                 let region = self.region(graph, node, &domain, level);
+                self.looking -= 1;
                 (self.entries, self.sifts) = (entries, sifts);
                 return region;
             }

@@ -216,7 +216,13 @@ impl<'a> Plans<'a> {
         let places = vec![0; graph.len()];
         let shapes = graph.shapes().len();
         let (targets, index) = (Vec::with_capacity(shapes), vec![[None; 4]; shapes]);
-        Self { graph, functions, tables, targets, index, places, nodes: Vec::new(), compared: FxHashMap::default() }
+        let mut plans = Self { graph, functions, tables, targets, index, places, nodes: Vec::new(), compared: FxHashMap::default() };
+        // Those that many others stand around are compared before them, so that the depth does not follow their number.
+        for (shape, _) in graph.shapes().filter(|_| shapes > DEEPEST as usize / 2) {
+            plans.same(shape, Group::Distance, 0);
+            plans.same(shape, Group::Bound, 0);
+        }
+        plans
     }
 
     /// Whether a shape has the formulas of a group.

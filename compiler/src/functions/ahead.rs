@@ -5,6 +5,7 @@
 //! ray follows the bound of the rest alone.
 
 use super::{Builder, SceneBlocks};
+use crate::analysis::chain::DEEP;
 use crate::analysis::{Box3, Facts};
 use crate::analysis::region::WORLD_SIDE;
 use crate::graph::interval::Interval;
@@ -17,6 +18,8 @@ pub struct Ahead {
     /// The planes of the scene; none where it has none.
     pub planes: Option<Planes>,
     /// A box that holds all that is solid but the planes; none where that is not known, or larger than the extent.
+    pub solid: Option<Box3>,
+    /// The same box with some room about it, which a ray enters before it meets anything.
     pub region: Option<Box3>,
     /// The same box where all parameters are as the text gives them, for a camera of which the text says nothing; none where there is no such camera.
     pub home: Option<Box3>,
@@ -53,6 +56,12 @@ pub fn ample_extent(graph: &mut Graph, facts: &mut Facts, root: ShapeId, blocks:
     Builder::new(graph, facts, root, blocks).ample_extent()
 }
 
+/// A box with room about it, so that a ray has looked twice before it is at what is solid.
+fn with_room(solid: Box3) -> Box3 {
+    let widest = solid.0.iter().map(|side| side.width()).fold(0.0, f64::max);
+    solid.grow(ROOM * widest)
+}
+
 impl Builder<'_> {
     /// What is ahead of rays in the scene. Asked when all formulas and unions are known.
     pub(super) fn ahead(&mut self) -> Ahead {
@@ -66,8 +75,10 @@ impl Builder<'_> {
             planes.retain(|plane| known.contains(plane));
         }
         let solid = if planes.is_empty() { Some(field) } else { self.without(field, &planes) };
-        let (region, home) = solid.map_or((Some(Box3::cube(ROOM)), None), |solid| self.where_solid(solid));
-        let Some(&first) = planes.first() else { return Ahead { planes: None, region, home } };
+        let is_nothing = solid.is_none();
+        let (solid, home) = solid.map_or((None, None), |solid| self.where_solid(solid));
+        let region = if is_nothing { Some(Box3::cube(ROOM)) } else { solid.map(with_room) };
+        let Some(&first) = planes.first() else { return Ahead { planes: None, solid, region, home } };
         let (rest_bound, rest_distance) = (self.without(bound, &planes), self.without(distance, &planes));
         let mut distance = first;
         let mut way = self.way_to(first);
@@ -79,7 +90,7 @@ impl Builder<'_> {
         let far = self.graph.constant(FAR);
         let rest = |node: Option<NodeId>| node.unwrap_or(far);
         let planes = Planes { distance, way, rest_bound: rest(rest_bound), rest_distance: rest(rest_distance) };
-        Ahead { planes: Some(planes), region, home }
+        Ahead { planes: Some(planes), solid, region, home }
     }
 
     /// The extent that the scene should have, where that is known and more than it has. Its formula alone tells.
@@ -124,6 +135,16 @@ impl Builder<'_> {
         if let Some(known) = self.planes.get(&node) {
             return *known;
         }
+        self.deep += 1;
+        if self.deep > DEEP {
+            let formula = |builder: &Self, shape| builder.formula(shape, Function::Field);
+            let known = |shape| formula(self, shape).is_none_or(|formula| self.planes.contains_key(&formula));
+            for shape in self.graph.called_below(node, known) {
+                if let Some(formula) = formula(self, shape) {
+                    self.may_hold_plane(formula);
+                }
+            }
+        }
         let holds = match self.graph.node(node).clone() {
             Node::Op(Op::Min, args) => args.iter().any(|&a| self.may_hold_plane(a)),
             Node::Call(shape, function, _) if !self.built.unions.contains_key(&(shape, function)) => {
@@ -131,6 +152,7 @@ impl Builder<'_> {
             }
             _ => self.is_straight(node),
         };
+        self.deep -= 1;
         self.planes.insert(node, holds);
         holds
     }
@@ -201,11 +223,10 @@ impl Builder<'_> {
         let Some((solid, box_about)) = self.box_about(solid) else { return (None, None) };
         let extent = self.extent;
         let ends = |solid: &Box3| solid.0.iter().all(|side| side.magnitude() < extent);
-        let widest = box_about.0.iter().map(|side| side.width()).fold(0.0, f64::max);
-        let region = ends(&box_about).then(|| box_about.grow(ROOM * widest));
+        let known = Some(box_about).filter(ends);
         // What holds for all parameters holds for these, and may say more where looks are spent.
         let home = self.framed.then(|| self.home(solid).intersect(&box_about)).filter(|home| !home.is_empty() && ends(home));
-        (region, home)
+        (known, home)
     }
 
     /// What is solid but the planes, or all of it where nothing else is within the extent, and a box that holds it. None where nothing is solid.

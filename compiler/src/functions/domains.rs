@@ -1,6 +1,7 @@
 //! Where a shape is asked for its value: the domain of every shape, and the region that holds the solid of a formula.
 
 use super::{BUDGET, Builder, Cut, GENTLE, LONG, Narrowed, STEEPEST, UNIT, whole_scene};
+use crate::analysis::chain::DEEP;
 use crate::analysis::{Box3, Constant, Domain};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -12,6 +13,8 @@ use smallvec::SmallVec;
 const MILD: f64 = 2.0;
 /// A constant beyond this is that of something wild.
 pub(super) const STEEP: f64 = 16.0;
+/// How many steps of formulas may tell which parts of intersections cut nothing off; the others are looked at.
+const ABSORBING: u64 = 2_000_000;
 /// Where a shape is asked is found without a tape, as far as it takes no more operations within each other.
 const NEAR: u32 = 3;
 /// How many times as many boxes a constant may cost where conditions leave something out.
@@ -134,8 +137,14 @@ impl Builder<'_> {
         if !hole && self.rough_constant(by, &domain.at(Box3::ALL)) > UNIT {
             return false;
         }
+        if self.absorbing > ABSORBING {
+            return false;
+        }
+        let first = self.facts.ran;
         let solid = self.facts.outline(self.graph, by).intersect(&domain.point);
-        !solid.is_empty() && solid.is_finite() && solid != domain.point && self.facts.range(self.graph, node, &domain.at(solid)).hi < 0.0
+        let holds = !solid.is_empty() && solid.is_finite() && solid != domain.point && self.facts.range(self.graph, node, &domain.at(solid)).hi < 0.0;
+        self.absorbing += self.facts.ran - first;
+        holds
     }
 
     /// For an intersection or a moved shape that has no constant over all space: its region, how far beyond it is trusted, and the domain
@@ -179,6 +188,16 @@ impl Builder<'_> {
         if let Some(known) = self.found.rough.get(&key) {
             return *known;
         }
+        self.deep += 1;
+        if self.deep > DEEP {
+            let (value, key) = (|graph: &Graph, shape| graph.shape(shape).map(|s| s.value), Domain::of(Box3::ALL).key());
+            let known = |shape| value(self.graph, shape).is_none_or(|value| self.found.rough.contains_key(&(value, key.clone())));
+            for shape in self.graph.called_below(node, known) {
+                if let Some(value) = value(self.graph, shape) {
+                    self.rough_constant(value, &Domain::of(Box3::ALL));
+                }
+            }
+        }
         let found = match self.graph.node(node).clone() {
             Node::Constant(_) => 0.0,
             Node::Op(Op::Min | Op::Max, args) => args.iter().map(|a| self.rough_constant(*a, everywhere)).fold(0.0, f64::max),
@@ -191,6 +210,7 @@ impl Builder<'_> {
             }),
             _ => self.facts.constant(self.graph, node, everywhere, 1).lipschitz,
         };
+        self.deep -= 1;
         self.found.rough.insert(key, found);
         found
     }

@@ -1,9 +1,10 @@
 //! Which material a shape has, whatever its point: a tower of shared shapes is asked once a shape, not once a path.
 
 use super::Builder;
+use crate::analysis::chain::DEEP;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
-use crate::graph::{Function, MaterialId, Node, NodeId, ShapeId};
+use crate::graph::{Function, Graph, MaterialId, Node, NodeId, ShapeId};
 
 /// A surface of more shapes than these, each with a material of its own place, would be a formula too long for any shader.
 const MOST_LOOKS: usize = 100_000;
@@ -45,6 +46,14 @@ impl Builder<'_> {
         if let Some(known) = self.dresses.get(&node) {
             return *known;
         }
+        self.deep += 1;
+        if self.deep > DEEP {
+            let value = |graph: &Graph, shape| graph.shape(shape).map(|s| s.value);
+            let known = |shape| value(self.graph, shape).is_none_or(|value| self.dresses.contains_key(&value));
+            for value in self.graph.called_below(node, known).into_iter().filter_map(|shape| value(self.graph, shape)).collect::<Vec<_>>() {
+                self.dress(value);
+            }
+        }
         let dress = match self.graph.node(node).clone() {
             Node::Call(shape, Function::Field, args) if args.iter().all(|a| !self.graph.reads(*a).shapes) => self.dress_of_shape(shape),
             Node::Op(Op::Neg, args) => args.first().map_or(Dress::Bare, |a| self.dress(*a)),
@@ -61,6 +70,7 @@ impl Builder<'_> {
             }
             _ => Dress::Many,
         };
+        self.deep -= 1;
         self.dresses.insert(node, dress);
         dress
     }

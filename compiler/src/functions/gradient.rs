@@ -5,6 +5,7 @@ use super::jumps::{Jump, hair};
 use super::sides::{Sides, Way};
 use super::outlines::Outline;
 use super::Builder;
+use crate::analysis::chain::DEEP;
 use crate::graph::kernel::Op;
 use crate::graph::{Exactness, Function, Leaf, Node, NodeId, ShapeId, kernel};
 use rustc_hash::FxHashMap;
@@ -90,9 +91,16 @@ impl Builder<'_> {
             return *known;
         }
         let Some(value) = self.graph.shape(shape).map(|s| s.value) else { return false };
+        self.deep += 1;
+        if self.deep > DEEP {
+            for shape in self.graph.called_below(value, |shape| self.walled.contains_key(&shape)) {
+                self.has_walls(shape);
+            }
+        }
         let mut nodes = Vec::new();
         let inner: Vec<ShapeId> = self.calls(&[value], &mut nodes).map(|(inner, _)| inner).collect();
         let found = self.wall(shape).is_some() || inner.into_iter().any(|inner| self.has_walls(inner));
+        self.deep -= 1;
         self.walled.insert(shape, found);
         found
     }

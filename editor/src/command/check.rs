@@ -9,6 +9,7 @@ use surefoot_compiler::diagnostic::{self, Diagnostic, Severity};
 use surefoot_compiler::factors::{self, Explained, Ranged};
 use surefoot_compiler::graph::Proof;
 use surefoot_compiler::skipped::{skipped, unseen};
+use surefoot_compiler::solid::SolidBox;
 use surefoot_compiler::source::Sources;
 use surefoot_compiler::syntax::ast::Type;
 use surefoot_compiler::{Options, Outcome};
@@ -40,22 +41,12 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         outcome.look();
         let broken = outcome.compiled.as_ref().map_or_else(Vec::new, crate::picture::broken_meshes);
         outcome.diagnostics.extend(broken);
-        if args.json {
-            print(format!("{}\n", report(scene, &outcome)).as_bytes())?;
-        } else {
-            print(summary(scene, &outcome).as_bytes())?;
-            if let Some(compiled) = outcome.compiled.as_ref().filter(|_| args.factors) {
-                let explained = factors::explain(compiled, &outcome.sources);
-                print(factors_text(&explained, colored(&std::io::stdout())).as_bytes())?;
-            }
-            if let Some(compiled) = &outcome.compiled {
-                for (title, lines) in [("left out", skipped(compiled, &outcome.sources)), ("never seen", unseen(compiled, &outcome.sources))] {
-                    if !lines.is_empty() {
-                        print(format!("  {title}:\n    {}\n", lines.join("\n    ")).as_bytes())?;
-                    }
-                }
-            }
-        }
+        let report = Report::of(scene, &outcome, args.json || args.factors);
+        let text = match args.json {
+            true => format!("{}\n", report.in_json()),
+            false => report.in_words(colored(&std::io::stdout())),
+        };
+        print(text.as_bytes())?;
         exit = exit.max(match (&readable, outcome.has_errors()) {
             (Err(_), _) => Exit::Usage,
             (Ok(_), true) => Exit::Errors,
@@ -65,31 +56,70 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
-/// For a person: the diagnostics, then one line.
-fn summary(scene: &str, outcome: &Outcome) -> String {
-    let mut text =
-        diagnostic::render(&outcome.sources, &outcome.diagnostics, colored(&std::io::stdout()));
-    let counted = count(&outcome.diagnostics);
-    let counted = if counted.is_empty() { "fine".to_owned() } else { counted };
-    text.push_str(&format!("{scene}: {counted}\n"));
-    text
+/// All that is said of a scene: what a person reads and what a machine reads are both written from it.
+struct Report<'a> {
+    scene: &'a str,
+    outcome: &'a Outcome,
+    known: Option<Known<'a>>,
 }
 
-/// For a machine: everything.
-fn report(scene: &str, outcome: &Outcome) -> Value {
-    let sources = &outcome.sources;
-    let compiled = outcome.compiled.as_ref();
-    json!({
-        "ok": !outcome.has_errors(),
-        "file": scene,
-        "diagnostics": outcome.diagnostics.iter().map(|d| diagnostic_json(sources, d)).collect::<Vec<_>>(),
-        "scene": compiled.map(|c| scene_json(sources, c)),
-        "parameters": compiled.map_or_else(Vec::new, |c| c.parameters.iter().map(parameter_json).collect()),
-        "functions": compiled.map_or_else(Vec::new, |c| c.module.exports.iter().map(|e| e.name()).collect()),
-        "skipped": compiled.map_or_else(Vec::new, |c| skipped(c, sources)),
-        "unseen": compiled.map_or_else(Vec::new, |c| unseen(c, sources)),
-        "files": all_read(outcome),
-    })
+/// What is known of a scene without errors.
+struct Known<'a> {
+    compiled: &'a Compiled,
+    /// Why each factor is what it is; none where that was not asked.
+    factors: Option<Vec<Explained>>,
+    solid: Option<SolidBox>,
+    skipped: Vec<String>,
+    unseen: Vec<String>,
+}
+
+impl<'a> Report<'a> {
+    fn of(scene: &'a str, outcome: &'a Outcome, factors: bool) -> Self {
+        let sources = &outcome.sources;
+        let known = outcome.compiled.as_ref().map(|compiled| Known {
+            compiled,
+            factors: factors.then(|| factors::explain(compiled, sources)),
+            solid: compiled.solid_box(),
+            skipped: skipped(compiled, sources),
+            unseen: unseen(compiled, sources),
+        });
+        Self { scene, outcome, known }
+    }
+
+    /// For a person: the diagnostics, then one line, then what is known.
+    fn in_words(&self, color: bool) -> String {
+        let mut text = diagnostic::render(&self.outcome.sources, &self.outcome.diagnostics, color);
+        let counted = count(&self.outcome.diagnostics);
+        let counted = if counted.is_empty() { "fine".to_owned() } else { counted };
+        text.push_str(&format!("{}: {counted}\n", self.scene));
+        let Some(known) = &self.known else { return text };
+        if let Some(factors) = &known.factors {
+            text.push_str(&factors_text(factors, color));
+        }
+        let solid = known.solid.iter().map(SolidBox::words).collect();
+        for (title, lines) in [("left out", &known.skipped), ("never seen", &known.unseen), ("solid", &solid)] {
+            if !lines.is_empty() {
+                text.push_str(&format!("  {title}:\n    {}\n", lines.join("\n    ")));
+            }
+        }
+        text
+    }
+
+    /// For a machine.
+    fn in_json(&self) -> Value {
+        let known = self.known.as_ref();
+        json!({
+            "ok": !self.outcome.has_errors(),
+            "file": self.scene,
+            "diagnostics": self.outcome.diagnostics.iter().map(|d| diagnostic_json(&self.outcome.sources, d)).collect::<Vec<_>>(),
+            "scene": known.map(scene_json),
+            "parameters": known.map_or_else(Vec::new, |k| k.compiled.parameters.iter().map(parameter_json).collect()),
+            "functions": known.map_or_else(Vec::new, |k| k.compiled.module.exports.iter().map(|e| e.name()).collect()),
+            "skipped": known.map_or(&[][..], |k| &k.skipped),
+            "unseen": known.map_or(&[][..], |k| &k.unseen),
+            "files": all_read(self.outcome),
+        })
+    }
 }
 
 fn diagnostic_json(sources: &Sources, diagnostic: &Diagnostic) -> Value {
@@ -113,18 +143,23 @@ fn diagnostic_json(sources: &Sources, diagnostic: &Diagnostic) -> Value {
     })
 }
 
-fn scene_json(sources: &Sources, compiled: &Compiled) -> Value {
-    let explained = factors::explain(compiled, sources);
-    let summary = &compiled.summary;
+fn scene_json(known: &Known) -> Value {
+    let summary = &known.compiled.summary;
+    let factors = known.factors.iter().flatten();
     json!({
         "nodes": summary.nodes,
         "primitives": summary.primitives,
-        "operations": compiled.module.operations.0,
-        "bound_operations": compiled.module.operations.1,
+        "operations": known.compiled.module.operations.0,
+        "bound_operations": known.compiled.module.operations.1,
         "kind": summary.kind.name(),
         "factor": summary.factor,
-        "factors": explained.iter().map(factor_json).collect::<Vec<_>>(),
-        "bounds": compiled.bounds().map(|[min, max]| json!({ "min": min, "max": max })),
+        "factors": factors.map(factor_json).collect::<Vec<_>>(),
+        "bounds": known.solid.map(|solid| json!({
+            "min": solid.low,
+            "max": solid.high,
+            "at_most": solid.at_most,
+            "without_planes": solid.but_planes,
+        })),
     })
 }
 
