@@ -2,7 +2,7 @@
 
 pub use crate::emit::Formulas;
 pub use crate::emit::table::{ModuleTables, Tables};
-pub use crate::frame::{CAPTURE_SIZES, Camera, CameraNodes, CaptureNodes, Frame, Light, LightKind, LightNodes, MAX_BOUNCES, SceneBlocks, Shadow, Sky};
+pub use crate::frame::{CAPTURE_SIZES, Camera, CameraNodes, CaptureNodes, Fog, Frame, Light, LightKind, LightNodes, MAX_BOUNCES, Projection, SceneBlocks, Shadow, Sky, Tone};
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::emit::tracer::Ways;
@@ -439,7 +439,10 @@ impl Compiled {
     /// is to see would be cut off at the sides.
     pub fn camera_in(&self, camera: Camera, wide: f64) -> Camera {
         match &self.home {
-            Some(home) if home.camera(camera.fov) == camera => home.camera_in(camera.fov, wide),
+            Some(home) if (home.camera(camera.fov).eye, home.camera(camera.fov).target) == (camera.eye, camera.target) => {
+                let Camera { eye, target, .. } = home.camera_in(camera.fov, wide);
+                Camera { eye, target, ..camera }
+            }
             _ => camera,
         }
     }

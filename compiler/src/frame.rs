@@ -7,7 +7,9 @@ use crate::mesh::MeshNodes;
 use crate::physics::{BallsNodes, PhysicsNodes};
 use crate::reference::shade;
 use crate::home::{EYE, FOV};
-use crate::reference::vector::{Vec3, length, sub};
+use crate::reference::camera::Basis;
+use crate::reference::film::lens_offset;
+use crate::reference::vector::{Vec3, add, length, scale, sub};
 use crate::source::Span;
 
 /// A point and direction of view.
@@ -19,6 +21,55 @@ pub struct Camera {
     pub target: [f64; 3],
     /// Vertical angle of view, radians.
     pub fov: f64,
+    /// What is up in the picture, of any length.
+    pub up: [f64; 3],
+    /// How rays go through the picture.
+    pub projection: Projection,
+    /// Radius of the lens; 0: all is sharp.
+    pub lens: f64,
+    /// How far ahead of the eye what is sharp lies; as far as the target where that is left out.
+    pub focus: Option<f64>,
+    /// How far off the axis each ray leans for each unit ahead, to the right and up: so a sample through another place of the lens sees
+    /// what is in focus where the others do.
+    pub lean: [f64; 2],
+}
+
+/// How rays go through a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// From the eye.
+    Perspective,
+    /// Side by side, over so much of the scene from the picture's lower edge to its upper one; as much as in perspective is seen at the target
+    /// where that is left out.
+    Orthographic(Option<f64>),
+}
+
+impl Camera {
+    /// In front, above and to the right of the origin.
+    pub const PLAIN: Self = Self {
+        eye: EYE,
+        target: [0.0; 3],
+        fov: FOV,
+        up: [0.0, 1.0, 0.0],
+        projection: Projection::Perspective,
+        lens: 0.0,
+        focus: None,
+        lean: [0.0; 2],
+    };
+
+    /// As the sample of a number sees through it: from another place of the lens, where it has one.
+    pub fn sampled(&self, index: u32) -> Self {
+        if self.lens <= 0.0 {
+            return *self;
+        }
+        let basis = Basis::of(self);
+        let far = length(sub(self.target, self.eye));
+        let focus = self.focus.unwrap_or(far).max(1e-6);
+        let [right, up] = lens_offset(index).map(|c| c * self.lens);
+        let moved = add(scale(basis.right, right), scale(basis.up, up));
+        let lean = [-right / focus, -up / focus];
+        Self { eye: add(self.eye, moved), target: add(self.target, moved), lean, ..*self }
+    }
 }
 
 /// How a light throws shadows.
@@ -30,6 +81,8 @@ pub enum Shadow {
     Hard,
     /// With a penumbra; larger is sharper.
     Soft(f64),
+    /// With that of a light of this size: the radius of a lamp, the half-angle of a sun; of 0 with a sharp edge.
+    Sized(f64),
     /// From a shadow map, the field's too; where there are none, as [`Shadow::Hard`].
     Map,
 }
@@ -65,6 +118,36 @@ pub struct Sky {
     pub horizon: [f64; 3],
 }
 
+/// A tone curve: how much of linear light a screen shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Tone {
+    /// Narkowicz' fit to the Academy's filmic curve.
+    #[default]
+    Aces,
+    /// Sobotka's AgX, which takes colour from what is bright.
+    Agx,
+    /// Khronos PBR Neutral, which leaves the colours of what is lit well.
+    Neutral,
+    /// None: what is brighter than white is white.
+    None,
+}
+
+/// Fog, the same everywhere.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fog {
+    /// What it scatters toward the eye, linear.
+    pub color: [f64; 3],
+    /// Of the light of what is `d` away the share `exp(-density d)` arrives; at least 0.
+    pub density: f64,
+}
+
+impl Fog {
+    /// How much of the light of what is so far away arrives.
+    pub fn clear(&self, way: f64) -> f64 {
+        (-self.density * way.max(0.0)).exp()
+    }
+}
+
 /// Everything around the field at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
@@ -86,6 +169,12 @@ pub struct Frame {
     pub extent: f64,
     /// Exposure in stops.
     pub exposure: f64,
+    /// How light becomes a screen's colour.
+    pub tone: Tone,
+    /// The share of light that is scattered over the picture, 0 to 1.
+    pub bloom: f64,
+    /// What is between the eye and what it sees.
+    pub fog: Option<Fog>,
     /// How often a mirrored ray is followed through the field, 0 to [`MAX_BOUNCES`].
     pub reflections: u32,
     /// From where the scene itself is drawn into a cubemap, which stands for what surfaces mirror.
@@ -98,6 +187,9 @@ const SIGHT: f64 = 2.5;
 
 /// A ray is mirrored at most so often.
 pub const MAX_BOUNCES: u32 = 8;
+
+/// Surfaces that a ray meets in a scene with glass.
+const THROUGH_GLASS: u32 = 6;
 
 /// The scene drawn into a cubemap.
 #[derive(Clone, Copy, Debug)]
@@ -138,6 +230,12 @@ pub struct SceneBlocks {
     pub says_extent: bool,
     /// Stops.
     pub exposure: Option<NodeId>,
+    /// How light becomes a screen's colour.
+    pub tone: Tone,
+    /// The share of light that is scattered over the picture.
+    pub bloom: Option<NodeId>,
+    /// Colour and density of the fog.
+    pub fog: Option<([NodeId; 3], NodeId)>,
     /// How balls move, where the text says.
     pub physics: Option<PhysicsNodes>,
     /// The groups of balls, in the order of the text.
@@ -171,6 +269,16 @@ pub struct CameraNodes {
     pub target: Option<[NodeId; 3]>,
     /// Vertical angle of view.
     pub fov: NodeId,
+    /// What is up in the picture, where that is said.
+    pub up: Option<[NodeId; 3]>,
+    /// Whether rays go side by side.
+    pub orthographic: bool,
+    /// How much of the scene they cover then, where that is said.
+    pub height: Option<NodeId>,
+    /// Radius of the lens, where there is one.
+    pub lens: Option<NodeId>,
+    /// How far ahead what is sharp lies, where that is said.
+    pub focus: Option<NodeId>,
     /// The word `camera`.
     pub span: Span,
 }
@@ -188,7 +296,7 @@ pub struct LightNodes {
     pub color: [NodeId; 3],
     /// Intensity.
     pub intensity: NodeId,
-    /// Shadow, and its penumbra's number where it is soft.
+    /// Shadow, and its penumbra's number where it is soft, or the light's size.
     pub shadow: (Shadow, Option<NodeId>),
     /// The word `light`.
     pub span: Span,
@@ -208,7 +316,18 @@ impl Compiled {
             .iter()
             .map(|nodes| {
                 let said = [nodes.eye.as_ref().map(three), nodes.target.as_ref().map(three)];
-                (nodes.name.clone(), self.camera(said, one(nodes.fov)))
+                let plain = self.camera(said, one(nodes.fov));
+                let camera = Camera {
+                    up: nodes.up.as_ref().map_or(plain.up, three),
+                    projection: match nodes.orthographic {
+                        true => Projection::Orthographic(nodes.height.map(|height| one(height).max(1e-6))),
+                        false => Projection::Perspective,
+                    },
+                    lens: nodes.lens.map_or(0.0, |lens| one(lens).max(0.0)),
+                    focus: nodes.focus.map(one),
+                    ..plain
+                };
+                (nodes.name.clone(), camera)
             })
             .collect();
         if cameras.is_empty() {
@@ -222,6 +341,7 @@ impl Compiled {
                 let (color, intensity) = (three(&light.color), one(light.intensity));
                 let shadow = match light.shadow {
                     (Shadow::Soft(_), Some(k)) => Shadow::Soft(one(k).max(0.1)),
+                    (Shadow::Sized(_), Some(size)) => Shadow::Sized(one(size).max(0.0)),
                     (shadow, _) => shadow,
                 };
                 Light {
@@ -252,16 +372,24 @@ impl Compiled {
             max_distance: blocks.max_distance.map_or(far, |d| one(d).max(1e-3)),
             extent: blocks.extent,
             exposure: blocks.exposure.map_or(0.0, one),
+            tone: blocks.tone,
+            bloom: blocks.bloom.map_or(0.0, one).clamp(0.0, 1.0),
+            fog: blocks.fog.as_ref().map(|(color, density)| Fog { color: three(color), density: one(*density).max(0.0) }),
             capture: blocks.capture.map(|capture| three(&capture.place)),
-            reflections: blocks.reflections.map_or(0.0, one).round().clamp(0.0, f64::from(MAX_BOUNCES)) as u32,
+            reflections: blocks.reflections.map_or(f64::from(self.usual_reflections()), one).round().clamp(0.0, f64::from(MAX_BOUNCES)) as u32,
         }
+    }
+
+    /// How often a ray is followed where the text does not say: not at all, or where there is glass as often as it takes to look through some.
+    pub fn usual_reflections(&self) -> u32 {
+        if self.functions.surface.glass.is_some() { THROUGH_GLASS } else { 0 }
     }
 
     /// A camera of which eye and target are given or not.
     fn camera(&self, [eye, target]: [Option<Vec3>; 2], fov: f64) -> Camera {
         match &self.home {
             Some(home) if eye.or(target).is_none() => home.camera(fov),
-            _ => Camera { eye: eye.unwrap_or(EYE), target: target.unwrap_or([0.0; 3]), fov },
+            _ => Camera { eye: eye.unwrap_or(EYE), target: target.unwrap_or([0.0; 3]), fov, ..Camera::PLAIN },
         }
     }
 }

@@ -108,14 +108,14 @@ impl Home {
     /// The same for a picture that is so wide for its height.
     pub fn camera_in(&self, fov: f64, wide: f64) -> Camera {
         let wide = wide.clamp(WIDE / self.room, WIDE);
-        let basis = Basis::of(&Camera { eye: self.way, target: [0.0; 3], fov });
+        let basis = Basis::of(&Camera { eye: self.way, target: [0.0; 3], fov, ..Camera::PLAIN });
         // So far away a place is as high in the picture as it may be, or as far to a side.
         let needed = |place: &Vec3| {
             let height = dot(*place, basis.up).abs().max(dot(*place, basis.right).abs() / wide);
             height / (SHARE * basis.tan_half_fov) - dot(*place, basis.forward)
         };
         let far = if self.about.is_empty() { length(EYE) } else { self.about.iter().map(needed).fold(0.0, f64::max) };
-        Camera { eye: add(self.target, scale(self.way, far)), target: self.target, fov }
+        Camera { eye: add(self.target, scale(self.way, far)), target: self.target, fov, ..Camera::PLAIN }
     }
 }
 
@@ -230,7 +230,7 @@ mod tests {
         let basis = Basis::of(&camera);
         const SIZE: (u32, u32) = (200, 100);
         let pixels: Vec<_> = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5))).collect();
-        let ray = |at: &(f64, f64)| Ray { origin: camera.eye, direction: basis.direction(*at, SIZE), t_min: 0.0, t_max: 1e9 };
+        let ray = |at: &(f64, f64)| Ray { origin: basis.start(camera.eye, *at, SIZE), direction: basis.direction(*at, SIZE), t_min: 0.0, t_max: 1e9 };
         let rays: Vec<Ray> = pixels.iter().map(ray).collect();
         let hits = Reference::new(scene, &live).unwrap().trace(&rays, basis.footprint(SIZE.1), scene.frame(&live).extent);
         let seen = || pixels.iter().zip(&hits).filter(|(_, hit)| hit.hit).map(|(at, _)| at);

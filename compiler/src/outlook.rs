@@ -77,7 +77,7 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
     // Another camera that sees something.
     let better = || {
         let places = outside(&camera, region).filter(|place| field(*place) > 0.0);
-        let cameras = places.map(|eye| Camera { eye, target: ahead(eye, target(&camera, region)), fov: camera.fov });
+        let cameras = places.map(|eye| Camera { eye, target: ahead(eye, target(&camera, region)), ..camera });
         let finds = |other: &Camera| sees(compiled, &reference, other, &frame, FAR) == Some(Sight::Solid);
         cameras.take(MOST_TRIED).find(finds).map(|other| written(nodes, &other))
     };
@@ -225,7 +225,7 @@ fn share_lost(compiled: &Compiled, reference: &Reference, camera: &Camera, frame
 fn look(reference: &Reference, camera: &Camera, frame: &Frame, far: f64, (width, height): (u32, u32)) -> Vec<(Hit, Ray)> {
     let basis = Basis::of(camera);
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
-    let ray = |at| Ray { origin: camera.eye, direction: basis.direction(at, (width, height)), t_min: 0.0, t_max: far };
+    let ray = |at| Ray { origin: basis.start(camera.eye, at, (width, height)), direction: basis.direction(at, (width, height)), t_min: 0.0, t_max: far };
     let rays: Vec<Ray> = pixels.map(ray).collect();
     let hits = reference.trace(&rays, basis.footprint(PIXELS), frame.extent);
     hits.into_iter().zip(rays).collect()

@@ -2,7 +2,7 @@
 
 mod absorbed;
 
-use crate::compiled::{Compiled, Shadow};
+use crate::compiled::{Compiled, Projection, Shadow};
 use crate::graph::{Function, Leaf, Node, Shape};
 use crate::reference::shade;
 use crate::source::{Sources, Span};
@@ -80,7 +80,7 @@ fn passes_on(scene: &Compiled, shape: &Shape) -> bool {
 }
 
 /// Parts of a frame, and why a scene does without each.
-pub const PARTS: [(&str, &str); 8] = [
+pub const PARTS: [(&str, &str); 12] = [
     ("meshes", "the scene has none"),
     ("balls", "the scene has none"),
     ("shadows", "no light throws any, or `shadows` is off"),
@@ -89,6 +89,10 @@ pub const PARTS: [(&str, &str); 8] = [
     ("reflections", "`reflections` is 0"),
     ("capture", "the environment has no `capture`"),
     ("images of the sky", "the sky is a colour or a gradient"),
+    ("fog", "`render` has no `fog`, or its density is 0"),
+    ("glass", "no material has a `transmission`"),
+    ("bloom", "`render` has no `bloom`, or it is 0"),
+    ("lens and parallel rays", "every camera sees from one point"),
 ];
 
 /// Those of [`PARTS`] that a scene does without.
@@ -107,6 +111,10 @@ fn parts(scene: &Compiled) -> impl Iterator<Item = (&'static str, &'static str)>
         frame.reflections > 0,
         frame.capture.is_some(),
         frame.has_environment,
+        frame.fog.is_some_and(|fog| fog.density > 0.0),
+        scene.functions.surface.glass.is_some(),
+        frame.bloom > 0.0,
+        frame.cameras.iter().any(|(_, camera)| camera.lens > 0.0 || camera.projection != Projection::Perspective),
     ];
     PARTS.into_iter().zip(there).filter(|(_, there)| !there).map(|(part, _)| part)
 }

@@ -44,7 +44,7 @@ fn direction(i: usize, of: usize) -> [f64; 3] {
 
 /// The rays of a picture of a ball of this radius, each from where it enters the ball to where it leaves it.
 fn rays(toward: [f64; 3], radius: f64, side: u32) -> (Vec<Option<Ray>>, f64) {
-    let camera = Camera { eye: toward.map(|x| 4.0 * radius * x), target: [0.0; 3], fov: 2.0 * 0.25f64.asin() };
+    let camera = Camera { eye: toward.map(|x| 4.0 * radius * x), target: [0.0; 3], fov: 2.0 * 0.25f64.asin(), ..Camera::PLAIN };
     let basis = Basis::of(&camera);
     let pixel = |i: u32| (f64::from(i % side) + 0.5, f64::from(i / side) + 0.5);
     let ray = |i| Ray { origin: camera.eye, direction: basis.direction(pixel(i), (side, side)), t_min: 0.0, t_max: 6.0 * radius };

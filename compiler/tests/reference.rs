@@ -25,7 +25,7 @@ fn whole((width, height): (u32, u32)) -> Area {
     Area { left: 0, top: 0, width, height }
 }
 
-const CAMERA: Camera = Camera { eye: [1.0, 2.0, 4.0], target: [0.0; 3], fov: 0.8 };
+const CAMERA: Camera = Camera { eye: [1.0, 2.0, 4.0], target: [0.0; 3], fov: 0.8, ..Camera::PLAIN };
 
 /// A scene with a bit of everything: a plane, blends, a warp, noise, copies, two lights.
 const PARTS: &str = "
@@ -296,15 +296,15 @@ fn awkward_cameras_and_sizes_still_give_a_picture() {
     let reference = reference(&compiled);
     let frame = compiled.frame(&compiled.live());
     let cameras = [
-        Camera { eye: [0.0, 5.0, 0.0], target: [0.0; 3], fov: 0.8 },
-        Camera { eye: [0.0; 3], target: [0.0; 3], fov: 0.8 },
-        Camera { eye: [0.0, -50.0, 0.0], target: [0.0; 3], fov: 3.2 },
-        Camera { eye: [1e7, 1e7, 1e7], target: [0.0; 3], fov: 1e-9 },
+        Camera { eye: [0.0, 5.0, 0.0], target: [0.0; 3], fov: 0.8, ..Camera::PLAIN },
+        Camera { eye: [0.0; 3], target: [0.0; 3], fov: 0.8, ..Camera::PLAIN },
+        Camera { eye: [0.0, -50.0, 0.0], target: [0.0; 3], fov: 3.2, ..Camera::PLAIN },
+        Camera { eye: [1e7, 1e7, 1e7], target: [0.0; 3], fov: 1e-9, ..Camera::PLAIN },
     ];
     for camera in cameras {
         for size in [(1, 1), (33, 2), (3, 40)] {
             let pixels = reference.tile(&frame, &camera, size, View::Shaded, whole(size));
-            assert_eq!(rgb8(&pixels).len(), 3 * (size.0 * size.1) as usize);
+            assert_eq!(rgb8(&pixels, whole(size), View::Shaded).len(), 3 * (size.0 * size.1) as usize);
             assert!(pixels.iter().flatten().all(|c| c.is_finite()), "{camera:?} {size:?}");
         }
     }

@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing)]
 
 const STUB: &str = include_str!("scene_pass/stub.wgsl");
-const BASE: &str = include_str!("../../runtime/src/passes/scene/base.wgsl");
+const BASE: &str = concat!(include_str!("../../runtime/src/passes/scene/base.wgsl"), include_str!("../../runtime/src/passes/scene/pinhole.wgsl"));
+const LENS: &str = concat!(include_str!("../../runtime/src/passes/scene/base.wgsl"), include_str!("../../runtime/src/passes/scene/camera.wgsl"));
 const SKY: [&str; 2] = [
     include_str!("../../runtime/src/passes/scene/sky_gradient.wgsl"),
     include_str!("../../runtime/src/passes/scene/sky_images.wgsl"),
@@ -13,13 +14,27 @@ const REFLECTIONS: [&str; 2] = [
     include_str!("../../runtime/src/passes/scene/no_reflections.wgsl"),
 ];
 const FILM: [&str; 2] = [
-    concat!(include_str!("../../runtime/src/passes/scene/film.wgsl"), include_str!("../../runtime/src/passes/scene/target.wgsl")),
+    concat!(
+        include_str!("../../runtime/src/passes/scene/tone_aces.wgsl"),
+        include_str!("../../runtime/src/passes/scene/film.wgsl"),
+        include_str!("../../runtime/src/passes/dither.wgsl"),
+        include_str!("../../runtime/src/passes/scene/target.wgsl")
+    ),
     include_str!("../../runtime/src/passes/capture/film.wgsl"),
 ];
-const TARGET: &str = include_str!("../../runtime/src/passes/scene/target.wgsl");
+const TARGET: &str =
+    concat!(include_str!("../../runtime/src/passes/dither.wgsl"), include_str!("../../runtime/src/passes/scene/target.wgsl"));
 const MIRROR: [&str; 2] =
     [include_str!("../../runtime/src/passes/capture/none.wgsl"), include_str!("../../runtime/src/passes/capture/read.wgsl")];
 const LIGHT: &str = include_str!("../../runtime/src/passes/scene/light.wgsl");
+const TONES: [&str; 3] = [
+    include_str!("../../runtime/src/passes/scene/tone_agx.wgsl"),
+    include_str!("../../runtime/src/passes/scene/tone_neutral.wgsl"),
+    include_str!("../../runtime/src/passes/scene/tone_none.wgsl"),
+];
+const DEVELOP: &str = include_str!("../../runtime/src/passes/scene/film.wgsl");
+const FOG: [&str; 2] =
+    [include_str!("../../runtime/src/passes/scene/fog.wgsl"), include_str!("../../runtime/src/passes/scene/no_fog.wgsl")];
 const SHADOW: [&str; 2] = [
     include_str!("../../runtime/src/passes/scene/shadow.wgsl"),
     include_str!("../../runtime/src/passes/scene/no_shadow.wgsl"),
@@ -59,11 +74,17 @@ fn every_combination_of_sections_is_valid() {
         for view in OTHERS {
             validate(&[STUB, BASE, TARGET, view, output]);
         }
+        validate(&[STUB, LENS, TARGET, OTHERS[0], output]);
+        for tone in TONES {
+            validate(&[STUB, BASE, tone, DEVELOP, TARGET, OTHERS[0], output]);
+        }
         for shadow in SHADOW {
             for occlusion in OCCLUSION {
                 for (sky, reflections) in SKY.iter().flat_map(|sky| REFLECTIONS.map(|r| (sky, r))) {
                     for (film, mirror) in FILM.iter().flat_map(|film| MIRROR.map(|m| (film, m))) {
-                        validate(&[STUB, BASE, film, sky, mirror, LIGHT, reflections, shadow, occlusion, MET, SHADED, output]);
+                        for fog in FOG {
+                            validate(&[STUB, BASE, film, sky, mirror, LIGHT, fog, reflections, shadow, occlusion, MET, SHADED, output]);
+                        }
                     }
                 }
             }

@@ -168,11 +168,13 @@ pub fn broken_meshes(compiled: &Compiled) -> Vec<Diagnostic> {
     }
 }
 
-/// So many samples make a picture where nobody says how many: many where they are soon drawn, one where the picture is a measurement.
-fn samples(mode: Mode, quick: bool) -> u32 {
+/// So many samples make a picture where nobody says how many: many where they are soon drawn, four times as many through a lens, one where the
+/// picture is a measurement.
+fn samples(compiled: &Compiled, mode: Mode, quick: bool) -> u32 {
+    let through = if compiled.blocks.cameras.iter().any(|camera| camera.lens.is_some()) { 4 } else { 1 };
     match (mode, quick) {
-        (Mode::Shaded, true) => 16,
-        (Mode::Shaded, false) => 4,
+        (Mode::Shaded, true) => 16 * through,
+        (Mode::Shaded, false) => 4 * through,
         _ => 1,
     }
 }
@@ -196,7 +198,6 @@ mod gpu {
     //! On the graphics adapter.
 
     use super::{Compiled, Diagnostic, Live, Mode, Shot, files};
-    use surefoot_runtime::film::LINEAR;
     use surefoot_runtime::headless;
     use surefoot_runtime::mesh::Assets;
     use surefoot_runtime::physics::{Physics, STEP};
@@ -219,8 +220,8 @@ mod gpu {
 
     impl Painter {
         pub fn new(gpu: Gpu, compiled: &Compiled, mode: Mode, samples: Option<u32>) -> Result<Self, String> {
-            let samples = samples.unwrap_or(super::samples(mode, !gpu.is_software()));
-            let format = if samples > 1 { LINEAR } else { headless::FORMAT };
+            let samples = samples.unwrap_or(super::samples(compiled, mode, !gpu.is_software()));
+            let format = headless::format(compiled, mode.into(), samples);
             let mut picture = Picture::prepare(&gpu, compiled, format, mode.into())?;
             let mut assets = Assets::new();
             let broken = assets.load(&files::FileLoader, compiled, &|_, _, _| {});
@@ -310,8 +311,9 @@ mod cpu {
     use rayon::prelude::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
     use surefoot_compiler::images::Images;
+    use surefoot_compiler::reference::film::{bloom, develop, dither, level};
     use surefoot_compiler::reference::shade::{decode, encode};
-    use surefoot_compiler::reference::{Area, Reference, sample_offset};
+    use surefoot_compiler::reference::{Area, Reference, View, sample_offset};
 
     /// Side of the squares that the cores take one after another.
     const TILE: u32 = 32;
@@ -327,7 +329,7 @@ mod cpu {
     impl Painter {
         pub fn new(compiled: &Compiled, mode: Mode, samples: Option<u32>) -> Self {
             let (images, broken) = images(compiled);
-            Self { mode, samples: samples.unwrap_or(super::samples(mode, false)), images, broken }
+            Self { mode, samples: samples.unwrap_or(super::samples(compiled, mode, false)), images, broken }
         }
 
         pub fn broken(&self) -> &[Diagnostic] {
@@ -356,38 +358,48 @@ mod cpu {
                     height: TILE.min(height - top),
                 })
                 .collect();
+            let (view, samples) = (View::from(self.mode), self.samples);
+            // Light is scattered before the tone curve, and from anywhere in the picture.
+            let blooms = view == View::Shaded && frame.bloom > 0.0;
             let done = AtomicUsize::new(0);
-            let tiles: Vec<Vec<[f64; 3]>> = areas
-                .par_iter()
-                .map(|area| {
-                    let mut tile = vec![[0.0; 3]; (area.width * area.height) as usize];
-                    for sample in 0..self.samples {
-                        let [x, y] = sample_offset(sample);
-                        let seen = scene.tile_at(&frame, &camera, (width, height), self.mode.into(), *area, (x, y));
-                        for (sum, [r, g, b, _]) in tile.iter_mut().zip(seen) {
-                            // The mean of light, not of what a screen makes of it.
-                            for (sum, c) in sum.iter_mut().zip([r, g, b]) {
-                                *sum += decode(f64::from(c)) / f64::from(self.samples);
-                            }
+            let mut sum = vec![[0.0; 3]; width as usize * height as usize];
+            let mut light = sum.clone();
+            for sample in 0..samples {
+                let [x, y] = sample_offset(sample);
+                let camera = camera.sampled(sample);
+                let drawn = areas.par_iter().map(|area| {
+                    let seen = scene.light_at(&frame, &camera, (width, height), view, *area, (x, y));
+                    let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                    progress(done as f64 / (areas.len() * samples as usize) as f64);
+                    seen
+                });
+                let tiles: Vec<Vec<[f32; 4]>> = drawn.collect();
+                for (area, tile) in areas.iter().zip(tiles) {
+                    for (i, [r, g, b, _]) in (0..).zip(tile) {
+                        let (x, y) = (i % area.width + area.left, i / area.width + area.top);
+                        if let Some(pixel) = light.get_mut((y * width + x) as usize) {
+                            *pixel = [r, g, b].map(f64::from);
                         }
                     }
-                    let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-                    progress(done as f64 / areas.len() as f64);
-                    tile
-                })
-                .collect();
-            let mut rgba = vec![255; 4 * width as usize * height as usize];
-            for (area, tile) in areas.iter().zip(tiles) {
-                for (i, color) in tile.into_iter().enumerate() {
-                    let (x, y) = (i as u32 % area.width + area.left, i as u32 / area.width + area.top);
-                    let at = 4 * (y as usize * width as usize + x as usize);
-                    let bytes = color.map(|c| (encode(c) * 255.0).round() as u8);
-                    if let Some(pixel) = rgba.get_mut(at..at + 3) {
-                        pixel.copy_from_slice(&bytes);
+                }
+                if blooms {
+                    light = bloom(&light, (width, height), frame.bloom);
+                }
+                for (sum, light) in sum.iter_mut().zip(&light) {
+                    // The mean of light, not of what a screen makes of it.
+                    let color = if view == View::Shaded { develop(frame.tone, *light) } else { *light };
+                    for (sum, c) in sum.iter_mut().zip(color) {
+                        *sum += decode(c) / f64::from(samples);
                     }
                 }
             }
-            Ok(rgba)
+            let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            let levels = |(color, (x, y)): ([f64; 3], (u32, u32))| {
+                let moved = if view == View::Shaded { dither(x, y) } else { 0.0 };
+                let [r, g, b] = color.map(|c| level(encode(c), moved));
+                [r, g, b, 255]
+            };
+            Ok(sum.into_iter().zip(places).flat_map(levels).collect())
         }
     }
 

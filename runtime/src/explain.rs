@@ -59,7 +59,7 @@ pub fn explain(gpu: &Gpu, picture: &mut Picture, compiled: &Compiled, live: &Liv
                 })?;
                 (all.saturating_sub(before), format!("6 of {side}x{side}"))
             }
-            PassKind::Scene | PassKind::Meshes | PassKind::Balls => {
+            PassKind::Scene | PassKind::Meshes | PassKind::Balls | PassKind::Bloom => {
                 count += 1;
                 let all = median(|| drawn(gpu, picture, compiled, live, shot, Some(count)))?;
                 let time = all.saturating_sub(before);
@@ -103,6 +103,10 @@ fn left_out(compiled: &Compiled, features: &Features) -> Vec<(&'static str, &'st
         (features.reflections > 0, dark),
         (features.capture.is_some(), dark),
         (features.environment, dark),
+        (features.fog, dark),
+        (features.glass, dark),
+        (features.bloom, dark),
+        (features.optics, None),
     ];
     PARTS.into_iter().zip(there).filter(|(_, (there, _))| !there).map(|((what, why), (_, view))| (what, view.unwrap_or(why))).collect()
 }

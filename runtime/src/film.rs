@@ -32,6 +32,8 @@ pub struct Film {
     layouts: [wgpu::BindGroupLayout; 2],
     share: UniformBlock,
     sheets: Sheets,
+    /// How many pixels of it the newest picture has.
+    drawn: [u32; 2],
     count: u32,
 }
 
@@ -58,7 +60,7 @@ impl Film {
             let layouts = [layout(gpu, true), layout(gpu, false)];
             let kept_in = mean_format(gpu);
             let mean = key(include_str!("passes/film/mean.wgsl"), kept_in);
-            let show = key(include_str!("passes/film/show.wgsl"), target);
+            let show = key(concat!(include_str!("passes/dither.wgsl"), include_str!("passes/film/show.wgsl")), target);
             let stage = wgpu::ShaderStages::FRAGMENT;
             Ok(Self {
                 mean: gpu.screen_pipeline("surefoot film, mean", mean, &[Some(&layouts[0])])?,
@@ -67,6 +69,7 @@ impl Film {
                 layouts,
                 sheets: Sheets::new(gpu, size, kept_in),
                 gpu: gpu.clone(),
+                drawn: size,
                 count: 0,
             })
         })?
@@ -98,7 +101,8 @@ impl Film {
     }
 
     /// Orders some rows of a picture that has `size` pixels, in the film's upper left corner. The picture was updated for it.
-    pub fn draw(&self, encoder: &mut wgpu::CommandEncoder, picture: &Picture, size: [u32; 2], rows: Range<u32>) {
+    pub fn draw(&mut self, encoder: &mut wgpu::CommandEncoder, picture: &Picture, size: [u32; 2], rows: Range<u32>) {
+        self.drawn = size;
         let target = &self.sheets.picture;
         let view = target.create_view(&Default::default());
         let depth = picture.depth(target.size());
@@ -113,14 +117,20 @@ impl Film {
         picture.draw(&mut pass);
     }
 
-    /// Orders that the picture that was drawn counts. What is ordered must be submitted before the next one counts.
-    pub fn keep(&mut self, encoder: &mut wgpu::CommandEncoder) {
+    /// The picture that was drawn, developed.
+    fn developed(&self, encoder: &mut wgpu::CommandEncoder, picture: &Picture) -> wgpu::Texture {
+        picture.develop(encoder, &self.sheets.picture, self.drawn).unwrap_or_else(|| self.sheets.picture.clone())
+    }
+
+    /// Orders that what `picture` drew counts. What is ordered must be submitted before the next one counts.
+    pub fn keep(&mut self, encoder: &mut wgpu::CommandEncoder, picture: &Picture) {
+        let developed = self.developed(encoder, picture);
         let share = 1.0 / (self.count + 1) as f32;
         self.share.write(self.gpu.queue(), bytemuck::cast_slice(&[share, 0.0, 0.0, 0.0]));
         let before = &self.sheets.means[self.count as usize % 2];
         self.count += 1;
         let after = &self.sheets.means[self.count as usize % 2];
-        let views = [&self.sheets.picture, before].map(|t| t.create_view(&Default::default()));
+        let views = [&developed, before].map(|t| t.create_view(&Default::default()));
         let Some(share) = self.share.buffer() else { return };
         let group = self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("surefoot film, mean"),
@@ -134,9 +144,9 @@ impl Film {
         self.cover(encoder, &self.mean, &group, after);
     }
 
-    /// Orders that the mean is shown on a target of the film's size; where nothing counts yet, the picture that was drawn.
-    pub fn show(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::Texture) {
-        let newest = if self.count == 0 { &self.sheets.picture } else { &self.sheets.means[self.count as usize % 2] };
+    /// Orders that the mean is shown on a target of the film's size; where nothing counts yet, what `picture` drew.
+    pub fn show(&self, encoder: &mut wgpu::CommandEncoder, picture: &Picture, target: &wgpu::Texture) {
+        let newest = if self.count == 0 { self.developed(encoder, picture) } else { self.sheets.means[self.count as usize % 2].clone() };
         let mean = newest.create_view(&Default::default());
         let group = self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("surefoot film, show"),
@@ -166,7 +176,7 @@ impl Sheets {
 }
 
 /// What is drawn on and read.
-fn sheet(gpu: &Gpu, [width, height]: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+pub(crate) fn sheet(gpu: &Gpu, [width, height]: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
     gpu.device().create_texture(&wgpu::TextureDescriptor {
         label: Some("surefoot film"),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
@@ -180,7 +190,7 @@ fn sheet(gpu: &Gpu, [width, height]: [u32; 2], format: wgpu::TextureFormat) -> w
 }
 
 /// A target of which what is not drawn stays.
-fn attachment(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
+pub(crate) fn attachment(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
     wgpu::RenderPassColorAttachment {
         view,
         depth_slice: None,
@@ -190,7 +200,7 @@ fn attachment(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
 }
 
 /// The layout of a picture alone, or of a picture, a mean and its share.
-fn layout(gpu: &Gpu, mean: bool) -> wgpu::BindGroupLayout {
+pub(crate) fn layout(gpu: &Gpu, mean: bool) -> wgpu::BindGroupLayout {
     let texture = |binding| wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::FRAGMENT,

@@ -1,8 +1,9 @@
 //! One frame is a list of passes. A pass that a scene does not need is not in it: nothing of it is compiled and it has no buffers.
 
 use crate::gpu::{DEPTH, Gpu};
+use crate::film::LINEAR;
 use crate::mesh::Mesh;
-use crate::passes::ScenePipeline;
+use crate::passes::{Bloom, ScenePipeline};
 use crate::passes::scene::{Features, ViewMode};
 use crate::physics::Physics;
 use crate::view::View;
@@ -23,6 +24,8 @@ pub enum PassKind {
     Meshes,
     /// Balls over it, with its depth.
     Balls,
+    /// Light that is scattered over all of it, on film.
+    Bloom,
 }
 
 /// A pass of a frame, and why it is there.
@@ -44,6 +47,9 @@ pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
         (features.occlusion, "corners are kept from the sky's light"),
         (features.environment, "images stand for the sky"),
         (features.reflections > 0, "mirrored rays are followed"),
+        (features.glass, "rays go on inside of glass"),
+        (features.fog, "fog is in between"),
+        (features.optics, "a camera has a lens or parallel rays"),
         (features.meshes_first, "it ends at the meshes, whose depth is drawn before"),
         (features.depth(), "its depth is written, for what is rasterised"),
     ];
@@ -73,6 +79,9 @@ pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
     if features.balls {
         passes.push(PlannedPass { kind: PassKind::Balls, name: "balls", reason: "the scene has balls".to_owned() });
     }
+    if features.bloom {
+        passes.push(PlannedPass { kind: PassKind::Bloom, name: "bloom", reason: "light is scattered; on film alone".to_owned() });
+    }
     passes
 }
 
@@ -84,6 +93,8 @@ pub struct Picture {
     format: wgpu::TextureFormat,
     passes: Vec<PlannedPass>,
     scene: ScenePipeline,
+    /// What scatters its light, where it falls on film.
+    bloom: Option<Bloom>,
     /// The depth of the newest size, where there is depth.
     depth: Mutex<Depth>,
 }
@@ -109,6 +120,9 @@ impl Picture {
 
     /// The same with other features than the scene's own: to measure what they are worth.
     pub fn prepare_with(gpu: &Gpu, compiled: &Compiled, format: wgpu::TextureFormat, features: Features) -> Result<Self, String> {
+        // Light is scattered before the tone curve, so the picture has to be light.
+        let features = Features { bloom: features.bloom && format == LINEAR, ..features };
+        let bloom = if features.bloom { Some(Bloom::new(gpu, features.tone_text())?) } else { None };
         let scene = std::thread::scope(|scope| {
             // What large unions look at, and where, is found while the driver builds; who needs it waits.
             if let Some(tables) = &compiled.module.tables {
@@ -117,7 +131,7 @@ impl Picture {
             ScenePipeline::prepare_with(gpu, compiled, format, features)
         })?;
         let passes = plan(compiled, features.view);
-        Ok(Self { gpu: gpu.clone(), mode: features.view, format, passes, scene, depth: Mutex::default() })
+        Ok(Self { gpu: gpu.clone(), mode: features.view, format, passes, scene, bloom, depth: Mutex::default() })
     }
 
     /// What it shows.
@@ -182,6 +196,20 @@ impl Picture {
     /// Draws only so many of the passes over the picture from now on, or all of them.
     pub(crate) fn draw_first(&mut self, passes: Option<u32>) {
         self.scene.draw_first(passes);
+        let drawn = self.passes.iter().filter(|pass| matches!(pass.kind, PassKind::Scene | PassKind::Meshes | PassKind::Balls)).count();
+        if let Some(bloom) = &mut self.bloom {
+            bloom.set_idle(passes.is_some_and(|passes| passes as usize <= drawn));
+        }
+    }
+
+    /// Whether its light is scattered: on film, all of the picture at once.
+    pub fn blooms(&self) -> bool {
+        self.bloom.is_some()
+    }
+
+    /// Orders what becomes of its light, `size` pixels in the corner of a texture, and answers on what. None where it was developed pixel by pixel.
+    pub(crate) fn develop(&self, encoder: &mut wgpu::CommandEncoder, light: &wgpu::Texture, size: [u32; 2]) -> Option<wgpu::Texture> {
+        self.bloom.as_ref().map(|bloom| bloom.develop(encoder, light, size))
     }
 
     /// Writes what changed since the last call, and answers whether anything did: where nothing did, there is nothing to draw.
@@ -193,7 +221,8 @@ impl Picture {
         live: &Live,
         view: &View,
     ) -> bool {
-        self.scene.update(queue, compiled, live, view)
+        let scattered = self.bloom.as_mut().is_some_and(|bloom| bloom.update(compiled.frame(live).bloom));
+        self.scene.update(queue, compiled, live, view) || scattered
     }
 
     /// Shows the images that the scene names, as far as they could be read; until then it is drawn with the sky of a scene that names none.

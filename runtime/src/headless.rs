@@ -3,7 +3,7 @@
 use crate::film::{self, Film, LINEAR};
 use crate::frame::{Picture, depth_attachment};
 use crate::gpu::Gpu;
-use crate::passes::scene::ViewMode;
+use crate::passes::scene::{Features, ViewMode};
 use crate::view::View;
 use surefoot_compiler::compiled::{Camera, Compiled, Live};
 
@@ -61,9 +61,14 @@ const TILE: u32 = 512;
 /// The greatest number of pixels of one picture.
 const MOST_PIXELS: u64 = 1 << 28;
 
+/// What a picture of so many samples is prepared for.
+pub fn format(compiled: &Compiled, mode: ViewMode, samples: u32) -> wgpu::TextureFormat {
+    if samples > 1 || Features::of(compiled, mode).bloom { LINEAR } else { FORMAT }
+}
+
 /// Builds a scene's pipeline and draws one picture.
 pub fn render(gpu: &Gpu, compiled: &Compiled, live: &Live, shot: &Shot) -> Result<Pixels, String> {
-    let format = if shot.samples > 1 { LINEAR } else { FORMAT };
+    let format = format(compiled, shot.mode, shot.samples);
     let mut picture = Picture::prepare(gpu, compiled, format, shot.mode)?;
     render_with(gpu, &mut picture, compiled, live, shot)
 }
@@ -89,31 +94,38 @@ pub fn render_with(
         (None, Some((_, camera))) => *camera,
         (None, None) => return Err("the scene has no camera".to_owned()),
     };
-    let (tile_width, tile_height) = (width.min(TILE), height.min(TILE));
+    let most = gpu.device().limits().max_texture_dimension_2d;
+    // What is scattered comes from anywhere in the picture.
+    let side = if picture.blooms() { most } else { TILE };
+    if picture.blooms() && width.max(height) > side {
+        return Err(format!("a picture with bloom is at most {side} pixels wide and high here"));
+    }
+    let (tile_width, tile_height) = (width.min(side), height.min(side));
     let target = Target::new(gpu, tile_width, tile_height, FORMAT)?;
     let mut film = match picture.format() == LINEAR {
         true => Some(Film::new(gpu, [tile_width, tile_height], FORMAT)?),
         false => None,
     };
     let mut pixels = Pixels { width, height, rgba: vec![0; 4 * width as usize * height as usize] };
-    for top in (0..height).step_by(TILE as usize) {
-        for left in (0..width).step_by(TILE as usize) {
-            let aim = |picture: &mut Picture, [across, down]: [f32; 2]| {
+    for top in (0..height).step_by(side as usize) {
+        for left in (0..width).step_by(side as usize) {
+            let aim = |picture: &mut Picture, sample: u32| {
+                let [across, down] = film::offset(sample);
                 let corner = [-(left as f32) - across, -(top as f32) - down];
-                let view = View { camera, size: [width as f32, height as f32], corner };
+                let view = View { camera: camera.sampled(sample), size: [width as f32, height as f32], corner };
                 picture.update(gpu.queue(), compiled, live, &view);
             };
             let tile = match &mut film {
                 Some(film) => {
                     film.clear();
                     for sample in 0..samples.max(1) {
-                        aim(picture, film::offset(sample));
+                        aim(picture, sample);
                         expose(gpu, film, picture)?;
                     }
-                    target.develop(gpu, film)?
+                    target.develop(gpu, film, picture)?
                 }
                 None => {
-                    aim(picture, [0.0; 2]);
+                    aim(picture, 0);
                     target.draw(gpu, picture)?
                 }
             };
@@ -191,10 +203,10 @@ impl Target {
     }
 
     /// Shows what fell on a film.
-    fn develop(&self, gpu: &Gpu, film: &Film) -> Result<Vec<u8>, String> {
+    fn develop(&self, gpu: &Gpu, film: &Film, picture: &Picture) -> Result<Vec<u8>, String> {
         self.read(gpu, || {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
-            film.show(&mut encoder, &self.texture);
+            film.show(&mut encoder, picture, &self.texture);
             encoder
         })
     }
@@ -224,13 +236,21 @@ impl Target {
 /// Lets a picture fall on a film, and waits for it: a driver gives up on a queue that is too long.
 fn expose(gpu: &Gpu, film: &mut Film, picture: &Picture) -> Result<(), String> {
     let size = film.size();
-    let submitted = gpu.catch(|| {
-        let mut encoder = gpu.device().create_command_encoder(&Default::default());
-        film.draw(&mut encoder, picture, size, 0..size[1]);
-        film.keep(&mut encoder);
-        gpu.queue().submit([encoder.finish()])
-    })?;
-    wait(gpu, submitted)
+    // No more pixels at once than a tile has.
+    let band = (TILE * TILE / size[0].max(1)).max(1);
+    for top in (0..size[1]).step_by(band as usize) {
+        let end = (top + band).min(size[1]);
+        let submitted = gpu.catch(|| {
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            film.draw(&mut encoder, picture, size, top..end);
+            if end == size[1] {
+                film.keep(&mut encoder, picture);
+            }
+            gpu.queue().submit([encoder.finish()])
+        })?;
+        wait(gpu, submitted)?;
+    }
+    Ok(())
 }
 
 fn texture(gpu: &Gpu, width: u32, height: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
@@ -280,7 +300,7 @@ fn copy_tile(tile: &[u8], stride: usize, pixels: &mut Pixels, left: u32, top: u3
     let left = 4 * left as usize;
     let rows = pixels.rgba.chunks_exact_mut(width).skip(top as usize);
     for (row, from) in rows.zip(tile.chunks_exact(stride)) {
-        for (to, from) in row.iter_mut().skip(left).zip(from.iter().take(4 * TILE as usize)) {
+        for (to, from) in row.iter_mut().skip(left).zip(from) {
             *to = *from;
         }
     }

@@ -49,8 +49,7 @@ fn every_example_looks_alike_on_both() {
             let shot = Shot { mode, ..Shot::new(width, height) };
             let drawn = headless::render(&gpu, &compiled, &live, &shot).unwrap();
             let area = Area { left: 0, top: 0, width, height };
-            let computed =
-                rgb8(&reference.tile(&frame, &frame.cameras[0].1, SIZE, mode, area));
+            let computed = rgb8(&reference.tile(&frame, &frame.cameras[0].1, SIZE, mode, area), area, mode);
             let differ = |(drawn, computed): (&[u8], &[u8])| {
                 drawn.iter().zip(computed).any(|(a, b)| a.abs_diff(*b) > 8)
             };

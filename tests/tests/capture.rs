@@ -5,8 +5,9 @@ mod common;
 use common::alike::{draw_with_meshes, png, prepare_with_meshes, save, scene_with_meshes};
 use common::gpu;
 use surefoot_compiler::MemoryLoader;
-use surefoot_compiler::compiled::Camera;
+use surefoot_compiler::compiled::{Camera, Tone};
 use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::reference::film::develop;
 use surefoot_compiler::reference::shade::Shading;
 use surefoot_compiler::reference::vector::{Vec3, add, dot, sub};
 use surefoot_runtime::frame::PassKind;
@@ -87,14 +88,14 @@ fn a_capture_is_the_picture_from_its_place() {
     let side = 160;
     let (mut off, mut worst) = (0, 0.0f64);
     for (i, way) in ways.into_iter().enumerate() {
-        let camera = Camera { eye: PLACE, target: add(PLACE, way), fov: 1.5 };
+        let camera = Camera { eye: PLACE, target: add(PLACE, way), fov: 1.5, ..Camera::PLAIN };
         let shot = Shot { camera: Some(camera), ..Shot::new(side, side) };
         let drawn = draw_with_meshes(&gpu, &compiled, &assets, &shot);
         save(&format!("capture-direct-{i}"), &drawn);
         let basis = Basis::of(&camera);
         for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (x, y))) {
             let d = basis.direction((f64::from(x) + 0.5, f64::from(y) + 0.5), (side, side));
-            let near: Vec<Vec3> = around(&cube, d).into_iter().map(|c| shading.develop(light(c)).map(|c| 255.0 * c)).collect();
+            let near: Vec<Vec3> = around(&cube, d).into_iter().map(|c| develop(Tone::Aces, shading.exposed(light(c))).map(|c| 255.0 * c)).collect();
             let got = drawn.get(x, y).map(f64::from);
             let beyond = (0..3).map(|c| {
                 let low = near.iter().map(|n| n[c]).fold(f64::INFINITY, f64::min);
@@ -140,7 +141,7 @@ fn an_image_of_all_directions_made_of_a_capture_is_mirrored_the_same() {
         light lamp {{ position: (1.5, 2.8, 1.5), color: #ffe0b0, intensity: 8, shadow: none }}
         camera {{ eye: (6, 4, 6), target: (0, 1, 0) }}\n"
     );
-    let camera = Camera { eye: [1.5, 2.0, 2.2], target: PLACE, fov: 0.4 };
+    let camera = Camera { eye: [1.5, 2.0, 2.2], target: PLACE, fov: 0.4, ..Camera::PLAIN };
     let shot = Shot { camera: Some(camera), ..Shot::new(240, 240) };
     let [a, b] = [files(&here), files(&there).with("sky.hdr", sky)].map(|files| {
         let (compiled, assets) = scene_with_meshes(&files);
@@ -198,7 +199,7 @@ fn a_capture_is_drawn_anew_only_where_something_moved() {
     assert_eq!(picture.captured().unwrap(), None);
     let mut live = compiled.live();
     let draw = |picture: &mut surefoot_runtime::Picture, live: &_, eye: Vec3| {
-        let camera = Camera { eye, target: [0.0; 3], fov: 0.7 };
+        let camera = Camera { eye, target: [0.0; 3], fov: 0.7, ..Camera::PLAIN };
         headless::render_with(&gpu, picture, &compiled, live, &Shot { camera: Some(camera), ..Shot::new(48, 32) }).unwrap();
         picture.captures()
     };

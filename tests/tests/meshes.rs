@@ -63,7 +63,7 @@ fn the_seam_lies_where_it_should() {
             for step in 0..2 {
                 let turn = turn + 1e-3 * f64::from(step);
                 let out = [turn.cos() * height.cos(), height.sin(), turn.sin() * height.cos()];
-                let camera = Camera { eye: add(place, scale(out, 4.0)), target: place, fov: 0.7 };
+                let camera = Camera { eye: add(place, scale(out, 4.0)), target: place, fov: 0.7, ..Camera::PLAIN };
                 let shot = Shot { camera: Some(camera), mode: ViewMode::Normals, ..Shot::new(SIZE.0, SIZE.1) };
                 let live = compiled.live();
                 let pixels = headless::render_with(&gpu, &mut picture, &compiled, &live, &shot).unwrap();
@@ -126,7 +126,7 @@ fn triangles_are_cut_at_the_eye() {
     let gpu = gpu();
     let (compiled, assets) = scene("scene = nothing\nmesh m \"box.obj\" { scale: (40, 1, 40), translate: (0, -1, 0) }\n");
     let mut picture = prepare(&gpu, &compiled, &assets, ViewMode::Normals);
-    let camera = Camera { eye: [0.1, 0.0, 0.1], target: [1.0, 0.0, 0.4], fov: 1.2 };
+    let camera = Camera { eye: [0.1, 0.0, 0.1], target: [1.0, 0.0, 0.4], fov: 1.2, ..Camera::PLAIN };
     let shot = Shot { camera: Some(camera), mode: ViewMode::Normals, ..Shot::new(120, 80) };
     let pixels = headless::render_with(&gpu, &mut picture, &compiled, &compiled.live(), &shot).unwrap();
     let up = |y: u32| (0..120).filter(|x| pixels.get(*x, y)[1] > 250).count();
@@ -155,7 +155,7 @@ fn next(live: &LiveScene) -> Update {
 fn draw(gpu: &Gpu, update: Update) -> Pixels {
     let ready = update.ready.expect("a scene");
     let mut picture = ready.picture.expect("a picture");
-    let camera = Camera { eye: [0.0, 0.5, 4.0], target: [0.0; 3], fov: 0.7 };
+    let camera = Camera { eye: [0.0, 0.5, 4.0], target: [0.0; 3], fov: 0.7, ..Camera::PLAIN };
     let shot = Shot { camera: Some(camera), mode: ViewMode::Normals, ..Shot::new(60, 40) };
     headless::render_with(gpu, &mut picture, &ready.compiled, &ready.compiled.live(), &shot).unwrap()
 }
@@ -214,12 +214,12 @@ fn a_frame_is_what_its_scene_needs() {
     let map = "light l { direction: (0, -1, 0), shadow: map }\n";
     let none = "light l { direction: (0, -1, 0), shadow: none }\n";
     let scenes: [(&str, &[PassKind], &str); 6] = [
-        ("", &[Scene], "meshes balls shadow maps reflections capture images of the sky"),
-        (mesh, &[Shadows, Scene, Meshes], "balls reflections capture images of the sky"),
-        (&format!("{mesh}{none}"), &[Scene, Meshes], "balls shadows shadow maps reflections capture images of the sky"),
-        (&format!("{mesh}render {{ shadows: off, ambient_occlusion: (0, 0) }}\n"), &[Scene, Meshes], "balls shadows shadow maps occlusion reflections capture images of the sky"),
-        (map, &[Shadows, Scene], "meshes balls reflections capture images of the sky"),
-        ("balls b { count: 3 }\n", &[Shadows, Scene, Balls], "meshes reflections capture images of the sky"),
+        ("", &[Scene], "meshes balls shadow maps reflections capture images of the sky fog glass bloom lens and parallel rays"),
+        (mesh, &[Shadows, Scene, Meshes], "balls reflections capture images of the sky fog glass bloom lens and parallel rays"),
+        (&format!("{mesh}{none}"), &[Scene, Meshes], "balls shadows shadow maps reflections capture images of the sky fog glass bloom lens and parallel rays"),
+        (&format!("{mesh}render {{ shadows: off, ambient_occlusion: (0, 0) }}\n"), &[Scene, Meshes], "balls shadows shadow maps occlusion reflections capture images of the sky fog glass bloom lens and parallel rays"),
+        (map, &[Shadows, Scene], "meshes balls reflections capture images of the sky fog glass bloom lens and parallel rays"),
+        ("balls b { count: 3 }\n", &[Shadows, Scene, Balls], "meshes reflections capture images of the sky fog glass bloom lens and parallel rays"),
     ];
     for (text, wanted, left_out) in scenes {
         let (compiled, assets) = scene(&format!("scene = plane(y)\n{text}"));

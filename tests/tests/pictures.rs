@@ -5,7 +5,7 @@ mod common;
 use common::{compile_file, examples, gpu, pictures};
 use rayon::prelude::*;
 use surefoot_compiler::compiled::{Compiled, Live};
-use surefoot_compiler::reference::{Area, Reference};
+use surefoot_compiler::reference::{Area, Reference, rgb8};
 use surefoot_runtime::ViewMode;
 use surefoot_runtime::headless::{self, Pixels, Shot};
 
@@ -21,18 +21,17 @@ fn reference(compiled: &Compiled, live: &Live, mode: ViewMode) -> Pixels {
     let frame = compiled.frame(live);
     let camera = frame.cameras[0].1;
     let (width, height) = SIZE;
-    let bands: Vec<Vec<[f32; 4]>> = (0..height)
+    let bands: Vec<Vec<u8>> = (0..height)
         .step_by(12)
         .collect::<Vec<u32>>()
         .into_par_iter()
         .map(|top| {
             let area = Area { left: 0, top, width, height: 12.min(height - top) };
-            reference.tile(&frame, &camera, SIZE, mode, area)
+            rgb8(&reference.tile(&frame, &camera, SIZE, mode, area), area, mode)
         })
         .collect();
-    let byte = |c: f32| (255.0 * c.clamp(0.0, 1.0)).round() as u8;
-    let rgba = bands.iter().flatten().flat_map(|&[r, g, b, _]| [byte(r), byte(g), byte(b), 255]);
-    Pixels { width, height, rgba: rgba.collect() }
+    let rgba = bands.iter().flatten().copied().collect::<Vec<u8>>();
+    Pixels { width, height, rgba: rgba.chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect() }
 }
 
 /// The share of pixels that differ, and where, in red.

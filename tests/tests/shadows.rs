@@ -13,7 +13,7 @@ use surefoot_runtime::{Gpu, Picture, ViewMode};
 use surefoot_tests::solids::{cuboid, sphere};
 
 const SIZE: (u32, u32) = (320, 240);
-const CAMERA: Camera = Camera { eye: [-5.0, 6.0, 5.0], target: [-0.5, 0.5, 0.0], fov: 0.8 };
+const CAMERA: Camera = Camera { eye: [-5.0, 6.0, 5.0], target: [-0.5, 0.5, 0.0], fov: 0.8, ..Camera::PLAIN };
 
 fn draw(gpu: &Gpu, text: &str) -> Pixels {
     let (eye, target) = (CAMERA.eye, CAMERA.target);

@@ -5,8 +5,9 @@ mod common;
 use common::alike::{draw_with_meshes, on_the_gpu, on_the_processor, png, save, scene, scene_with_meshes, share_off};
 use common::gpu;
 use surefoot_compiler::MemoryLoader;
-use surefoot_compiler::compiled::Camera;
+use surefoot_compiler::compiled::{Camera, Tone};
 use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::reference::film::develop;
 use surefoot_compiler::reference::shade::Shading;
 use surefoot_compiler::reference::vector::{Vec3, add, along, dot, scale, sub, unit};
 use surefoot_runtime::Gpu;
@@ -143,7 +144,7 @@ fn check_mirror(gpu: &Gpu, name: &str, files: &MemoryLoader, wanted: impl Fn(Vec
         if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
     };
     // What a polished white metal leaves of it, and the film.
-    let shown = |d: Vec3| shading.develop(wanted(d).map(|c| 0.967 * linear(c))).map(|c| 255.0 * c);
+    let shown = |d: Vec3| develop(Tone::Aces, shading.exposed(wanted(d).map(|c| 0.967 * linear(c)))).map(|c| 255.0 * c);
     let mut worst: (f64, Vec3) = (0.0, [0.0; 3]);
     for d in directions() {
         let toward = |camera: &Camera| dot(unit(camera.eye).unwrap(), d);

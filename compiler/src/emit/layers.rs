@@ -75,6 +75,22 @@ pub fn layers_function(
     Ok(())
 }
 
+/// Writes the function that says how much light goes through the surface.
+pub fn glass_function(context: &mut Context, root: ShapeId, plan: &Plan, body: &mut Body, text: &mut String) -> Result<(), EmitError> {
+    let (graph, prefix) = (context.graph, context.prefix);
+    text.push_str("\n// How much light goes through the surface, and the index of refraction of what is under it.\n");
+    let _ = writeln!(text, "fn {prefix}glass(p: vec3f, normal: vec3f) -> vec2f {{");
+    let _ = writeln!(text, "  let q = p + {}.origin;", context.uniform_name);
+    context.uniforms.read(UniformSource::Origin);
+    body.clear();
+    let space = scene_space(graph, root, body, true);
+    let results = body.open(context.plans, graph, plan, &space, &context.uniforms)?;
+    let result = body.vector(&results);
+    write::write(context, body, result, &["p", "q", "normal"], text);
+    text.push_str("}\n");
+    Ok(())
+}
+
 fn layers_value(
     context: &Context,
     which: u32,

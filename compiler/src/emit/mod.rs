@@ -35,7 +35,7 @@ use crate::graph::simplify::Terms;
 use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
 use crate::source::Sources;
 use body::{Body, Code, Space, world_count};
-use layers::{layers_function, layers_struct, mesh_functions};
+use layers::{glass_function, layers_function, layers_struct, mesh_functions};
 use library::Helpers;
 use names::{Scope, identifier};
 use plan::{Group, Plan, Plans, TargetId};
@@ -117,6 +117,7 @@ pub fn emit(
     let surface = asked.then(|| surface_plan(graph, root, &functions.surface.look(), &mut plans));
     let layered = asked && functions.surface.is_layered();
     let layers = layered.then(|| surface_plan(graph, root, &functions.surface.layer_nodes(), &mut plans));
+    let glass = functions.surface.glass.filter(|_| asked).map(|glass| surface_plan(graph, root, &glass, &mut plans));
     let carry = functions.carry.map(|carry| surface_plan(graph, root, &carry.nodes(), &mut plans));
     // Exports that are the same function are computed once.
     let mut counted: Vec<(TargetId, u64)> = Vec::new();
@@ -134,7 +135,7 @@ pub fn emit(
     let one = plans.is_one(root);
     let planes = functions.ahead.planes.filter(|_| follows).map(|planes| ahead::Plans::new(graph, root, &planes, one, &mut plans));
     let of_meshes = meshes.iter().flat_map(|(_, plan, layers)| std::iter::once(plan).chain(layers));
-    let standing = plans.complete(&counted, surface.iter().chain(&layers).chain(&carry).chain(planes.iter().flat_map(ahead::Plans::all)).chain(of_meshes))?;
+    let standing = plans.complete(&counted, surface.iter().chain(&layers).chain(&glass).chain(&carry).chain(planes.iter().flat_map(ahead::Plans::all)).chain(of_meshes))?;
 
     let mut module = reserved_names(prefix);
     let mut context = Context {
@@ -169,6 +170,9 @@ pub fn emit(
     let reads_scene = context.reads_scene;
     if let Some(plan) = &layers {
         layers_function(&mut context, root, &functions.surface, plan, &mut body, &mut texts)?;
+    }
+    if let Some(plan) = &glass {
+        glass_function(&mut context, root, plan, &mut body, &mut texts)?;
     }
     if let Some(plan) = &carry {
         carry_function(&mut context, root, plan, &mut body, &mut texts)?;

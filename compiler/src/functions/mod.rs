@@ -130,43 +130,10 @@ pub struct Surface {
     pub reflectivity: NodeId,
     /// How steeply the surface looks to rise along each axis of the scene, where formulas say so.
     pub relief: Option<[NodeId; 3]>,
+    /// How much light goes through, 0 to 1, and the index of refraction, where any does.
+    pub glass: Option<[NodeId; 2]>,
     /// What images add to all this.
     pub layers: Vec<Layer>,
-}
-
-impl Surface {
-    /// Colour, emission, roughness, metallic, reflectivity.
-    pub fn look(&self) -> [NodeId; 9] {
-        let ([r, g, b], [x, y, z]) = (self.color, self.emission);
-        [r, g, b, x, y, z, self.roughness, self.metallic, self.reflectivity]
-    }
-
-    /// What is made of the images, each once: which image, and for what.
-    pub fn textures(&self) -> Vec<(u32, TextureKind)> {
-        let mut textures = Vec::new();
-        for layer in &self.layers {
-            let texture = (layer.image, TextureKind::of(layer.slot));
-            if !textures.contains(&texture) {
-                textures.push(texture);
-            }
-        }
-        textures
-    }
-
-    /// Whether there is more to it than [`Surface::look`].
-    pub fn is_layered(&self) -> bool {
-        self.relief.is_some() || !self.layers.is_empty()
-    }
-
-    /// What is more: the relief where there is one, then the nodes of each layer in the order of its fields.
-    pub fn layer_nodes(&self) -> Vec<NodeId> {
-        let mut nodes: Vec<NodeId> = self.relief.into_iter().flatten().collect();
-        for layer in &self.layers {
-            nodes.extend(layer.weight.iter().chain(&layer.point).chain(layer.axes.iter().flatten()));
-            nodes.push(layer.sharpness);
-        }
-        nodes
-    }
 }
 
 /// An image that lies on a surface.
@@ -310,6 +277,8 @@ pub struct Builder<'a> {
 struct Look {
     /// Colour, emission, roughness, metallic, reflectivity; then the relief's slope.
     values: [NodeId; 12],
+    /// How much light goes through, and the index of refraction, where any does.
+    glass: Option<[NodeId; 2]>,
     layers: Rc<[Layer]>,
 }
 
@@ -350,7 +319,7 @@ pub fn build(
     builder.build_surface();
     builder.build_meshes(&blocks.meshes);
     let surfaces = builder.built.meshes.iter().chain([&builder.built.surface]);
-    let surface_nodes: Vec<NodeId> = surfaces.flat_map(|s| s.look().into_iter().chain(s.layer_nodes())).collect();
+    let surface_nodes: Vec<NodeId> = surfaces.flat_map(Surface::nodes).collect();
     let mut nodes = Vec::new();
     let mut seen = Vec::new();
     let asked: Vec<_> = builder.calls(&surface_nodes, &mut nodes).collect();

@@ -212,7 +212,7 @@ impl Functions {
     /// What is computed beside the formulas of shapes: surfaces, how what is solid moves, and what is ahead of rays.
     fn roots(&self) -> Vec<NodeId> {
         let surfaces = self.meshes.iter().chain([&self.surface]);
-        let mut roots: Vec<NodeId> = surfaces.flat_map(|surface| surface.look().into_iter().chain(surface.layer_nodes())).collect();
+        let mut roots: Vec<NodeId> = surfaces.flat_map(super::Surface::nodes).collect();
         roots.extend(self.carry.iter().flat_map(Carry::nodes));
         roots.extend(self.ahead.planes.iter().flat_map(|planes| [planes.distance, planes.way, planes.rest_bound, planes.rest_distance]));
         roots

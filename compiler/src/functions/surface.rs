@@ -5,9 +5,50 @@ use super::dress::Dress;
 use super::{Builder, Layer, Look, Surface};
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, Leaf, Material, MaterialId, Node, NodeId, ShapeId, kernel, WORLD};
+use crate::images::TextureKind;
 use crate::mesh::MeshNodes;
 use rustc_hash::FxHashSet;
 use std::rc::Rc;
+
+impl Surface {
+    /// Colour, emission, roughness, metallic, reflectivity.
+    pub fn look(&self) -> [NodeId; 9] {
+        let ([r, g, b], [x, y, z]) = (self.color, self.emission);
+        [r, g, b, x, y, z, self.roughness, self.metallic, self.reflectivity]
+    }
+
+    /// What is made of the images, each once: which image, and for what.
+    pub fn textures(&self) -> Vec<(u32, TextureKind)> {
+        let mut textures = Vec::new();
+        for layer in &self.layers {
+            let texture = (layer.image, TextureKind::of(layer.slot));
+            if !textures.contains(&texture) {
+                textures.push(texture);
+            }
+        }
+        textures
+    }
+
+    /// All its nodes.
+    pub fn nodes(&self) -> Vec<NodeId> {
+        self.look().into_iter().chain(self.layer_nodes()).chain(self.glass.into_iter().flatten()).collect()
+    }
+
+    /// Whether there is more to it than [`Surface::look`].
+    pub fn is_layered(&self) -> bool {
+        self.relief.is_some() || !self.layers.is_empty()
+    }
+
+    /// What is more: the relief where there is one, then the nodes of each layer in the order of its fields.
+    pub fn layer_nodes(&self) -> Vec<NodeId> {
+        let mut nodes: Vec<NodeId> = self.relief.into_iter().flatten().collect();
+        for layer in &self.layers {
+            nodes.extend(layer.weight.iter().chain(&layer.point).chain(layer.axes.iter().flatten()));
+            nodes.push(layer.sharpness);
+        }
+        nodes
+    }
+}
 
 /// The looks of the shapes that a formula calls.
 #[derive(Clone)]
@@ -51,7 +92,7 @@ impl Builder<'_> {
         let zero = self.graph.constant(0.0);
         let relief = Some([x, y, z]).filter(|slope| slope.iter().any(|s| *s != zero));
         let (color, emission) = ([r, g, b], [er, eg, eb]);
-        Surface { color, emission, roughness, metallic, reflectivity, relief, layers: look.layers.to_vec() }
+        Surface { color, emission, roughness, metallic, reflectivity, relief, glass: look.glass, layers: look.layers.to_vec() }
     }
 
     /// The surfaces of meshes whose materials are not the same everywhere.
@@ -87,7 +128,7 @@ impl Builder<'_> {
         let zero = self.graph.constant(0.0);
         let roughness = self.graph.constant(0.6);
         let values = [grey, grey, grey, zero, zero, zero, roughness, zero, zero, zero, zero, zero];
-        Look { values, layers: Rc::default() }
+        Look { values, glass: None, layers: Rc::default() }
     }
 
     /// The material of a shape at a point of the scene's space; none where nothing in it has one.
@@ -150,6 +191,7 @@ impl Builder<'_> {
         {
             slope.copy_from_slice(&self.slopes(height));
         }
+        let glass = m.glass.and_then(|glass| <[NodeId; 2]>::try_from(open(self.graph, &glass)).ok());
         let mut layers = Vec::new();
         for on in m.images.iter() {
             let [wr, wg, wb] = on.weight;
@@ -159,7 +201,7 @@ impl Builder<'_> {
             let axes = point.map(|q| self.slopes(q));
             layers.push(Layer { image: on.image, slot: on.slot, weight: [wr, wg, wb], point, axes, sharpness });
         }
-        Look { values, layers: layers.into() }
+        Look { values, glass, layers: layers.into() }
     }
 
     /// How a number changes along the axes of the scene's space.
@@ -249,9 +291,16 @@ impl Builder<'_> {
         }
         let zero = self.graph.constant(0.0);
         let mut mixed = [zero; 12];
+        let clear = looks.iter().find_map(|(_, look)| look.glass);
+        let mut glass = clear.map(|_| [zero; 2]);
         let mut layers = Vec::new();
         for ((_, look), weight) in looks.iter().zip(weights) {
             let share = self.graph.op(Op::Div, &[weight, total]);
+            let own = look.glass.or(clear.map(|[_, index]| [zero, index]));
+            for (slot, entry) in glass.iter_mut().flatten().zip(own.into_iter().flatten()) {
+                let term = self.graph.op(Op::Mul, &[share, entry]);
+                *slot = self.graph.op(Op::Add, &[*slot, term]);
+            }
             for (slot, entry) in mixed.iter_mut().zip(look.values) {
                 let term = self.graph.op(Op::Mul, &[share, entry]);
                 *slot = self.graph.op(Op::Add, &[*slot, term]);
@@ -261,7 +310,7 @@ impl Builder<'_> {
                 layers.push(Layer { weight, ..*layer });
             }
         }
-        Some(Look { values: mixed, layers: layers.into() })
+        Some(Look { values: mixed, glass, layers: layers.into() })
     }
 
     /// How many looks the shapes have that a formula calls. Each node is asked once: a loop's formula holds those of all turns before it.
@@ -296,8 +345,16 @@ impl Builder<'_> {
         for (slot, other) in values.iter_mut().zip(b.values) {
             *slot = self.graph.op(Op::Select, &[condition, *slot, other]);
         }
-        // Only one of the two counts: an image that both have lies on it in one place or in the other.
         let zero = self.graph.constant(0.0);
+        let glass = match (a.glass, b.glass) {
+            (None, None) => None,
+            (x, y) => {
+                let index = x.or(y).map_or(zero, |[_, index]| index);
+                let ([t, i], [u, j]) = (x.unwrap_or([zero, index]), y.unwrap_or([zero, index]));
+                Some([self.graph.op(Op::Select, &[condition, t, u]), self.graph.op(Op::Select, &[condition, i, j])])
+            }
+        };
+        // Only one of the two counts: an image that both have lies on it in one place or in the other.
         let nowhere = |layer: &Layer| Layer { weight: [zero; 3], ..*layer };
         let mut others: Vec<Layer> = b.layers.to_vec();
         let mut pairs = Vec::new();
@@ -310,7 +367,7 @@ impl Builder<'_> {
         }
         pairs.extend(others.iter().map(|layer| (nowhere(layer), *layer)));
         let layers: Vec<Layer> = pairs.into_iter().map(|(a, b)| self.pick_layer(condition, a, b)).collect();
-        Look { values, layers: layers.into() }
+        Look { values, glass, layers: layers.into() }
     }
 
     fn pick_layer(&mut self, condition: NodeId, a: Layer, b: Layer) -> Layer {

@@ -259,6 +259,8 @@ pub struct Material {
     pub metallic: NodeId,
     /// How much of the surroundings it mirrors, 0 to 1.
     pub reflectivity: NodeId,
+    /// How much light goes through it, 0 to 1, and its index of refraction, where any does.
+    pub glass: Option<[NodeId; 2]>,
     /// How high the surface looks; a formula of a length.
     pub relief: Option<NodeId>,
     /// Images that are laid on from three sides.
@@ -277,7 +279,7 @@ impl Material {
     /// All nodes of it.
     pub fn nodes(&self) -> Vec<NodeId> {
         let images = self.images.iter().flat_map(|i| i.weight.into_iter().chain([i.scale, i.sharpness]));
-        self.look().into_iter().chain(self.relief).chain(images).collect()
+        self.look().into_iter().chain(self.relief).chain(images).chain(self.glass.into_iter().flatten()).collect()
     }
 
     /// Takes other nodes for its own, in the order of [`Material::nodes`].
@@ -285,7 +287,7 @@ impl Material {
         let images = Arc::make_mut(&mut self.images).iter_mut().flat_map(|i| i.weight.iter_mut().chain([&mut i.scale, &mut i.sharpness]));
         let look = self.color.iter_mut().chain(&mut self.emission);
         let look = look.chain([&mut self.roughness, &mut self.metallic, &mut self.reflectivity]);
-        for (slot, node) in look.chain(&mut self.relief).chain(images).zip(nodes) {
+        for (slot, node) in look.chain(&mut self.relief).chain(images).chain(self.glass.iter_mut().flatten()).zip(nodes) {
             *slot = *node;
         }
     }

@@ -4,11 +4,10 @@ use super::elsewhere;
 use super::load::ItemRef;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
-use crate::compiled::{CameraNodes, LightNodes, Parameter, SceneBlocks, Shadow};
+use crate::compiled::{LightNodes, Parameter, SceneBlocks, Shadow};
 use crate::diagnostic::Code;
 use crate::graph::kernel::Op;
 use crate::graph::{Leaf, NodeId, ParameterComponent};
-use crate::home::{EYE, FOV};
 use crate::mesh::MeshNodes;
 use crate::physics::{BallsNodes, PhysicsNodes};
 use crate::source::Span;
@@ -24,6 +23,7 @@ impl SceneBlocks {
         for camera in &self.cameras {
             nodes.extend(camera.eye.iter().chain(&camera.target).flatten());
             nodes.push(camera.fov);
+            nodes.extend(camera.up.iter().flatten().chain(&camera.height).chain(&camera.lens).chain(&camera.focus));
         }
         for light in &self.lights {
             nodes.extend(light.vector.iter().chain(&light.color));
@@ -36,6 +36,8 @@ impl SceneBlocks {
         if let Some((reach, strength)) = self.ambient_occlusion {
             nodes.extend([reach, strength]);
         }
+        nodes.extend(self.bloom);
+        nodes.extend(self.fog.iter().flat_map(|(color, density)| color.iter().chain([density])));
         nodes.extend(self.capture.iter().flat_map(|capture| capture.place));
         nodes.extend(self.shadows.iter().chain(&self.max_distance).chain(&self.exposure).chain(&self.reflections));
         nodes.extend(self.physics.iter().flat_map(PhysicsNodes::nodes));
@@ -48,11 +50,11 @@ impl SceneBlocks {
 /// The keys that a block knows.
 fn keys(kind: BlockKind) -> &'static [&'static str] {
     match kind {
-        BlockKind::Camera => &["eye", "target", "fov"],
-        BlockKind::Light => &["direction", "position", "color", "intensity", "shadow"],
+        BlockKind::Camera => &["eye", "target", "fov", "up", "projection", "height", "lens", "focus"],
+        BlockKind::Light => &["direction", "position", "color", "intensity", "shadow", "size"],
         BlockKind::Environment => &["sky", "capture", "size"],
         BlockKind::Render => &[
-            "ambient_occlusion", "shadows", "reflections", "max_distance", "extent", "exposure",
+            "ambient_occlusion", "shadows", "reflections", "max_distance", "extent", "exposure", "tone", "fog", "bloom",
         ],
         BlockKind::Physics => {
             &["gravity", "restitution", "friction", "rolling", "substeps", "bounds"]
@@ -400,24 +402,8 @@ impl Elaborator<'_> {
         let name_text = name.map_or(String::new(), |n| n.text.to_string());
         match kind {
             BlockKind::Camera => {
-                let mut place = |key| entry(key).map(|given| self.vec3_entry(Some(given), &env, [0.0; 3])).transpose();
-                let (eye, target) = (place("eye"), place("target"));
-                let fov = self.number_entry(entry("fov"), &env, FOV, Some((0.01, 3.0)), "an angle between 1deg and 170deg");
-                let (eye, target) = (eye?, target?);
-                let constants = |given: Option<[NodeId; 3]>, usual: [f64; 3]| match given {
-                    Some(nodes) => nodes.map(|node| self.graph.as_constant(node).unwrap_or(f64::NAN)),
-                    None => usual,
-                };
-                let (from, to) = (constants(eye, EYE), constants(target, [0.0; 3]));
-                if from.iter().zip(&to).all(|(a, b)| (a - b).abs() < 1e-9) {
-                    return Err(self.error(
-                        Code::BadValue,
-                        entry("target").or(entry("eye")).map_or(kind_span, |e| e.span),
-                        "the camera looks at the place where it stands, so it has no direction",
-                        "write another `target`: the point that shall be in the middle of the picture",
-                    ));
-                }
-                blocks.cameras.push(CameraNodes { name: name_text, eye, target, fov: fov?, span: kind_span });
+                let camera = self.camera(name_text, kind_span, &seen, &env)?;
+                blocks.cameras.push(camera);
             }
             BlockKind::Light => {
                 let position = entry("position");
@@ -444,9 +430,20 @@ impl Elaborator<'_> {
                     Some((0.0, f64::INFINITY)),
                     "a number of at least zero",
                 );
-                let shadow = match entry("shadow") {
-                    Some(expr) => self.shadow(expr, &env),
-                    None => Ok((Shadow::Soft(16.0), None)),
+                let shadow = match (entry("shadow"), entry("size")) {
+                    (Some(expr), None) => self.shadow(expr, &env),
+                    (None, None) => Ok((Shadow::Soft(16.0), None)),
+                    (None, Some(size)) => {
+                        let (most, wanted) = match position.is_some() {
+                            true => (f64::INFINITY, "the radius of the lamp, at least zero"),
+                            false => (1.5, "half of the angle under which the sun is seen, from 0deg to 85deg"),
+                        };
+                        self.number_entry(Some(size), &env, 0.0, Some((0.0, most)), wanted).map(|size| (Shadow::Sized(0.0), Some(size)))
+                    }
+                    (Some(_), Some(size)) => {
+                        let help = "delete one of the two: the shadow of a light with a size is as soft as the size makes it";
+                        Err(self.error(Code::BadValue, size.span, "`size` and `shadow` both say how soft the shadow is", help))
+                    }
                 };
                 let vector = vector?;
                 if direction.is_some()
@@ -565,6 +562,7 @@ impl Elaborator<'_> {
                 Err(Stop) => ok = false,
             }
         }
+        ok &= self.film(seen, env, blocks).is_ok();
         if ok { Ok(()) } else { Err(Stop) }
     }
 

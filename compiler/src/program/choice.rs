@@ -98,6 +98,14 @@ impl Elaborator<'_> {
         };
         let zero = self.graph.constant(0.0);
         let mut pick = |a: NodeId, b: NodeId| self.graph.op(Op::Select, &[condition, a, b]);
+        let glass = match (x.glass, y.glass) {
+            (None, None) => None,
+            (a, b) => {
+                let index = b.or(a).map_or(zero, |[_, index]| index);
+                let ([t, i], [u, j]) = (a.unwrap_or([zero, index]), b.unwrap_or([zero, index]));
+                Some([pick(t, u), pick(i, j)])
+            }
+        };
         let relief = match (x.relief, y.relief) {
             (None, None) => None,
             (a, b) => Some(pick(a.unwrap_or(zero), b.unwrap_or(zero))),
@@ -113,6 +121,7 @@ impl Elaborator<'_> {
         };
         let material = Material {
             name: format!("{} or {}", x.name, y.name).into(),
+            glass,
             relief,
             images: images.into(),
             color: three(x.color, y.color),

@@ -11,6 +11,9 @@ use crate::source::Span;
 use crate::syntax::ast::{ItemKind, Type};
 use std::sync::Arc;
 
+/// The index of refraction of what light goes through, where it is not said: that of window glass.
+const GLASS: f64 = 1.5;
+
 impl Elaborator<'_> {
     /// Warns of a colour that is written as bytes, or beyond what a surface can be.
     fn warn_of_bytes(&mut self, color: [NodeId; 3], at: Span) {
@@ -91,19 +94,20 @@ impl Elaborator<'_> {
             return Err(Stop);
         };
         material.name = name.text.clone();
-        const KEYS: [&str; 11] = [
+        const KEYS: [&str; 13] = [
             "color", "roughness", "metallic", "reflectivity", "emission", "bump", "bump_height", "texture",
-            "texture_scale", "texture_sharpness", "solid",
+            "texture_scale", "texture_sharpness", "solid", "transmission", "ior",
         ];
         let mut texture = Texture::new(self);
+        let (mut transmission, mut ior) = (None, None);
         let mut failed = false;
         for entry in entries {
             let key = &*entry.key.text;
             if !KEYS.contains(&key) {
                 let help = match elsewhere::key(key, &KEYS) {
                     Some(near) => format!("did you mean `{near}`?"),
-                    None if matches!(key, "opacity" | "alpha" | "transparent" | "transparency" | "transmission" | "ior") => {
-                        "leave it out: there are no materials that light goes through".to_owned()
+                    None if matches!(key, "opacity" | "alpha" | "transparent" | "transparency") => {
+                        "write `transmission: 1` for glass, or a number between".to_owned()
                     }
                     None => format!("the keys of a material are {}", KEYS.join(", ")),
                 };
@@ -138,19 +142,20 @@ impl Elaborator<'_> {
                         }
                     }
                 }),
-                "roughness" | "metallic" | "reflectivity" => {
+                "roughness" | "metallic" | "reflectivity" | "transmission" | "ior" => {
                     self.to_number(&value, at, &env).and_then(|n| {
+                        let (range, help) = match key {
+                            "ior" => (1.0..=5.0, "write an index of refraction from 1 to 5: glass has 1.5, water 1.33, diamond 2.4"),
+                            _ => (0.0..=1.0, "write a number from 0 to 1"),
+                        };
                         if let Some(c) = self.graph.as_constant(n)
-                            && !(0.0..=1.0).contains(&c)
+                            && !range.contains(&c)
                         {
-                            return Err(self.error(
-                                Code::BadValue,
-                                at,
-                                format!("`{key}` is {c}"),
-                                "write a number from 0 to 1",
-                            ));
+                            return Err(self.error(Code::BadValue, at, format!("`{key}` is {c}"), help));
                         }
                         match key {
+                            "transmission" => transmission = Some(n),
+                            "ior" => ior = Some(n),
                             "roughness" => material.roughness = n,
                             "metallic" => material.metallic = n,
                             _ => material.reflectivity = n,
@@ -181,6 +186,8 @@ impl Elaborator<'_> {
         if failed {
             return Err(Stop);
         }
+        let index = self.graph.constant(GLASS);
+        material.glass = transmission.filter(|t| self.graph.as_constant(*t) != Some(0.0)).map(|t| [t, ior.unwrap_or(index)]);
         texture.lay_on(self, &mut material);
         Ok(self.graph.add_material(material))
     }
@@ -197,6 +204,7 @@ impl Elaborator<'_> {
             roughness,
             metallic: zero,
             reflectivity: zero,
+            glass: None,
             relief: None,
             images: Arc::default(),
             solid: true,

@@ -29,7 +29,7 @@ impl PlanesApart {
 
     /// How much light the planes leave of each ray at most, before its edge is smoothed: as `shadow_past_planes` in `emit/library.rs` says. `lights`: how
     /// far the light is along each ray.
-    pub fn shares(&self, rays: &[Option<Ray>], lights: &[f64], softness: f64) -> Vec<f64> {
+    pub fn shares(&self, rays: &[Option<Ray>], lights: &[f64], softness: &[f64]) -> Vec<f64> {
         let mut shares = vec![f64::INFINITY; rays.len()];
         let ahead = self.ahead(rays);
         let halves: Vec<f64> = rays.iter().zip(lights).map(|(ray, light)| ray.map_or(0.0, |ray| ray.t_max.min(0.5 * light))).collect();
@@ -39,7 +39,7 @@ impl PlanesApart {
             if let (Some(share), Some(ray), Some(height)) = (shares.get_mut(i), ray, values.first()) {
                 if ahead.get(i).is_some_and(|t| *t <= ray.t_max) {
                     *share = 0.0;
-                } else if softness > 0.0 {
+                } else if let Some(softness) = softness.get(i).filter(|softness| **softness > 0.0) {
                     *share = softness * height / halves.get(i).map_or(1e-6, |half| half.max(1e-6));
                 }
             }

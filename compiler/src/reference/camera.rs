@@ -1,7 +1,7 @@
 //! Rays through the pixels of a picture.
 
-use super::vector::{Vec3, add, cross, scale, sub, unit};
-use crate::compiled::Camera;
+use super::vector::{Vec3, add, cross, dot, length, scale, sub, unit};
+use crate::compiled::{Camera, Projection};
 
 /// A camera's own axes. The picture is seen along `forward`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,36 +12,115 @@ pub struct Basis {
     pub up: Vec3,
     /// Into the picture; length one.
     pub forward: Vec3,
-    /// Half of the picture's height at distance one.
+    /// Half of the picture's height at distance one; of rays side by side, at that of the target.
     pub tan_half_fov: f64,
+    /// Where rays go side by side: how far the target is, or 1 where that is no way.
+    pub parallel: Option<f64>,
+    /// How far rays lean for each unit ahead, to the right and up ([`Camera::lean`]).
+    pub lean: [f64; 2],
 }
 
 impl Basis {
-    /// The axes of a camera that stands upright: y is up. One that looks straight up or down has x to its right; one without a
-    /// target looks along -z.
+    /// The axes of a camera. One that looks along its own `up` has x to its right, or z where it looks along x; one without a target looks
+    /// along -z.
     pub fn of(camera: &Camera) -> Self {
         let forward = unit(sub(camera.target, camera.eye)).unwrap_or([0.0, 0.0, -1.0]);
-        let side = cross(forward, [0.0, 1.0, 0.0]);
-        // Nearly vertical views would turn with the last digits of the target.
-        let right =
-            unit(side).filter(|_| super::vector::length(side) > 1e-6).unwrap_or([1.0, 0.0, 0.0]);
+        let side = cross(forward, unit(camera.up).unwrap_or([0.0, 1.0, 0.0]));
+        let across = |axis: Vec3| unit(sub(axis, scale(forward, dot(axis, forward))));
+        let spare = if forward[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] };
+        // Views nearly along `up` would turn with the last digits of the target.
+        let right = unit(side).filter(|_| length(side) > 1e-6).or_else(|| across(spare)).unwrap_or([1.0, 0.0, 0.0]);
         let up = cross(right, forward);
         // An angle of half a turn or more has no picture plane.
-        let half = (camera.fov / 2.0).clamp(1e-4, 1.55);
-        Self { right, up, forward, tan_half_fov: half.tan() }
+        let seen = (camera.fov / 2.0).clamp(1e-4, 1.55).tan();
+        let far = Some(length(sub(camera.target, camera.eye))).filter(|far| *far > 1e-9).unwrap_or(1.0);
+        let (tan_half_fov, parallel) = match camera.projection {
+            Projection::Perspective => (seen, None),
+            Projection::Orthographic(height) => (height.map_or(seen, |height| height / 2.0 / far), Some(far)),
+        };
+        Self { right, up, forward, tan_half_fov, parallel, lean: camera.lean }
+    }
+
+    /// How far a point of a picture, in pixels from its upper left corner, lies off its middle at distance one: to the right and up.
+    fn aside(&self, at: (f64, f64), size: (u32, u32)) -> [f64; 2] {
+        let (width, height) = (f64::from(size.0), f64::from(size.1));
+        [(at.0 / width * 2.0 - 1.0) * self.tan_half_fov * width / height, (1.0 - at.1 / height * 2.0) * self.tan_half_fov]
     }
 
     /// The direction through a point of a picture, in pixels from its upper left corner; length one.
     pub fn direction(&self, at: (f64, f64), size: (u32, u32)) -> Vec3 {
-        let (width, height) = (f64::from(size.0), f64::from(size.1));
-        let across = (at.0 / width * 2.0 - 1.0) * self.tan_half_fov * width / height;
-        let down = (at.1 / height * 2.0 - 1.0) * self.tan_half_fov;
-        let plane = sub(scale(self.right, across), scale(self.up, down));
+        let [right, up] = if self.parallel.is_some() { [0.0; 2] } else { self.aside(at, size) };
+        let plane = add(scale(self.right, right + self.lean[0]), scale(self.up, up + self.lean[1]));
         unit(add(self.forward, plane)).unwrap_or(self.forward)
+    }
+
+    /// Where the ray through such a point begins that is seen from an eye.
+    pub fn start(&self, eye: Vec3, at: (f64, f64), size: (u32, u32)) -> Vec3 {
+        let Some(far) = self.parallel else { return eye };
+        let [right, up] = self.aside(at, size);
+        add(eye, add(scale(self.right, far * right), scale(self.up, far * up)))
     }
 
     /// Width of a pixel at distance one, of a picture of this height in pixels.
     pub fn footprint(&self, height: u32) -> f64 {
         2.0 * self.tan_half_fov / f64::from(height.max(1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: (u32, u32) = (200, 100);
+    const CAMERA: Camera = Camera { eye: [0.0, 0.0, 5.0], target: [0.0; 3], fov: 0.8, ..Camera::PLAIN };
+
+    fn near(a: Vec3, b: Vec3) -> bool {
+        length(sub(a, b)) < 1e-9
+    }
+
+    #[test]
+    fn up_is_where_the_camera_says() {
+        let basis = |up| Basis::of(&Camera { up, ..CAMERA });
+        assert!(near(basis([0.0, 3.0, 1.0]).right, [1.0, 0.0, 0.0]));
+        assert!(near(basis([2.0, 0.0, 0.0]).up, [1.0, 0.0, 0.0]));
+        assert!(near(basis([0.0, -1.0, 0.0]).right, [-1.0, 0.0, 0.0]));
+        // Along the view, or nowhere, it says nothing.
+        assert!(near(basis([0.0, 0.0, 1.0]).right, [1.0, 0.0, 0.0]));
+        assert!(near(basis([0.0; 3]).up, [0.0, 1.0, 0.0]));
+        let along_x = Basis::of(&Camera { eye: [5.0, 0.0, 0.0], up: [1.0, 0.0, 0.0], ..CAMERA });
+        assert!(near(along_x.right, [0.0, 0.0, 1.0]));
+    }
+
+    #[test]
+    fn parallel_rays_cover_the_height() {
+        let basis = Basis::of(&Camera { projection: Projection::Orthographic(Some(4.0)), ..CAMERA });
+        assert!(near(basis.start(CAMERA.eye, (200.0, 0.0), SIZE), [4.0, 2.0, 5.0]));
+        assert!(near(basis.start(CAMERA.eye, (100.0, 100.0), SIZE), [0.0, -2.0, 5.0]));
+        assert!(near(basis.direction((7.0, 93.0), SIZE), [0.0, 0.0, -1.0]));
+        // As much as is seen in perspective at the target.
+        let usual = Basis::of(&Camera { projection: Projection::Orthographic(None), ..CAMERA });
+        let seen = Basis::of(&CAMERA);
+        let [_, above, _] = add(CAMERA.eye, scale(seen.direction((100.0, 0.0), SIZE), 5.0 / seen.direction((100.0, 0.0), SIZE)[2].abs()));
+        assert!((usual.start(CAMERA.eye, (100.0, 0.0), SIZE)[1] - above).abs() < 1e-9);
+    }
+
+    /// Through all places of a lens what is in focus is seen in the same pixel, and nothing else is.
+    #[test]
+    fn samples_through_a_lens_meet_in_focus() {
+        let camera = Camera { lens: 0.3, focus: Some(2.0), ..CAMERA };
+        let at = (150.0, 20.0);
+        let place = |index: u32, ahead: f64| {
+            let camera = camera.sampled(index);
+            let direction = Basis::of(&camera).direction(at, SIZE);
+            add(camera.eye, scale(direction, ahead / -direction[2]))
+        };
+        let mut widest: f64 = 0.0;
+        for index in 1..64 {
+            assert!(near(place(index, 2.0), place(0, 2.0)));
+            widest = widest.max(length(sub(place(index, 4.0), place(0, 4.0))));
+        }
+        // Twice as far the disc of the lens is seen again.
+        assert!((0.27..0.3001).contains(&widest), "{widest}");
+        assert_eq!(Camera { lens: 0.0, ..camera }.sampled(9), Camera { lens: 0.0, ..camera });
     }
 }

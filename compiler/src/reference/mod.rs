@@ -5,25 +5,32 @@
 
 mod ahead;
 pub mod camera;
+pub mod film;
 pub(crate) mod follow;
+mod glass;
+mod layers;
+mod light;
 pub mod march;
 pub mod shade;
+pub mod tone;
 pub mod vector;
 
 use crate::analysis::Box3;
 use crate::compiled::{Camera, Compiled, Frame, Live};
 use crate::evaluate::{Tape, TooLarge};
-use crate::graph::{Function, NodeId, Slot};
+use crate::graph::{Function, NodeId};
 use crate::functions::{Planes, Surface};
-use crate::images::{Images, Texture, TextureKind, sides};
+use crate::images::{Images, Texture};
 use ahead::PlanesApart;
 use camera::Basis;
 use follow::{DARK, Follow, MET, Passage, Shadow, Small, TRACER, Turn};
 use march::{Look, Ray, Scene, at_points, march, sizes};
-use shade::{Leaving, Seen, Shading, SurfaceValues};
+use shade::{Seen, Shading, SurfaceValues};
 use std::cell::Cell;
 use std::sync::Arc;
-use vector::{Vec3, add, along, dot, length, mul, only, scale, sub, unit};
+use vector::{Vec3, along, length, only, scale, unit};
+
+pub use film::{rgb8, sample_offset};
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -37,14 +44,6 @@ pub enum View {
     Steps,
     /// How far the surface is.
     Depth,
-}
-
-/// Where in its pixels the sample of a number looks, from their middles: -0.5 to 0.5 across and down. The first looks at the middles; all of
-/// them together cover the pixels evenly (Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
-pub fn sample_offset(index: u32) -> [f64; 2] {
-    // One over the plastic number, and its square.
-    const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
-    STEPS.map(|step| (0.5 + f64::from(index) * step).fract() - 0.5)
 }
 
 /// A rectangle of a picture's pixels.
@@ -100,6 +99,8 @@ pub struct Reference {
     surface: Tape,
     /// What lies on the surface, where anything does: [`Surface::layer_nodes`].
     layers: Option<(Surface, Tape)>,
+    /// How much light goes through the surface, and the index of refraction, where any does.
+    glass: Option<Tape>,
     images: Images,
     /// The axes along which rounding grows with more than the way from the eye ([`crate::compiled::Module::reads_scene`]).
     reads_scene: [bool; 3],
@@ -130,6 +131,7 @@ impl Reference {
             gradient: slopes.map(|slopes| tape(&slopes)).transpose()?,
             surface: tape(&s.look())?,
             layers: s.is_layered().then(|| tape(&s.layer_nodes()).map(|tape| (s.clone(), tape))).transpose()?,
+            glass: s.glass.map(|glass| tape(&glass)).transpose()?,
             images: Images {
                 environment: compiled.blocks.environment.as_ref().map(|_| Arc::new(shade::plain_sky())),
                 textures: functions.textures().into_iter().map(|(_, kind)| Arc::new(Texture::missing(kind))).collect(),
@@ -282,17 +284,22 @@ impl Reference {
 
     /// How much light comes along rays: 1 lit, 0 dark. Of `softness` 0 is a sharp edge, more is sharper.
     pub fn shadow(&self, rays: &[Ray], softness: f64, extent: f64) -> Vec<f64> {
+        self.shadows(rays, &vec![softness; rays.len()], extent)
+    }
+
+    /// The same, each ray of its own softness.
+    fn shadows(&self, rays: &[Ray], softness: &[f64], extent: f64) -> Vec<f64> {
+        let soft = |ray: usize| softness.get(ray).copied().unwrap_or(0.0);
         let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
         let states = vec![Cell::new(Shadow::START); rays.len()];
         let state = |look: &Look| states.get(look.ray).map_or(Shadow::START, Cell::get);
         let size = sizes(rays, self.reads_scene);
         let way = |look: &Look| size(look) + look.t;
         let Rest { bound, distance, both } = &self.rest;
-        let scene = match softness > 0.0 {
+        let scene = match softness.iter().any(|softness| *softness > 0.0) {
             true => Scene::Both(both),
             false => Scene::Apart(bound, distance),
         };
-        let sharpness = if softness > 0.0 { softness } else { 1e18 };
         let lights: Vec<f64> = rays.iter().map(|ray| ray.t_max).collect();
         let shares = self.planes.as_ref().map_or_else(|| vec![f64::INFINITY; rays.len()], |planes| planes.shares(&clipped, &lights, softness));
         // How far a look is from the surface or from the light, whichever is nearer.
@@ -302,12 +309,14 @@ impl Reference {
             &clipped,
             |look| {
                 // The distance is looked at where the bound says that it can matter.
+                let softness = soft(look.ray);
                 let matters = softness > 0.0 && look.free > MET * way(look) && softness * look.free < state(look).lit * apart(look);
                 matters || state(look).is_spent()
             },
             |look, distance| {
                 let end = clipped.get(look.ray).copied().flatten()?.t_max;
                 let mut shadow = state(look);
+                let sharpness = if soft(look.ray) > 0.0 { soft(look.ray) } else { 1e18 };
                 let passage = distance.map(|d| Passage { share: sharpness * d / apart(look), distance: d });
                 let t = shadow.turn(look, passage, way(look), end);
                 states.get(look.ray)?.set(shadow);
@@ -352,9 +361,16 @@ impl Reference {
                 (all.get_mut(i), values)
             {
                 let (color, emission) = ([r, g, b], [er, eg, eb]);
-                *slot = SurfaceValues { color, emission, roughness, metallic, reflectivity };
+                *slot = SurfaceValues { color, emission, roughness, metallic, reflectivity, ..SurfaceValues::default() };
             }
         });
+        if let Some(tape) = &self.glass {
+            at_points(tape, &points, &normals, |i, values| {
+                if let (Some(slot), &[transmission, ior]) = (all.get_mut(i), values) {
+                    (slot.transmission, slot.ior) = (transmission.clamp(0.0, 1.0), ior.max(1.0));
+                }
+            });
+        }
         all
     }
 
@@ -362,39 +378,9 @@ impl Reference {
     fn dressed(&self, places: &[Seen], footprint: f64) -> (Vec<Seen>, Vec<SurfaceValues>) {
         let mut surfaces = self.surfaces(places);
         let mut dressed = places.to_vec();
-        let Some((surface, tape)) = &self.layers else { return (dressed, surfaces) };
-        let textures = surface.textures();
-        let points: Vec<Vec3> = places.iter().map(|s| s.point).collect();
-        let normals: Vec<Vec3> = places.iter().map(|s| s.normal).collect();
-        at_points(tape, &points, &normals, |i, values| {
-            let (Some(seen), Some(values_of)) = (dressed.get_mut(i), surfaces.get_mut(i)) else { return };
-            let three = |at: usize| [0, 1, 2].map(|i| values.get(at + i).copied().unwrap_or(0.0));
-            let first = if surface.relief.is_some() { 3 } else { 0 };
-            let mut rise = if first == 3 { three(0) } else { [0.0; 3] };
-            for (at, layer) in (first..).step_by(16).zip(&surface.layers) {
-                let (weight, point) = (three(at), three(at + 3));
-                let axes = [three(at + 6), three(at + 9), three(at + 12)];
-                let kind = TextureKind::of(layer.slot);
-                let texture = textures.iter().position(|t| *t == (layer.image, kind)).and_then(|t| self.images.textures.get(t));
-                let Some(texture) = texture.filter(|_| weight != [0.0; 3]) else { continue };
-                let shares = sides(axes, seen.normal, values.get(at + 15).copied().unwrap_or(1.0));
-                let size = footprint * seen.t * axes.iter().map(|a| length(*a)).fold(0.0, f64::max);
-                let color = |texture: &Texture| mul(weight, texture.lay(point, shares, size));
-                match layer.slot {
-                    Slot::Color => values_of.color = add(values_of.color, color(texture)),
-                    Slot::Roughness => values_of.roughness += color(texture)[1],
-                    Slot::Metallic => values_of.metallic += color(texture)[2],
-                    Slot::Relief => {
-                        let own = texture.rise(point, shares, size);
-                        let along = axes.iter().zip(own).fold([0.0; 3], |sum, (axis, g)| add(sum, scale(*axis, g)));
-                        rise = add(rise, mul(weight, along));
-                    }
-                }
-            }
-            let n = seen.normal;
-            let aside = sub(rise, scale(n, dot(rise, n)));
-            seen.normal = unit(sub(n, aside)).unwrap_or(n);
-        });
+        if let Some((surface, tape)) = &self.layers {
+            layers::lay(surface, tape, &self.images, footprint, &mut dressed, &mut surfaces);
+        }
         (dressed, surfaces)
     }
 
@@ -411,8 +397,29 @@ impl Reference {
         self.tile_at(frame, camera, size, view, area, (0.0, 0.0))
     }
 
-    /// The same, seen not through the middles of the pixels but so far beside them, in pixels across and down.
+    /// The same, seen not through the middles of the pixels but so far beside them, in pixels across and down. Of a scene whose light is scattered
+    /// it is as if none were: see [`Reference::light_at`].
     pub fn tile_at(
+        &self,
+        frame: &Frame,
+        camera: &Camera,
+        size: (u32, u32),
+        view: View,
+        area: Area,
+        offset: (f64, f64),
+    ) -> Vec<[f32; 4]> {
+        let mut pixels = self.light_at(frame, camera, size, view, area, offset);
+        if view == View::Shaded {
+            for [r, g, b, _] in &mut pixels {
+                [*r, *g, *b] = film::develop(frame.tone, [*r, *g, *b].map(f64::from)).map(|c| c as f32);
+            }
+        }
+        pixels
+    }
+
+    /// The same where the scene is seen in its light, as that light, exposed and linear: what [`film::bloom`] scatters and [`film::develop`] makes
+    /// a screen's colour of.
+    pub fn light_at(
         &self,
         frame: &Frame,
         camera: &Camera,
@@ -436,7 +443,7 @@ impl Reference {
                     .map(|&(x, y)| {
                         let at = (f64::from(area.left + x) + 0.5 + offset.0, f64::from(area.top + y) + 0.5 + offset.1);
                         let direction = basis.direction(at, size);
-                        Ray { origin: camera.eye, direction, t_min: 0.0, t_max: frame.max_distance }
+                        Ray { origin: basis.start(camera.eye, at, size), direction, t_min: 0.0, t_max: frame.max_distance }
                     })
                     .collect();
                 let colors = self.block(frame, &shading, view, &rays, basis.footprint(size.1));
@@ -464,7 +471,7 @@ impl Reference {
         let met = numbered(rays, &hits);
         let mut colors: Vec<Vec3> = match view {
             View::Shaded => {
-                rays.iter().map(|r| shading.develop(shading.sky(r.direction))).collect()
+                rays.iter().map(|r| shading.exposed(shading.behind(r.direction))).collect()
             }
             View::Normals => vec![[0.12; 3]; rays.len()],
             View::Steps => hits.iter().map(|hit| shade::steps_color(hit.steps)).collect(),
@@ -495,93 +502,23 @@ impl Reference {
         colors.iter().zip(&hits).map(pixel).collect()
     }
 
+    /// The surface's normals; a gradient that vanishes answers with the way back of the direction from which its place is looked at.
+    fn normals(&self, points: &[Vec3], direction: impl Fn(usize) -> Vec3) -> Vec<Vec3> {
+        let normal = |(i, gradient): (usize, Vec3)| {
+            let usable = Some(gradient).filter(|g| length(*g) > 1e-12);
+            usable.and_then(unit).unwrap_or_else(|| scale(direction(i), -1.0))
+        };
+        self.gradients(points).into_iter().enumerate().map(normal).collect()
+    }
+
     /// Where rays met the surface.
     fn places(&self, met: &[(usize, &Ray, &Hit)]) -> Vec<Seen> {
         let points: Vec<Vec3> = met.iter().map(|(_, ray, hit)| ray.at(hit.t)).collect();
-        let gradients = self.gradients(&points);
-        let seen = |(((_, ray, hit), point), gradient): ((&(usize, &Ray, &Hit), &Vec3), &Vec3)| {
-            let usable = Some(*gradient).filter(|g| length(*g) > 1e-12);
-            let normal = usable.and_then(unit).unwrap_or(scale(ray.direction, -1.0));
-            Seen { point: *point, normal, direction: ray.direction, t: hit.t }
+        let normals = self.normals(&points, |i| met.get(i).map_or([0.0; 3], |(_, ray, _)| ray.direction));
+        let seen = |(((_, ray, hit), point), normal): ((&(usize, &Ray, &Hit), &Vec3), &Vec3)| {
+            Seen { point: *point, normal: *normal, direction: ray.direction, t: hit.t }
         };
-        met.iter().zip(&points).zip(&gradients).map(seen).collect()
-    }
-
-    /// The light of places, developed: what leaves them, with what they mirror.
-    fn light(&self, frame: &Frame, shading: &Shading, places: &[Seen], footprint: f64) -> Vec<Vec3> {
-        let mut lights = vec![[0.0; 3]; places.len()];
-        // Of each ray that is still followed: its pixel, how much of what it meets arrives, and what it met.
-        let mut met: Vec<(usize, Vec3, Seen)> = places.iter().enumerate().map(|(i, seen)| (i, [1.0; 3], *seen)).collect();
-        for bounce in 0..=frame.reflections {
-            let mut rays: Vec<Ray> = Vec::new();
-            let mut of: Vec<(usize, Vec3, f64)> = Vec::new();
-            let plain: Vec<Seen> = met.iter().map(|(.., seen)| *seen).collect();
-            let (seen, surfaces) = self.dressed(&plain, footprint);
-            let leaving = self.leaving(frame, shading, &seen, &surfaces, footprint);
-            for (((pixel, weight, _), seen), leaving) in met.iter().zip(&seen).zip(leaving) {
-                let Some(light) = lights.get_mut(*pixel) else { continue };
-                // What the eye itself sees is lost below.
-                let lost = if bounce == 0 { 0.0 } else { shading.lost(seen) };
-                *light = add(*light, mul(scale(*weight, lost), shading.sky(seen.direction)));
-                let weight = scale(*weight, 1.0 - lost);
-                let share = mul(weight, leaving.share);
-                let followed = if bounce < frame.reflections { shade::followed(leaving.roughness, share) } else { 0.0 };
-                let rest = scale(share, (1.0 - followed) * leaving.occlusion);
-                let mirrored = mul(rest, shading.mirror(leaving.mirror, leaving.roughness));
-                *light = add(*light, add(mul(weight, leaving.light), mirrored));
-                if followed > 0.0 {
-                    let off = shade::shadow_offset(self.rounded(seen.point, seen.t), seen.t, footprint);
-                    // As if the ray came straight from the eye: pixels grow with the whole way.
-                    let start = add(seen.point, scale(seen.normal, off));
-                    let origin = sub(start, scale(leaving.mirror, seen.t));
-                    let (t_min, t_max) = (seen.t + off, frame.max_distance);
-                    rays.push(Ray { origin, direction: leaving.mirror, t_min, t_max });
-                    of.push((*pixel, scale(share, followed), leaving.roughness));
-                }
-            }
-            let hits = self.trace(&rays, footprint, frame.extent);
-            met.clear();
-            let mut places = self.places(&numbered(&rays, &hits)).into_iter();
-            for ((&(pixel, weight, roughness), ray), hit) in of.iter().zip(&rays).zip(&hits) {
-                if hit.hit {
-                    met.extend(places.next().map(|seen| (pixel, weight, seen)));
-                } else if let Some(light) = lights.get_mut(pixel) {
-                    *light = add(*light, mul(weight, shading.beyond(ray.direction, roughness)));
-                }
-            }
-        }
-        lights.iter().zip(places).map(|(light, seen)| shading.develop(shading.haze(*light, seen))).collect()
-    }
-
-    /// What leaves places toward where they are seen from.
-    fn leaving(&self, frame: &Frame, shading: &Shading, places: &[Seen], surfaces: &[SurfaceValues], footprint: f64) -> Vec<Leaving> {
-        let (reach, strength) = frame.ambient_occlusion;
-        let occlusion = self.occlusion(places, reach, strength);
-        let mut lit = vec![vec![1.0; shading.lamps.len()]; places.len()];
-        for (which, lamp) in shading.lamps.iter().enumerate().filter(|(_, l)| l.softness >= 0.0) {
-            let mut rays = Vec::new();
-            let mut of = Vec::new();
-            for (i, seen) in places.iter().enumerate() {
-                let Some(arriving) = shading.arriving(lamp, seen.point, seen.normal) else {
-                    continue;
-                };
-                let off = shade::shadow_offset(self.rounded(seen.point, seen.t), seen.t, footprint);
-                rays.push(Ray {
-                    origin: add(seen.point, scale(seen.normal, off)),
-                    direction: arriving.direction,
-                    t_min: off,
-                    t_max: arriving.far,
-                });
-                of.push(i);
-            }
-            for (i, share) in of.into_iter().zip(self.shadow(&rays, lamp.softness, frame.extent)) {
-                if let Some(slot) = lit.get_mut(i).and_then(|l| l.get_mut(which)) {
-                    *slot = share;
-                }
-            }
-        }
-        let all = places.iter().zip(surfaces).zip(occlusion.iter().zip(&lit));
-        all.map(|((seen, surface), (&occlusion, lit))| shading.leaving(seen, surface, occlusion, lit)).collect()
+        met.iter().zip(&points).zip(&normals).map(seen).collect()
     }
 }
 
@@ -589,12 +526,4 @@ impl Reference {
 fn numbered<'a>(rays: &'a [Ray], hits: &'a [Hit]) -> Vec<(usize, &'a Ray, &'a Hit)> {
     let all = rays.iter().zip(hits).enumerate();
     all.filter_map(|(i, (ray, hit))| hit.hit.then_some((i, ray, hit))).collect()
-}
-
-/// Colours as bytes: red, green, blue of each pixel.
-pub fn rgb8(pixels: &[[f32; 4]]) -> Vec<u8> {
-    pixels
-        .iter()
-        .flat_map(|&[r, g, b, _]| [r, g, b].map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8))
-        .collect()
 }

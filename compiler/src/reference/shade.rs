@@ -1,15 +1,16 @@
 //! What light does at a surface, and the film that it falls on.
 //!
 //! The constants and formulas are those of `runtime/src/passes/scene/*.wgsl`: what changes here changes there. All colours are linear
-//! radiance until [`Shading::develop`].
+//! radiance: [`super::film`] makes a screen's colour of it.
 //!
 //! The model: Cook and Torrance's microfacets with the distribution GGX and Smith's shadowing in the form that correlates both
 //! sides (Walter et al., "Microfacet Models for Refraction through Rough Surfaces", 2007; Heitz, "Understanding the Masking-Shadowing
 //! Function", 2014) and Schlick's Fresnel term (1994), over Lambert's diffuse term; the fill light is a two-coloured sky above dark
-//! ground; the film is Narkowicz's fit to the Academy's reference curve (2016).
+//! ground; the film is a tone curve ([`super::tone`]).
 
 use super::vector::{Vec3, add, cross, dot, length, mix, mul, scale, smooth, sub, unit};
-use crate::compiled::{Frame, Light, LightKind, Shadow, Sky};
+use crate::compiled::{Fog, Frame, Light, LightKind, Shadow, Sky};
+use super::glass::fresnel;
 use crate::images::Cube;
 use std::borrow::Cow;
 use std::f64::consts::PI;
@@ -17,8 +18,6 @@ use std::sync::Arc;
 
 /// The most lights that a picture takes; those beyond are left out.
 pub const MAX_LIGHTS: usize = 16;
-/// What light is multiplied by before the film.
-const FILM_SPEED: f64 = 0.8;
 /// The share of the sky's light that a matte surface gets: less than all of it, so that lights model the shapes.
 const FILL: f64 = 0.48;
 /// What the ground throws back of the sky's light, and of the light of lamps that are infinitely far.
@@ -37,6 +36,10 @@ pub struct SurfaceValues {
     pub metallic: f64,
     /// 0 to 1.
     pub reflectivity: f64,
+    /// How much light goes through, 0 to 1.
+    pub transmission: f64,
+    /// The index of refraction of what is under it; at least 1 where light goes through.
+    pub ior: f64,
 }
 
 /// A place on a surface that is seen.
@@ -63,6 +66,15 @@ pub struct Lamp {
     pub radiance: Vec3,
     /// Below 0: throws no shadow; 0: a hard one; above: a soft one, sharper the larger it is.
     pub softness: f64,
+    /// Whether that is so at a distance of one, and farther away sharper: a lamp of one over this radius.
+    pub is_sized: bool,
+}
+
+impl Lamp {
+    /// How soft its shadow is where it is so far away.
+    pub fn softness_from(&self, far: f64) -> f64 {
+        if self.is_sized { self.softness * far } else { self.softness }
+    }
 }
 
 /// A light as it meets a place: the direction toward it, how far it is, and how much arrives where nothing is in between.
@@ -93,6 +105,10 @@ pub fn lamps(frame: &Frame) -> Vec<Lamp> {
                 Shadow::None => -1.0,
                 Shadow::Hard | Shadow::Map => 0.0,
                 Shadow::Soft(k) => k.max(0.0),
+                // Half of a lamp of radius r is seen under the angle atan(r / d).
+                Shadow::Sized(size) if size <= 0.0 => 0.0,
+                Shadow::Sized(radius) if matches!(light.kind, LightKind::Position(_)) => 1.0 / radius,
+                Shadow::Sized(angle) => 1.0 / angle.clamp(1e-6, 1.5).tan(),
             };
             let (vector, position) = match light.kind {
                 LightKind::Direction(d) => {
@@ -100,7 +116,8 @@ pub fn lamps(frame: &Frame) -> Vec<Lamp> {
                 }
                 LightKind::Position(p) => (p, true),
             };
-            Lamp { vector, position, radiance: light.radiance, softness }
+            let is_sized = position && softness > 0.0 && matches!(light.shadow, Shadow::Sized(_));
+            Lamp { vector, position, radiance: light.radiance, softness, is_sized }
         })
         .collect()
 }
@@ -115,7 +132,7 @@ pub fn ground(frame: &Frame, lamps: &[Lamp]) -> Vec3 {
 }
 
 /// The sky of a scene that says nothing of it: dark enough for what is grey and lit to stand out from it.
-pub const PLAIN_SKY: Sky = Sky { zenith: [0.24, 0.39, 0.63], horizon: [0.2, 0.23, 0.26] };
+pub const PLAIN_SKY: Sky = Sky { zenith: [0.49, 0.5, 0.511], horizon: [0.24, 0.238, 0.235] };
 
 /// The same as an image, for a scene whose own can't be had.
 pub fn plain_sky() -> Cube {
@@ -133,7 +150,7 @@ pub fn default_light() -> Light {
     Light {
         name: String::new(),
         kind: LightKind::Direction([0.55, -0.8, -0.5]),
-        radiance: [3.3, 2.95, 2.45],
+        radiance: [3.02, 2.95, 2.86],
         shadow: Shadow::Soft(12.0),
     }
 }
@@ -217,6 +234,8 @@ pub struct Shading {
     pub ground: Vec3,
     /// What light is multiplied by.
     pub exposure: f64,
+    /// What it comes through.
+    pub fog: Option<Fog>,
     /// Beyond this distance from the eye nothing is drawn.
     pub max_distance: f64,
     /// Beyond this distance from the origin nothing is drawn.
@@ -248,6 +267,7 @@ impl Shading {
             ground: ground(frame, &lamps),
             lamps,
             exposure: frame.exposure.exp2(),
+            fog: frame.fog,
             max_distance: frame.max_distance,
             extent: frame.extent,
         }
@@ -313,7 +333,8 @@ impl Shading {
 
     /// What leaves a surface toward the eye. `lit` says of each lamp how much of it arrives, 0 to 1; `occlusion` says so of the sky.
     pub fn leaving(&self, seen: &Seen, surface: &SurfaceValues, occlusion: f64, lit: &[f64]) -> Leaving {
-        let answer = Answer::of(surface);
+        let mut answer = Answer::of(surface);
+        answer.diffuse = scale(answer.diffuse, 1.0 - surface.transmission);
         let n = seen.normal;
         let v = scale(seen.direction, -1.0);
         let nv = dot(n, v).clamp(1e-3, 1.0);
@@ -327,6 +348,10 @@ impl Shading {
                 light = add(light, scale(mul(arriving.radiance, share), lit));
             }
         }
+        let share = match surface.transmission {
+            through if through > 0.0 => mix(share, [fresnel(-dot(seen.direction, n), surface.ior); 3], through),
+            _ => share,
+        };
         Leaving { light, share, occlusion, mirror, roughness: answer.roughness }
     }
 
@@ -338,21 +363,25 @@ impl Shading {
         far.max(out)
     }
 
+    /// Light from so far away as it arrives through the fog.
+    pub fn fogged(&self, light: Vec3, way: f64) -> Vec3 {
+        self.fog.map_or(light, |fog| mix(fog.color, light, fog.clear(way)))
+    }
+
+    /// The sky as it is seen where nothing else is.
+    pub fn behind(&self, direction: Vec3) -> Vec3 {
+        self.fogged(self.sky(direction), self.max_distance)
+    }
+
     /// The light of a surface as the eye sees it through the air.
     pub fn haze(&self, light: Vec3, seen: &Seen) -> Vec3 {
-        mix(light, self.sky(seen.direction), self.lost(seen))
+        self.fogged(mix(light, self.sky(seen.direction), self.lost(seen)), seen.t)
     }
 
-    /// Linear light to a screen's colour, each component 0 to 1, sRGB-encoded.
-    pub fn develop(&self, light: Vec3) -> Vec3 {
-        light.map(|c| encode(film(c.max(0.0) * self.exposure)))
+    /// Linear light as the film gets it.
+    pub fn exposed(&self, light: Vec3) -> Vec3 {
+        light.map(|c| c.max(0.0) * self.exposure)
     }
-}
-
-/// The filmic curve fitted to the Academy's reference transform: Narkowicz, "ACES Filmic Tone Mapping Curve" (2016).
-fn film(linear: f64) -> f64 {
-    let c = FILM_SPEED * linear;
-    (c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14)).clamp(0.0, 1.0)
 }
 
 /// Linear to sRGB (IEC 61966-2-1), 0 to 1.

@@ -4,6 +4,7 @@ use super::{Exit, Failure};
 use crate::picture::write_png;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
+use surefoot_compiler::reference::film::{dither, level};
 use surefoot_compiler::reference::{Area, Reference, View};
 use surefoot_compiler::reference_text::{language_reference, pictures};
 use surefoot_compiler::{MemoryLoader, Options, compile};
@@ -66,15 +67,15 @@ fn draw(path: &Path, scene: String) -> Result<(), Failure> {
         .into_par_iter()
         .flat_map_iter(|row| {
             let area = Area { left: 0, top: row * FINER, width: size.0, height: FINER };
-            shrink(&reference.tile(&frame, camera, size, View::Shaded, area))
+            shrink(&reference.tile(&frame, camera, size, View::Shaded, area), row)
         })
         .collect();
     write_png(path, SIZE.0, SIZE.1, &strips)
         .map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))
 }
 
-/// The mean of each square of pixels of a strip.
-fn shrink(fine: &[[f32; 4]]) -> Vec<u8> {
+/// The mean of each square of pixels of a strip, which is a row of the picture.
+fn shrink(fine: &[[f32; 4]], row: u32) -> Vec<u8> {
     let mut small = Vec::with_capacity(4 * SIZE.0 as usize);
     for x in 0..SIZE.0 {
         let mut sum = [0.0; 3];
@@ -84,7 +85,7 @@ fn shrink(fine: &[[f32; 4]]) -> Vec<u8> {
                 *sum += part;
             }
         }
-        small.extend(sum.map(|c| (c / (FINER * FINER) as f32 * 255.0).round() as u8));
+        small.extend(sum.map(|c| level((c / (FINER * FINER) as f32).into(), dither(x, row))));
         small.push(255);
     }
     small

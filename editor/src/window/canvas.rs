@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::Camera;
 use surefoot_runtime::film::{self, Film};
-use surefoot_runtime::{Gpu, Stage, View};
+use surefoot_runtime::{Gpu, Picture, Stage, View};
 
 /// What the window shows: egui takes textures whose colours are encoded.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -50,7 +50,7 @@ pub struct Canvas {
     /// Bands since the last change.
     bands: u32,
     /// Where in its pixels the newest picture looks.
-    aim: [f32; 2],
+    aim: u32,
     /// The most pictures of a still.
     still: u32,
     /// Which part of the front's sides is drawn.
@@ -103,7 +103,7 @@ impl Canvas {
             film: None,
             rows: None,
             bands: 0,
-            aim: [0.0; 2],
+            aim: 0,
             still: STILL.0,
             part: [0.0; 2],
             detail: 1.0,
@@ -217,7 +217,7 @@ impl Canvas {
     }
 
     fn begin_anew(&mut self) {
-        (self.rows, self.bands, self.aim, self.error) = (None, 0, [0.0; 2], None);
+        (self.rows, self.bands, self.aim, self.error) = (None, 0, 0, None);
         if let Some(film) = &mut self.film {
             film.clear();
         }
@@ -266,11 +266,11 @@ impl Canvas {
         let next = self.detail == 1.0;
         let first = self.rows.unwrap_or(0);
         if next && first == 0 {
-            if film.count() == 0 {
+            if let (0, Some(picture)) = (film.count(), stage.picture()) {
                 // The first is still there.
-                count(&self.gpu, film)?;
+                count(&self.gpu, film, picture)?;
             }
-            self.aim = film::offset(film.count());
+            self.aim = film.count();
             stage.update(self.gpu.queue(), &view(order, size, self.aim));
         }
         let row = self.timing().per_pixel * f64::from(size[0]);
@@ -310,10 +310,10 @@ impl Canvas {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
             film.draw(&mut encoder, picture, size, rows);
             if last && film.count() > 0 {
-                film.keep(&mut encoder);
+                film.keep(&mut encoder, picture);
             }
             if last {
-                film.show(&mut encoder, &front.texture);
+                film.show(&mut encoder, picture, &front.texture);
             }
             gpu.queue().submit([encoder.finish()])
         })?;
@@ -354,15 +354,15 @@ impl Canvas {
 }
 
 /// Lets what is on the film count.
-fn count(gpu: &Gpu, film: &mut Film) -> Result<(), String> {
+fn count(gpu: &Gpu, film: &mut Film, picture: &Picture) -> Result<(), String> {
     gpu.catch(|| {
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
-        film.keep(&mut encoder);
+        film.keep(&mut encoder, picture);
         gpu.queue().submit([encoder.finish()]);
     })
 }
 
-/// The view of a picture of `size` pixels that looks so far beside their middles, in pixels.
-fn view(order: &Order, size: [u32; 2], aim: [f32; 2]) -> View {
-    View { camera: order.camera, size: size.map(|side| side as f32), corner: aim.map(|c| -c) }
+/// The view of the sample of a number, of a picture of `size` pixels.
+fn view(order: &Order, size: [u32; 2], sample: u32) -> View {
+    View { camera: order.camera.sampled(sample), size: size.map(|side| side as f32), corner: film::offset(sample).map(|c| -c) }
 }

@@ -385,7 +385,7 @@ fn ray_at(session: &Session, at: [f64; 2], size: [u32; 2]) -> Option<(Ray, Camer
     let (camera, scene, live) = (session.camera()?, session.scene()?, session.stage.live()?);
     let basis = Basis::of(&camera);
     let direction = basis.direction(at.into(), size.into());
-    Some((Ray { origin: camera.eye, direction, t_min: 0.0, t_max: scene.frame(live).max_distance }, camera, basis))
+    Some((Ray { origin: basis.start(camera.eye, at.into(), size.into()), direction, t_min: 0.0, t_max: scene.frame(live).max_distance }, camera, basis))
 }
 
 /// How far along a ray the field is seen.

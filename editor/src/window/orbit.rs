@@ -1,20 +1,24 @@
 //! A camera that a person moves around a point.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use surefoot_compiler::compiled::Camera;
+use surefoot_compiler::compiled::{Camera, Projection};
+use surefoot_compiler::reference::camera::Basis;
 
-/// A camera that looks at a point from a distance. It stands upright: y is up.
+/// A camera that looks at a point from a distance. It stands upright: the scene's camera says what is up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
     target: DVec3,
     distance: f64,
-    /// Turn about y, radians; 0 looks along -z.
+    /// Turn about what is up, radians; where that is y, 0 looks along -z.
     yaw: f64,
     /// Height above the horizon, radians.
     pitch: f64,
-    /// Vertical angle of view, radians.
-    fov: f64,
+    /// From axes of which y is up to those of the scene.
+    upright: DQuat,
+    /// The camera that it was, and how far away that stood.
+    camera: Camera,
+    began: f64,
 }
 
 /// Nearer to the vertical the picture would spin.
@@ -26,29 +30,39 @@ impl Orbit {
     /// Takes over where a scene's camera stands.
     pub fn from_camera(camera: &Camera) -> Self {
         let (eye, target) = (DVec3::from(camera.eye), DVec3::from(camera.target));
-        let away = (eye - target).try_normalize().unwrap_or(DVec3::Z);
+        let upright = DQuat::from_rotation_arc(DVec3::Y, DVec3::from(camera.up).normalize_or(DVec3::Y));
+        let away = upright.inverse() * (eye - target).try_normalize().unwrap_or(DVec3::Z);
+        let distance = eye.distance(target).clamp(DISTANCES.0, DISTANCES.1);
         Self {
             target,
-            distance: eye.distance(target).clamp(DISTANCES.0, DISTANCES.1),
+            distance,
             yaw: away.x.atan2(away.z),
             pitch: away.y.clamp(-1.0, 1.0).asin().clamp(-STEEPEST, STEEPEST),
-            fov: camera.fov,
+            upright,
+            camera: *camera,
+            began: distance,
         }
     }
 
     /// Where it stands and looks.
     pub fn camera(&self) -> Camera {
+        let nearer = self.distance / self.began;
         Camera {
             eye: (self.target + self.away() * self.distance).into(),
             target: self.target.into(),
-            fov: self.fov,
+            // Rays side by side see less where one goes nearer.
+            projection: match self.camera.projection {
+                Projection::Orthographic(Some(height)) => Projection::Orthographic(Some(height * nearer)),
+                other => other,
+            },
+            ..self.camera
         }
     }
 
     /// From the target to the eye; length one.
     fn away(&self) -> DVec3 {
         let (sin, cos) = self.pitch.sin_cos();
-        DVec3::new(self.yaw.sin() * cos, sin, self.yaw.cos() * cos)
+        self.upright * DVec3::new(self.yaw.sin() * cos, sin, self.yaw.cos() * cos)
     }
 
     /// Turns, as if the scene were dragged: by parts of the picture's height, to the right and down.
@@ -60,9 +74,9 @@ impl Orbit {
     /// Moves sideways, so that what lies at the target's distance follows the pointer: by parts of the picture's height.
     pub fn pan(&mut self, right: f64, down: f64) {
         let away = self.away();
-        let aside = DVec3::Y.cross(away).normalize_or(DVec3::X);
+        let aside = (self.upright * DVec3::Y).cross(away).normalize_or(DVec3::X);
         let up = away.cross(aside);
-        let height = 2.0 * self.distance * (self.fov / 2.0).tan();
+        let height = 2.0 * self.distance * Basis::of(&self.camera()).tan_half_fov;
         self.target += (up * down - aside * right) * height;
     }
 
@@ -80,7 +94,7 @@ mod tests {
         DVec3::from(a).distance(DVec3::from(b)) < 1e-9
     }
 
-    const CAMERA: Camera = Camera { eye: [6.0, 4.0, 8.0], target: [0.0, 1.0, 0.0], fov: 0.8 };
+    const CAMERA: Camera = Camera { eye: [6.0, 4.0, 8.0], target: [0.0, 1.0, 0.0], fov: 0.8, ..Camera::PLAIN };
 
     #[test]
     fn takes_over_without_a_jump() {
@@ -90,7 +104,7 @@ mod tests {
 
     #[test]
     fn dragging_right_shows_the_left_side_and_dragging_down_the_top() {
-        let straight = Camera { eye: [0.0, 0.0, 5.0], target: [0.0; 3], fov: 0.8 };
+        let straight = Camera { eye: [0.0, 0.0, 5.0], target: [0.0; 3], fov: 0.8, ..Camera::PLAIN };
         let mut orbit = Orbit::from_camera(&straight);
         orbit.turn(0.1, 0.0);
         assert!(orbit.camera().eye[0] < 0.0);
@@ -102,7 +116,7 @@ mod tests {
 
     #[test]
     fn what_is_dragged_follows_the_pointer() {
-        let straight = Camera { eye: [0.0, 0.0, 5.0], target: [0.0; 3], fov: PI / 2.0 };
+        let straight = Camera { eye: [0.0, 0.0, 5.0], target: [0.0; 3], fov: PI / 2.0, ..Camera::PLAIN };
         let mut orbit = Orbit::from_camera(&straight);
         // The picture is 10 high at the target's distance.
         orbit.pan(0.1, 0.0);
@@ -113,7 +127,7 @@ mod tests {
 
     #[test]
     fn a_camera_within_its_target_is_no_trouble() {
-        let camera = Camera { eye: [1.0; 3], target: [1.0; 3], fov: 0.8 };
+        let camera = Camera { eye: [1.0; 3], target: [1.0; 3], fov: 0.8, ..Camera::PLAIN };
         let mut orbit = Orbit::from_camera(&camera);
         orbit.dolly(2.0);
         assert!(orbit.camera().eye.iter().all(|c| c.is_finite()));

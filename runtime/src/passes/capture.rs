@@ -310,7 +310,7 @@ fn face_basis(face: usize) -> Basis {
         4 => ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]),
         _ => ([-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]),
     };
-    Basis { right, up, forward, tan_half_fov: 1.0 }
+    Basis { right, up, forward, tan_half_fov: 1.0, parallel: None, lean: [0.0; 2] }
 }
 
 fn levels_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {

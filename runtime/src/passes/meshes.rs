@@ -91,6 +91,7 @@ impl MeshesPipeline {
         let before = [
             "fn sf_gradient(p: vec3f) -> vec4f { return vec4f(p, 0.0); }",
             include_str!("scene/base.wgsl"),
+            features.eye(),
             include_str!("meshes/place.wgsl"),
             include_str!("meshes/vertex.wgsl"),
             include_str!("meshes/before.wgsl"),

@@ -1,6 +1,7 @@
 //! The fixed passes: each one a `.wgsl` file beside its Rust file, put after an emitted module, whose functions it calls.
 
 mod balls;
+mod bloom;
 mod capture;
 pub mod layers;
 pub mod evaluate;
@@ -12,6 +13,7 @@ mod shadows;
 mod surroundings;
 
 pub use balls::BallsPipeline;
+pub(crate) use bloom::Bloom;
 pub(crate) use meshes::CORNERS;
 pub use meshes::MeshesPipeline;
 pub use pipeline::ScenePipeline;

@@ -5,7 +5,7 @@ use super::layers::{self, MOST_TEXTURES};
 use crate::film::LINEAR;
 use bytemuck::{Pod, Zeroable};
 use std::borrow::Cow;
-use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, MAX_BOUNCES, Shadow};
+use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, MAX_BOUNCES, Shadow, Tone};
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::shade::{self, MAX_LIGHTS};
 use surefoot_compiler::reference::vector::{scale, sub};
@@ -44,6 +44,16 @@ pub struct Features {
     pub field_maps: bool,
     /// How many lights there are.
     pub lights: u32,
+    /// How light becomes a screen's colour.
+    pub tone: Tone,
+    /// Whether there is fog.
+    pub fog: bool,
+    /// Whether light goes through something.
+    pub glass: bool,
+    /// Whether light is scattered.
+    pub bloom: bool,
+    /// Whether a camera has a lens or rays that go side by side.
+    pub optics: bool,
 }
 
 impl Features {
@@ -67,7 +77,12 @@ impl Features {
             occlusion: shaded && !blocks.ambient_occlusion.is_some_and(nothing),
             environment: shaded && blocks.environment.is_some(),
             textures: if shaded { compiled.functions.textures().len().min(MOST_TEXTURES) as u32 } else { 0 },
-            reflections: blocks.reflections.filter(|_| shaded).map_or(0, |n| constant(n).map_or(MAX_BOUNCES, |n| n as u32)),
+            reflections: match (blocks.reflections, shaded) {
+                (_, false) => 0,
+                (None, _) => compiled.usual_reflections(),
+                (Some(n), _) => constant(n).map_or(MAX_BOUNCES, |n| n as u32),
+            },
+            glass: shaded && compiled.functions.surface.glass.is_some(),
             capture: blocks.capture.filter(|_| shaded).map(|capture| capture.size),
             captures: false,
             // Not where the steps of rays are shown.
@@ -75,6 +90,10 @@ impl Features {
             meshes: compiled.has_meshes() && view != ViewMode::Steps,
             meshes_first: compiled.has_meshes() && view != ViewMode::Steps,
             lights: if unlit { 1 } else { blocks.lights.len().min(MAX_LIGHTS) as u32 },
+            tone: if shaded { blocks.tone } else { Tone::default() },
+            fog: blocks.fog.is_some_and(|(_, density)| shaded && constant(density) != Some(0.0)),
+            bloom: blocks.bloom.is_some_and(|share| shaded && constant(share) != Some(0.0)),
+            optics: blocks.cameras.iter().any(|camera| camera.orthographic || camera.lens.is_some_and(|lens| constant(lens) != Some(0.0))),
             field_maps: shaded && !off && blocks.lights.iter().any(|l| l.shadow.0 == Shadow::Map),
         }
     }
@@ -110,7 +129,7 @@ impl Features {
         if self.occlusion {
             exports.push(Export::Occlusion);
         }
-        if self.capture.is_some() {
+        if self.capture.is_some() || self.glass {
             exports.push(Export::Bound);
         }
         exports
@@ -118,11 +137,14 @@ impl Features {
 
     /// What every pass that shades has: the view, and light where it is shown.
     pub(super) fn shading(&self, compiled: &Compiled) -> Vec<Cow<'static, str>> {
-        let mut sections = vec![include_str!("scene/base.wgsl")];
+        let mut sections = vec![include_str!("scene/base.wgsl"), self.eye()];
         sections.extend(match (self.captures, self.view) {
             (true, _) => vec![include_str!("capture/film.wgsl")],
-            (false, ViewMode::Shaded) => vec![include_str!("scene/film.wgsl"), include_str!("scene/target.wgsl")],
-            (false, _) => vec![include_str!("scene/target.wgsl")],
+            (false, ViewMode::Shaded) if self.bloom => vec![include_str!("scene/light_film.wgsl")],
+            (false, ViewMode::Shaded) => {
+                vec![self.tone_text(), include_str!("scene/film.wgsl"), include_str!("dither.wgsl"), include_str!("scene/target.wgsl")]
+            }
+            (false, _) => vec![include_str!("dither.wgsl"), include_str!("scene/target.wgsl")],
         });
         let mut met = Vec::new();
         if self.view == ViewMode::Shaded {
@@ -136,7 +158,12 @@ impl Features {
                 None => include_str!("capture/none.wgsl"),
             });
             sections.push(include_str!("scene/light.wgsl"));
+            sections.push(match self.fog {
+                true => include_str!("scene/fog.wgsl"),
+                false => include_str!("scene/no_fog.wgsl"),
+            });
             sections.push(match self.reflections {
+                _ if self.glass => include_str!("scene/glass.wgsl"),
                 0 => include_str!("scene/no_reflections.wgsl"),
                 _ => include_str!("scene/reflections.wgsl"),
             });
@@ -152,16 +179,45 @@ impl Features {
                 false => include_str!("scene/no_occlusion.wgsl"),
             });
         }
-        sections.into_iter().map(Cow::Borrowed).chain(met).collect()
+        let mut sections: Vec<Cow<'static, str>> = sections.into_iter().map(Cow::Borrowed).chain(met).collect();
+        if self.glass {
+            let light = include_str!("scene/light.wgsl");
+            // What throws shadows may be glass.
+            let through = light.replace("scene_lit(", "scene_lit_through(");
+            sections.iter_mut().filter(|text| **text == light).for_each(|text| *text = through.clone().into());
+        }
+        sections
+    }
+
+    /// The text of what a camera's rays are.
+    pub(super) fn eye(&self) -> &'static str {
+        match self.optics && !self.captures {
+            true => include_str!("scene/camera.wgsl"),
+            false => include_str!("scene/pinhole.wgsl"),
+        }
+    }
+
+    /// The text of the tone curve.
+    pub(crate) fn tone_text(&self) -> &'static str {
+        match self.tone {
+            Tone::Aces => include_str!("scene/tone_aces.wgsl"),
+            Tone::Agx => include_str!("scene/tone_agx.wgsl"),
+            Tone::Neutral => include_str!("scene/tone_neutral.wgsl"),
+            Tone::None => include_str!("scene/tone_none.wgsl"),
+        }
     }
 
     /// Values of the `override` constants of what every pass that shades has, on targets of a format.
     pub(super) fn constants(&self, format: wgpu::TextureFormat) -> Vec<(&'static str, f64)> {
         let linear = format.is_srgb() || format == LINEAR;
+        let eight_bits = matches!(format.remove_srgb_suffix(), wgpu::TextureFormat::Rgba8Unorm | wgpu::TextureFormat::Bgra8Unorm);
+        // Of what is no light the levels are numbers to read.
+        let level = if eight_bits && self.view == ViewMode::Shaded { 1.0 / 255.0 } else { 0.0 };
         vec![
             ("scene_lights", self.lights.into()),
             ("scene_bounces", self.reflections.into()),
             ("scene_linear", f64::from(u8::from(linear))),
+            ("scene_level", level),
         ]
     }
 
@@ -233,7 +289,11 @@ uniforms! {
         corner: [f32; 2],
         size: [f32; 2],
         rounding: [f32; 3],
-        padding: u32,
+        away: f32,
+        fog: [f32; 3],
+        density: f32,
+        lean: [f32; 2],
+        padding: [f32; 2],
         lights: [SceneLight; MAX_LIGHTS],
     }
 }
@@ -264,11 +324,12 @@ impl SceneUniforms {
         let narrow = |v: [f64; 3]| v.map(|c| c as f32);
         let mut lights = [SceneLight::zeroed(); MAX_LIGHTS];
         let lamps = shade::lamps(frame);
+        let fog = frame.fog.unwrap_or_default();
         for (light, lamp) in lights.iter_mut().zip(&lamps) {
             let vector = if lamp.position { sub(lamp.vector, origin) } else { lamp.vector };
             *light = SceneLight {
                 vector: narrow(vector),
-                position: u32::from(lamp.position),
+                position: u32::from(lamp.position) + u32::from(lamp.is_sized),
                 radiance: narrow(lamp.radiance),
                 softness: lamp.softness as f32,
             };
@@ -293,7 +354,11 @@ impl SceneUniforms {
             corner: [0.0; 2],
             size,
             rounding: [1.0; 3],
-            padding: 0,
+            away: basis.parallel.unwrap_or(0.0) as f32,
+            fog: narrow(fog.color),
+            density: fog.density as f32,
+            lean: basis.lean.map(|c| c as f32),
+            padding: [0.0; 2],
             lights,
         }
     }

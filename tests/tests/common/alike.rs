@@ -4,7 +4,8 @@ use image::{ColorType, ImageEncoder};
 use rayon::prelude::*;
 use surefoot_compiler::compiled::{Compiled, Options};
 use surefoot_compiler::images::Images;
-use surefoot_compiler::reference::{Area, Reference, View};
+use surefoot_compiler::reference::shade::{decode, encode};
+use surefoot_compiler::reference::{Area, Reference, View, film, rgb8, sample_offset};
 use surefoot_compiler::{MemoryLoader, compile, diagnostic};
 use surefoot_runtime::headless::{self, FORMAT, Pixels, Shot};
 use surefoot_runtime::images::{Gallery, Loaded};
@@ -47,28 +48,45 @@ pub fn prepare_with_meshes(gpu: &Gpu, compiled: &Compiled, assets: &Assets) -> P
 
 /// The picture of the GPU.
 pub fn on_the_gpu(gpu: &Gpu, compiled: &Compiled, images: &Images, shot: &Shot) -> Pixels {
-    let mut picture = Picture::prepare(gpu, compiled, FORMAT, ViewMode::Shaded).unwrap();
+    let format = headless::format(compiled, ViewMode::Shaded, shot.samples);
+    let mut picture = Picture::prepare(gpu, compiled, format, ViewMode::Shaded).unwrap();
     picture.show_images(images);
     headless::render_with(gpu, &mut picture, compiled, &compiled.live(), shot).unwrap()
 }
 
 /// The picture in 64 bits.
 pub fn on_the_processor(compiled: &Compiled, images: &Images, size: (u32, u32)) -> Pixels {
+    samples_on_the_processor(compiled, images, size, 1)
+}
+
+/// The same of some samples.
+pub fn samples_on_the_processor(compiled: &Compiled, images: &Images, size: (u32, u32), samples: u32) -> Pixels {
     let live = compiled.live();
     let reference = Reference::new(compiled, &live).unwrap().with_images(images);
     let frame = compiled.frame(&live);
-    let camera = frame.cameras[0].1;
-    let bands: Vec<Vec<[f32; 4]>> = (0..size.1)
-        .into_par_iter()
-        .step_by(12)
-        .map(|top| {
-            let area = Area { left: 0, top, width: size.0, height: 12.min(size.1 - top) };
-            reference.tile(&frame, &camera, size, View::Shaded, area)
-        })
-        .collect();
-    let byte = |c: f32| (255.0 * c.clamp(0.0, 1.0)).round() as u8;
-    let rgba = bands.iter().flatten().flat_map(|&[r, g, b, _]| [byte(r), byte(g), byte(b), 255]);
-    Pixels { width: size.0, height: size.1, rgba: rgba.collect() }
+    let mut sum = vec![[0.0; 3]; (size.0 * size.1) as usize];
+    for sample in 0..samples {
+        let camera = frame.cameras[0].1.sampled(sample);
+        let offset = sample_offset(sample).into();
+        let bands: Vec<Vec<[f32; 4]>> = (0..size.1)
+            .into_par_iter()
+            .step_by(12)
+            .map(|top| {
+                let area = Area { left: 0, top, width: size.0, height: 12.min(size.1 - top) };
+                reference.light_at(&frame, &camera, size, View::Shaded, area, offset)
+            })
+            .collect();
+        let light: Vec<[f64; 3]> = bands.iter().flatten().map(|&[r, g, b, _]| [r, g, b].map(f64::from)).collect();
+        let light = if frame.bloom > 0.0 { film::bloom(&light, size, frame.bloom) } else { light };
+        for (sum, light) in sum.iter_mut().zip(light) {
+            let seen = film::develop(frame.tone, light).map(decode);
+            *sum = [0, 1, 2].map(|i| sum[i] + seen[i] / f64::from(samples));
+        }
+    }
+    let colors: Vec<[f32; 4]> = sum.into_iter().map(|c| c.map(|c| encode(c) as f32)).map(|[r, g, b]| [r, g, b, 0.0]).collect();
+    let whole = Area { left: 0, top: 0, width: size.0, height: size.1 };
+    let rgba = rgb8(&colors, whole, View::Shaded).chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect();
+    Pixels { width: size.0, height: size.1, rgba }
 }
 
 /// The share of pixels of which a channel is off by more than two of 255.

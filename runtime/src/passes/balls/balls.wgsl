@@ -29,7 +29,8 @@ struct BallFragment {
 fn ball_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) index: u32) -> BallVertex {
     let ball = balls[index];
     // From the eye to the centre.
-    let way = ball.p + scene.center - scene.eye;
+    let centre = ball.p + scene.center - scene.eye;
+    let way = scene_way(centre);
     let far = length(way);
     var out = BallVertex(vec4f(0.0, 0.0, 0.0, 1.0), index);
     // A ball that is gone, or that the eye is in, has no corner.
@@ -42,7 +43,7 @@ fn ball_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) inde
     let aside = normalize(cross(toward, select(scene.up, scene.right, abs(dot(toward, scene.up)) > 0.9)));
     let above = cross(aside, toward);
     let corner = vec2f(f32((0x32u >> vertex) & 1u), f32((0x2cu >> vertex) & 1u)) * 2.0 - 1.0;
-    var p = scene_project(way + 1.001 * reach * (corner.x * aside + corner.y * above));
+    var p = scene_project(centre + 1.001 * reach * (corner.x * aside + corner.y * above));
     // The square may reach behind the near plane, and the ball before it.
     p.z = min(p.z, p.w);
     out.position = p;
@@ -62,7 +63,8 @@ fn color_of_speed(share: f32) -> vec3f {
 fn ball_fragment(in: BallVertex) -> BallFragment {
     let ball = balls[in.index];
     let direction = scene_direction(in.position.xy);
-    let way = ball.p + scene.center - scene.eye;
+    let start = scene_start(in.position.xy);
+    let way = ball.p + scene.center - start;
     let along = dot(way, direction);
     let aside = way - along * direction;
     let rest = ball.r * ball.r - dot(aside, aside);
@@ -79,7 +81,7 @@ fn ball_fragment(in: BallVertex) -> BallFragment {
     if look.red_at > 0.0 {
         look.color = color_of_speed(length(ball.v) / look.red_at);
     }
-    let color = ball_color(scene.eye + t * direction, n, direction, t, look);
-    let depth = clamp(scene.near / max(t * dot(direction, scene.forward), scene.near), 0.0, 1.0);
-    return BallFragment(scene_target(color, false), depth);
+    let color = ball_color(start + t * direction, n, direction, t, look);
+    let depth = scene_depth(t * dot(direction, scene.forward));
+    return BallFragment(scene_target(color, false, in.position.xy), depth);
 }

@@ -7,6 +7,6 @@ fn scene_develop(light: vec3f) -> vec3f {
 }
 
 // `field` says that the light is the field's.
-fn scene_target(light: vec3f, field: bool) -> vec4f {
+fn scene_target(light: vec3f, field: bool, position: vec2f) -> vec4f {
     return vec4f(light, select(0.0, 1.0, field));
 }

@@ -15,10 +15,10 @@ fn scene_begin(direction: vec3f) -> f32 {
     return t;
 }
 
-fn scene_pixel(direction: vec3f, reach: f32) -> ScenePixel {
+fn scene_pixel(start: vec3f, direction: vec3f, reach: f32) -> ScenePixel {
     let hit = sf_trace(scene.eye, direction, scene_begin(direction), reach, scene.footprint);
     if !hit.hit {
-        return ScenePixel(scene_develop(scene_sky(direction)), -1.0);
+        return ScenePixel(scene_develop(scene_behind(direction)), -1.0);
     }
     let p = scene.eye + hit.t * direction;
     let met = scene_met(p, scene_normal(p, direction), hit.t);

@@ -2,8 +2,9 @@
 
 @fragment
 fn mesh_fragment(in: MeshSeen) -> @location(0) vec4f {
-    let t = length(in.way);
-    let direction = in.way / max(t, 1e-9);
+    let way = scene_way(in.way);
+    let t = length(way);
+    let direction = way / max(t, 1e-9);
     // The triangle's own side that is seen, whichever way round its file has it.
     let right = dpdx(in.way);
     let below = dpdy(in.way);
@@ -35,5 +36,5 @@ fn mesh_fragment(in: MeshSeen) -> @location(0) vec4f {
     );
     scene_flat = scene.eye + in.way;
     scene_round = scene_flat + max(dot(onto, n), 0.0) * n;
-    return scene_target(mesh_color(scene.eye + in.way, n, facet, direction, t), false);
+    return scene_target(mesh_color(scene.eye + in.way, n, facet, direction, t), false, in.position.xy);
 }

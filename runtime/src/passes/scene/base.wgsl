@@ -4,7 +4,8 @@
 struct SceneLight {
     // The direction toward the light, of length one; or where it is.
     vector: vec3f,
-    // 1 where `vector` is a position.
+    // 0 where `vector` is a direction, 1 where it is a position, 2 where it is that of a lamp whose softness is so at a distance of one, and
+    // farther away sharper.
     position: u32,
     radiance: vec3f,
     // Below 0: throws no shadow; 0: a hard one; above: a soft one, sharper the larger it is.
@@ -43,7 +44,14 @@ struct SceneUniforms {
     size: vec2f,
     // Along each axis 1 where rounding grows with the distance from the scene's middle, 0 where with that from the eye alone.
     rounding: vec3f,
-    padding: u32,
+    // How far the target is where rays go side by side, 0 where they come from the eye.
+    away: f32,
+    // What fog scatters toward the eye, and how much of a unit's way it takes.
+    fog: vec3f,
+    density: f32,
+    // How far rays lean for each unit ahead, to the right and up: as a place of the lens has it.
+    lean: vec2f,
+    padding: vec2f,
     lights: array<SceneLight, 16>,
 }
 
@@ -58,6 +66,8 @@ override scene_lights: u32 = 1u;
 override scene_bounces: u32 = 0u;
 // Whether the target wants linear light, which it may encode itself.
 override scene_linear: bool = false;
+// What the target's levels are apart, of a screen's white; 0 where they are much finer than a screen's.
+override scene_level: f32 = 0.0;
 
 // Where a flat triangle of a mesh is seen, and that place on the round shape that it stands for.
 var<private> scene_flat: vec3f;
@@ -74,23 +84,6 @@ struct ScenePixel {
 @vertex
 fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
     return vec4f(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0);
-}
-
-// The direction through a point of the target.
-fn scene_direction(position: vec2f) -> vec3f {
-    let at = (position - scene.corner) / scene.size * 2.0 - 1.0;
-    let across = at.x * scene.aspect * scene.tan_half_fov;
-    let down = at.y * scene.tan_half_fov;
-    return normalize(scene.forward + across * scene.right - down * scene.up);
-}
-
-// A place seen from the eye, as the rasteriser wants it: divided, its depth is 1 at the near plane and 0 at infinity. A viewport stands at whole
-// pixels, since OpenGL knows no others; what the picture's corner has beyond them is added here.
-fn scene_project(way: vec3f) -> vec4f {
-    let ahead = dot(way, scene.forward);
-    let aside = 2.0 * fract(scene.corner) / scene.size * ahead;
-    let across = dot(way, scene.right) / (scene.aspect * scene.tan_half_fov);
-    return vec4f(across + aside.x, dot(way, scene.up) / scene.tan_half_fov - aside.y, scene.near, ahead);
 }
 
 // The surface's normal; a gradient that vanishes answers with the direction to the eye.

@@ -7,10 +7,10 @@ struct SceneFragment {
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> SceneFragment {
     let direction = scene_direction(position.xy);
-    let pixel = scene_pixel(direction, scene.max_distance);
+    let pixel = scene_pixel(scene_start(position.xy), direction, scene.max_distance);
     var depth = 0.0;
     if pixel.t >= 0.0 {
-        depth = clamp(scene.near / max(pixel.t * dot(direction, scene.forward), scene.near), 0.0, 1.0);
+        depth = scene_depth(pixel.t * dot(direction, scene.forward));
     }
-    return SceneFragment(scene_target(pixel.color, pixel.t >= 0.0), depth);
+    return SceneFragment(scene_target(pixel.color, pixel.t >= 0.0, position.xy), depth);
 }

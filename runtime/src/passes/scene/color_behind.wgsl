@@ -13,12 +13,12 @@ fn fragment(@builtin(position) position: vec4f) -> SceneFragment {
     let before = textureLoad(scene_before, vec2i(position.xy), 0).x;
     var reach = scene.max_distance;
     if before > 0.0 {
-        reach = min(reach, scene.near / (before * ahead));
+        reach = min(reach, scene_ahead(before) / ahead);
     }
-    let pixel = scene_pixel(direction, reach);
+    let pixel = scene_pixel(scene_start(position.xy), direction, reach);
     var depth = before;
     if pixel.t >= 0.0 {
-        depth = max(before, clamp(scene.near / max(pixel.t * ahead, scene.near), 0.0, 1.0));
+        depth = max(before, scene_depth(pixel.t * ahead));
     }
-    return SceneFragment(scene_target(pixel.color, pixel.t >= 0.0), depth);
+    return SceneFragment(scene_target(pixel.color, pixel.t >= 0.0, position.xy), depth);
 }

@@ -1,12 +1,4 @@
-// The film: linear light becomes a screen's colour.
-
-const SCENE_FILM_SPEED: f32 = 0.8;
-
-// The filmic curve fitted to the Academy's reference transform: Narkowicz, "ACES Filmic Tone Mapping Curve" (2016).
-fn scene_film(linear: vec3f) -> vec3f {
-    let c = SCENE_FILM_SPEED * linear;
-    return clamp(c * (2.51 * c + 0.03) / (c * (2.43 * c + 0.59) + 0.14), vec3f(0.0), vec3f(1.0));
-}
+// The film: linear light becomes a screen's colour. Stands after the tone curve.
 
 // Linear light to a screen's colour.
 fn scene_develop(light: vec3f) -> vec3f {

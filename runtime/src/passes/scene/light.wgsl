@@ -70,7 +70,7 @@ fn scene_local(p: vec3f, n: vec3f, direction: vec3f, t: f32, answer: SceneAnswer
     for (var i = 0u; i < scene_lights; i += 1u) {
         let lamp = scene.lights[i];
         // Of a lamp its place is known, of a sun the direction alone.
-        let placed = lamp.position == 1u;
+        let placed = lamp.position > 0u;
         let way = select(lamp.vector, lamp.vector - p, placed);
         let apart = max(length(way), 1e-4);
         let l = select(way, way / apart, placed);
@@ -80,6 +80,12 @@ fn scene_local(p: vec3f, n: vec3f, direction: vec3f, t: f32, answer: SceneAnswer
         }
     }
     return SceneLocal(light, share, occlusion);
+}
+
+// How soft a light's shadow is where it is so far away: `softness` of `SceneLight`.
+fn scene_softness(light: u32, far: f32) -> f32 {
+    let lamp = scene.lights[light];
+    return lamp.softness * select(1.0, far, lamp.position == 2u);
 }
 
 // How far off a surface rays start that leave it: half a pixel, or what rounding takes.
@@ -94,7 +100,17 @@ fn scene_lost(p: vec3f, t: f32) -> f32 {
     return max(far, out);
 }
 
+// Light from so far away as it arrives through the fog.
+fn scene_fogged(light: vec3f, way: f32) -> vec3f {
+    return mix(scene.fog, light, scene_clear(way));
+}
+
+// The sky as it is seen where nothing else is.
+fn scene_behind(direction: vec3f) -> vec3f {
+    return scene_fogged(scene_sky(direction), scene.max_distance);
+}
+
 // The light of a surface as the eye sees it through the air.
 fn scene_haze(light: vec3f, p: vec3f, direction: vec3f, t: f32) -> vec3f {
-    return mix(light, scene_sky(direction), scene_lost(p, t));
+    return scene_fogged(mix(light, scene_sky(direction), scene_lost(p, t)), t);
 }

@@ -22,7 +22,8 @@ fn scene_shade(p: vec3f, n: vec3f, direction: vec3f, t: f32, surface: sf_Surface
         let followed = select(0.0, scene_followed(answer.roughness, share), bounce < scene.reflections);
         light += weight * here.light;
         if followed < 1.0 {
-            light += (1.0 - followed) * here.occlusion * share * scene_mirror(mirror, answer.roughness);
+            let mirrored = scene_fogged(scene_mirror(mirror, answer.roughness), scene.max_distance - way);
+            light += (1.0 - followed) * here.occlusion * share * mirrored;
         }
         if followed <= 0.0 {
             break;
@@ -33,9 +34,13 @@ fn scene_shade(p: vec3f, n: vec3f, direction: vec3f, t: f32, surface: sf_Surface
         let origin = at + off * normal - way * mirror;
         let hit = sf_trace(origin, mirror, way + off, scene.max_distance, scene.footprint);
         if !hit.hit {
-            light += weight * scene_beyond(mirror, answer.roughness);
+            light += weight * scene_fogged(scene_beyond(mirror, answer.roughness), scene.max_distance - way);
             break;
         }
+        // The fog on the way from one surface to the next.
+        let clear = scene_clear(hit.t - way);
+        light += weight * (1.0 - clear) * scene.fog;
+        weight *= clear;
         at = origin + hit.t * mirror;
         toward = mirror;
         way = hit.t;

@@ -1,10 +1,10 @@
 // The scene in its light.
-fn scene_pixel(direction: vec3f, reach: f32) -> ScenePixel {
-    let hit = sf_trace(scene.eye, direction, 0.0, reach, scene.footprint);
+fn scene_pixel(start: vec3f, direction: vec3f, reach: f32) -> ScenePixel {
+    let hit = sf_trace(start, direction, 0.0, reach, scene.footprint);
     if !hit.hit {
-        return ScenePixel(scene_develop(scene_sky(direction)), -1.0);
+        return ScenePixel(scene_develop(scene_behind(direction)), -1.0);
     }
-    let p = scene.eye + hit.t * direction;
+    let p = start + hit.t * direction;
     let n = scene_normal(p, direction);
     let met = scene_met(p, n, hit.t);
     let light = scene_shade(p, met.normal, direction, hit.t, met.surface);

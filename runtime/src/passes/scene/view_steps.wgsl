@@ -12,7 +12,7 @@ fn scene_ramp(share: f32) -> vec3f {
     return clamp(c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * (c5 + s * c6))))), vec3f(0.0), vec3f(1.0));
 }
 
-fn scene_pixel(direction: vec3f, reach: f32) -> ScenePixel {
-    let hit = sf_trace(scene.eye, direction, 0.0, reach, scene.footprint);
+fn scene_pixel(start: vec3f, direction: vec3f, reach: f32) -> ScenePixel {
+    let hit = sf_trace(start, direction, 0.0, reach, scene.footprint);
     return ScenePixel(scene_ramp(f32(hit.steps) / 64.0), select(-1.0, hit.t, hit.hit));
 }

@@ -179,7 +179,7 @@ impl View {
     ) -> Result<Self, String> {
         let basis = Basis::of(camera);
         let places = (0..size.1).flat_map(|y| (0..size.0).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
-        let aimed: Vec<(Vec3, Vec3)> = places.map(|at| (camera.eye, basis.direction(at, size))).collect();
+        let aimed: Vec<(Vec3, Vec3)> = places.map(|at| (basis.start(camera.eye, at, size), basis.direction(at, size))).collect();
         let mut view = Self::aimed(scene, live, &aimed, size, basis.footprint(size.1), boxes, progress)?;
         let reference = Reference::new(scene, live).map_err(|e| e.to_string())?;
         let footprint = basis.footprint(size.1);
