@@ -354,6 +354,9 @@ impl Module {
     }
 }
 
+/// Operations of a field of which the box is not looked for once more.
+const LONG: usize = 5000;
+
 /// A compiled scene.
 #[derive(Clone, Debug)]
 pub struct Compiled {
@@ -420,8 +423,13 @@ impl Compiled {
         self.apart.as_deref().unwrap_or(self)
     }
 
-    /// Least and greatest corner of a box that holds the solid, where there is one within the extent; looked for when it is asked for.
+    /// Least and greatest corner of a box that holds the solid, where there is one within the extent; looked for when it is asked for, unless the scene is long
+    /// and some box is known.
     pub fn bounds(&self) -> Option<[[f64; 3]; 2]> {
+        let ahead = &self.functions.ahead;
+        if let (Some(solid), None, true) = (ahead.solid, ahead.planes, self.module.operations.0 > LONG) {
+            return Some([solid.0.map(|side| side.lo), solid.0.map(|side| side.hi)]);
+        }
         functions::bounds(&self.graph, self.root, &self.functions, self.blocks.extent)
     }
 

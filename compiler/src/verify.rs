@@ -7,6 +7,7 @@ use crate::evaluate::{Evaluator, Tape};
 use crate::functions::LONGEST_HAIR;
 use crate::graph::interval::Interval;
 use crate::graph::{Function, Leaf, Node, NodeId};
+use crate::reference::vector::{along as plus, length};
 use crate::spread::spread;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -19,7 +20,20 @@ pub struct Settings {
     pub certified: usize,
     /// Chooses the points.
     pub seed: u64,
+    /// About how many operations it may all take, as [`WORK`]; what would take more is not tried, and said to be left.
+    pub work: u64,
 }
+
+/// What a person waits for: some seconds on two cores. An operation at one point counts as one, one over a box as [`Prover::work`] has it.
+pub const WORK: u64 = 4_000_000_000;
+/// Operations that it takes to lay open one of a formula.
+const LAID_OPEN: u64 = 2000;
+/// How often field and bound are computed for a point, with all of its probes.
+const LOOKS: u64 = 64;
+/// So many balls are certified before it is asked whether there is work left.
+const BATCH: usize = 16;
+/// No moment gets fewer points.
+const FEWEST: usize = 16;
 
 /// What evaluates the emitted module's bound: at these live values, at these points, one number each.
 pub type Device<'a> = &'a dyn Fn(&Live, &[[f32; 3]]) -> Result<Vec<f32>, String>;
@@ -74,13 +88,28 @@ pub struct Compared {
     pub worst: f64,
 }
 
+/// How much of something was not tried.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Left {
+    /// Values of time and parameters.
+    pub moments: usize,
+    /// Points.
+    pub points: usize,
+    /// Balls.
+    pub balls: usize,
+}
+
 /// What came of it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// The values of time and parameters at which the bound was tried.
     pub moments: Vec<Live>,
+    /// What was asked for and not tried, as [`Settings::work`] was used up.
+    pub left: Left,
     /// Points that were probed, each along [`DIRECTIONS`] directions.
     pub points: usize,
+    /// Points of which balls were tried.
+    pub balls: usize,
     /// Balls that were proven to be empty.
     pub empty: usize,
     /// Balls of which nothing could be proven with the boxes that were allowed.
@@ -117,6 +146,9 @@ const SHARE: usize = 4096;
 const ROUNDS: usize = 4;
 /// Radii that differ by no more than this part are probed as one: the outermost place that is looked at lies in both balls.
 const ALIKE: f64 = 0.999;
+
+/// The part of a moment after which its points are probed, as far as a person is told.
+const PROBED: f64 = 0.3;
 
 /// Values of time and parameters at which a scene is tried that has any.
 const MOMENTS: usize = 8;
@@ -165,10 +197,17 @@ pub fn verify(
     // An odd step meets all kinds of points.
     let apart = settings.certified.div_ceil(DISTANCES) | 1;
     let mut trial = Trial { compiled, room: Room::of(compiled), device, apart, random, report };
+    let mut spent = 0;
     for (moment, live) in moments.into_iter().enumerate() {
         let share = |all: usize| (all * (moment + 1)).div_ceil(count) - (all * moment).div_ceil(count);
         let share = Settings { samples: share(settings.samples), certified: share(settings.certified), ..settings };
-        trial.at(&live, share, &|done: f64| progress((moment as f64 + done) / count as f64))?;
+        if spent >= settings.work {
+            let left = &mut trial.report.left;
+            *left = Left { moments: left.moments + 1, points: left.points + share.samples, balls: left.balls + share.certified };
+            continue;
+        }
+        let work = (settings.work - spent) / (count - moment) as u64;
+        spent += trial.at(&live, Settings { work, ..share }, &|done: f64| progress((moment as f64 + done) / count as f64))?;
         trial.report.moments.push(live);
     }
     trial.report.tightness.sort_by(f64::total_cmp);
@@ -214,14 +253,22 @@ fn moments(compiled: &Compiled, random: &mut Random) -> Vec<Live> {
 }
 
 impl Trial<'_> {
-    /// So much at one moment.
-    fn at(&mut self, live: &Live, settings: Settings, progress: &(dyn Fn(f64) + Sync)) -> Result<(), String> {
+    /// So much at one moment, as far as the work allows. The answer: how much work it was.
+    fn at(&mut self, live: &Live, settings: Settings, progress: &(dyn Fn(f64) + Sync)) -> Result<u64, String> {
         let Self { compiled, room, device, apart, random, report } = self;
         let moment = report.moments.len();
         let formula = |f| compiled.functions.formulas.get(&(compiled.root, f)).copied().ok_or("the scene has no bound");
         let roots = [formula(Function::Field)?, formula(Function::Bound)?];
         let tape = Tape::new(&compiled.graph, &compiled.functions, &roots, live, LARGEST).map_err(|e| e.to_string())?;
         let truth = Truth::new(compiled, live, LARGEST).map_err(|e| e.to_string())?;
+        let operations = tape.operations().max(1) as u64;
+        let opened = LAID_OPEN * operations;
+        let for_points = settings.work.saturating_sub(opened) / 2;
+        let asked = settings.samples;
+        let settings = Settings { samples: asked.min((for_points / (LOOKS * operations)) as usize).max(asked.min(FEWEST)), ..settings };
+        report.left.points += asked - settings.samples;
+        let probing = LOOKS * operations * settings.samples as u64;
+        let for_balls = settings.work.saturating_sub(opened + probing);
         // Each share has random numbers of its own, so that nothing depends on how many threads there are.
         let shares = settings.samples.div_ceil(SHARE);
         let seeds: Vec<Random> = (0..2 * shares).map(|_| random.fork()).collect();
@@ -229,6 +276,7 @@ impl Trial<'_> {
         let made = spread(shares, &|| tape.evaluator(), &|evaluator, i| {
             points(evaluator, (settings.samples - i * SHARE).min(SHARE), *room, &mut of(i))
         });
+        progress(0.3 * PROBED);
         let mut tried: Vec<Tried> = made.into_iter().flatten().collect();
         if let (Some(device), Some(compared)) = (device, &mut report.device) {
             let narrow: Vec<[f32; 3]> = tried.iter().map(|t| t.point.map(|c| c as f32)).collect();
@@ -246,18 +294,25 @@ impl Trial<'_> {
         report.points += tried.len();
         let shares: Vec<&[Tried]> = tried.chunks(SHARE).collect();
         let make = || (tape.evaluator(), truth.prover());
+        let done = AtomicUsize::new(0);
         let probed = spread(shares.len(), &make, &|(evaluator, jury), i| {
-            shares.get(i).map_or(Vec::new(), |share| probe(evaluator, share, room.extent, &mut of(seeds.len() / 2 + i), jury))
+            let found = shares.get(i).map_or(Vec::new(), |share| probe(evaluator, share, room.extent, &mut of(seeds.len() / 2 + i), jury));
+            let part = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / shares.len() as f64;
+            progress(PROBED * (0.3 + 0.7 * part));
+            found
         });
         report.violations.extend(probed.into_iter().flatten().map(|v| Violation { moment, ..v }));
-        progress(0.3);
+        progress(PROBED);
         // A few of all kinds of points: their kinds stand in turn, so the step is odd.
         let every = match tried.len() / settings.certified.max(1) {
             0 | 1 => 1,
             n => (n - 1) | 1,
         };
         let chosen: Vec<Tried> = tried.iter().step_by(every).take(settings.certified).copied().collect();
-        for found in certify(&truth, &chosen, *apart, room.extent, &|part| progress(0.3 + 0.7 * part)) {
+        let (certain, certifying) = certify(&truth, &chosen, (*apart, room.extent), for_balls, &|part| progress(PROBED + (1.0 - PROBED) * part));
+        report.left.balls += chosen.len() - certain.len();
+        report.balls += certain.len();
+        for found in certain {
             report.empty += found.empty;
             report.undecided += found.undecided;
             report.tightness.extend(found.tightness);
@@ -269,7 +324,7 @@ impl Trial<'_> {
             }
         }
         progress(1.0);
-        Ok(())
+        Ok(opened + probing + certifying)
     }
 }
 
@@ -354,14 +409,28 @@ struct Certain {
     violations: Vec<Violation>,
 }
 
-/// Certifies points; of every so many of them, `apart`, the distance is settled too.
-fn certify(truth: &Truth, tried: &[Tried], apart: usize, extent: f64, progress: &(dyn Fn(f64) + Sync)) -> Vec<Certain> {
+/// Certifies points, as many as the work allows; of every so many of them, `apart`, the distance is settled too. The answer: what is certain, and how much
+/// work it was.
+fn certify(truth: &Truth, tried: &[Tried], (apart, extent): (usize, f64), work: u64, progress: &(dyn Fn(f64) + Sync)) -> (Vec<Certain>, u64) {
     let done = AtomicUsize::new(0);
-    spread(tried.len(), &|| truth.prover(), &|prover, i| {
-        let certain = tried.get(i).map(|t| certain(prover, t, extent, i % apart == 0)).unwrap_or_default();
-        progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tried.len() as f64);
-        certain
-    })
+    let (mut all, mut spent) = (Vec::with_capacity(tried.len()), 0);
+    // In batches, so that nothing depends on how many threads there are.
+    for (first, batch) in tried.chunks(BATCH).enumerate().map(|(k, batch)| (k * BATCH, batch)) {
+        if spent >= work && first > 0 {
+            break;
+        }
+        let found = spread(batch.len(), &|| truth.prover(), &|prover, i| {
+            prover.allow(work / BATCH as u64);
+            let certain = batch.get(i).map(|t| certain(prover, t, extent, (first + i) % apart == 0)).unwrap_or_default();
+            progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tried.len() as f64);
+            (certain, prover.work())
+        });
+        for (certain, work) in found {
+            spent += work;
+            all.push(certain);
+        }
+    }
+    (all, spent)
 }
 
 fn certain(prover: &mut Prover<'_>, tried: &Tried, extent: f64, settle: bool) -> Certain {
@@ -521,15 +590,6 @@ impl Random {
             }
         }
     }
-}
-
-fn plus(mut a: [f64; 3], b: [f64; 3], times: f64) -> [f64; 3] {
-    a.iter_mut().zip(b).for_each(|(x, y)| *x += times * y);
-    a
-}
-
-fn length(v: [f64; 3]) -> f64 {
-    v.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
 
 fn unit(v: [f64; 3]) -> [f64; 3] {

@@ -5,7 +5,7 @@
 use surefoot_compiler::certify::Truth;
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
-use surefoot_compiler::verify::{Random, Settings, verify};
+use surefoot_compiler::verify::{Random, Settings, WORK, verify};
 use surefoot_compiler::{Compiled, MemoryLoader, Options, compile};
 
 fn scene(text: &str) -> Compiled {
@@ -54,7 +54,7 @@ fn the_surface_is_the_same_and_no_bound_reaches_through_it() {
             let [a, b] = provers.each_mut().map(|prover| prover.value(at) > 0.0);
             assert_eq!(a, b, "{with} at {at:?}");
         }
-        let report = verify(&scenes[0], Settings { samples: 3000, certified: 60, seed: 3 }, None, &|_| {}).unwrap();
+        let report = verify(&scenes[0], Settings { samples: 3000, certified: 60, seed: 3, work: WORK }, None, &|_| {}).unwrap();
         assert!(report.violations.is_empty(), "{with}: {:?}", report.violations);
     }
 }

@@ -6,7 +6,7 @@ use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::factors::{Judged, Rule, judge, rules};
 use surefoot_compiler::graph::Function;
 use surefoot_compiler::reference_text::{CHAPTERS, entries};
-use surefoot_compiler::verify::{Settings, Side, verify};
+use surefoot_compiler::verify::{Settings, Side, WORK, verify};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use surefoot_compiler::{Compiled, Live, MemoryLoader, Options, compile};
 
@@ -57,7 +57,7 @@ fn faults(rule: &Rule) -> Vec<String> {
     }
     let broken = mutated(&scene, 1.3 * scene.summary.factor / attained);
     let found = [2_000, 20_000].iter().any(|&samples| {
-        let settings = Settings { samples, certified: samples / 100, seed: 3 };
+        let settings = Settings { samples, certified: samples / 100, seed: 3, work: WORK };
         let report = verify(&scene, settings, Some(&broken), &|_| {}).unwrap();
         if let Some(honest) = report.violations.iter().find(|v| v.side != Side::Device) {
             wrong.push(format!("{}: as it is, it fails: {honest:?}", rule.name));

@@ -5,7 +5,7 @@
 use surefoot_compiler::certify::{Ball, Truth};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
-use surefoot_compiler::verify::{Device, Fault, Report, Settings, Side, verify};
+use surefoot_compiler::verify::{Device, Fault, Report, Settings, Side, WORK, verify};
 use surefoot_compiler::{Compiled, Live, MemoryLoader, Options, compile};
 
 const SCENES: [&str; 4] = [
@@ -21,7 +21,7 @@ fn scene(text: &str) -> Compiled {
 }
 
 fn trial(scene: &Compiled, device: Option<Device>) -> Report {
-    verify(scene, Settings { samples: 3000, certified: 30, seed: 1 }, device, &|_| {}).unwrap()
+    verify(scene, Settings { samples: 3000, certified: 30, seed: 1, work: WORK }, device, &|_| {}).unwrap()
 }
 
 /// Stands for a device: the bound in 64 bits, rounded to 32, times something.
@@ -94,7 +94,7 @@ fn a_device_is_held_to_the_same() {
     assert!(report.violations.iter().all(|v| v.fault == Fault::NotFinite));
 
     let absent = |_: &Live, _: &[[f32; 3]]| Err("gone".to_owned());
-    let report = verify(&scene, Settings { samples: 10, certified: 1, seed: 1 }, Some(&absent), &|_| {});
+    let report = verify(&scene, Settings { samples: 10, certified: 1, seed: 1, work: WORK }, Some(&absent), &|_| {});
     assert_eq!(report, Err("gone".to_owned()));
 }
 
@@ -105,7 +105,7 @@ fn a_jump_is_no_violation() {
         "field f = if p.x > 0.5 { length(p) - 1 } else { p.y - 0.3 * hash(floor(4 * p.x)) }\nscene = f.within(box(3))\n",
     ] {
         let scene = scene(text);
-        let report = verify(&scene, Settings { samples: 30_000, certified: 300, seed: 2 }, None, &|_| {}).unwrap();
+        let report = verify(&scene, Settings { samples: 30_000, certified: 300, seed: 2, work: WORK }, None, &|_| {}).unwrap();
         assert_eq!(report.violations, [], "{text}");
     }
 }

@@ -15,7 +15,7 @@ mod common;
 use common::{compile_file, examples, gpu, prelude};
 use std::io::Write;
 use surefoot_compiler::compiled::{Compiled, Export, Live};
-use surefoot_compiler::verify::{Settings, Violation, verify};
+use surefoot_compiler::verify::{Settings, Violation, WORK, verify};
 use surefoot_runtime::{Gpu, evaluate};
 
 fn number(name: &str, otherwise: usize) -> usize {
@@ -51,7 +51,7 @@ impl Table {
 
 #[test]
 fn every_bound_holds() {
-    let settings = Settings { samples: number("SUREFOOT_POINTS", 400), certified: number("SUREFOOT_CERTIFIED", 8), seed: 1 };
+    let settings = Settings { samples: number("SUREFOOT_POINTS", 400), certified: number("SUREFOOT_CERTIFIED", 8), seed: 1, work: WORK };
     let only = std::env::var("SUREFOOT_SCENE").ok();
     let gpu = (std::env::var("SUREFOOT_DEVICE").as_deref() != Ok("cpu")).then(gpu);
     let files = examples().into_iter().map(|(name, path)| (name, compile_file(&path).unwrap_or_else(|words| panic!("{words}"))));

@@ -4,10 +4,13 @@
 use super::{Domain, Facts, call_domain};
 use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId};
 use crate::graph::interval::Interval;
+use crate::graph::kernel::Op;
 use rustc_hash::FxHashSet;
 
 /// So many shapes are looked at within each other. What is farther in is looked at before.
 pub const DEEP: u32 = 40;
+/// So many steps of formulas are carried back through within each other, those of shapes in them counted in; beyond that nothing is said.
+pub(super) const DEEPEST: u32 = 400;
 
 impl Graph {
     /// The shapes that a formula calls, and those that they call, each once, older ones first; without those that are `known` and what is in them.
@@ -23,6 +26,18 @@ impl Graph {
             (0..3u8).all(|i| is(usize::from(i), Leaf::P(i))) && (3..).zip(variables.iter()).all(|(i, &v)| is(i, Leaf::Variable(v)))
         };
         self.below(node, here, known)
+    }
+
+    /// What a formula is the least of, minima of minima laid open, in their order; a minimum that is `whole` stays as it is.
+    pub(super) fn least_of(&self, node: NodeId, whole: impl Fn(NodeId) -> bool) -> Vec<NodeId> {
+        let (mut open, mut found) = (vec![node], Vec::new());
+        while let Some(id) = open.pop() {
+            match self.node(id) {
+                Node::Op(Op::Min, args) if id == node || !whole(id) => open.extend(args.iter().rev()),
+                _ => found.push(id),
+            }
+        }
+        found
     }
 
     fn below(&self, node: NodeId, follows: impl Fn(ShapeId, &[NodeId]) -> bool, known: impl Fn(ShapeId) -> bool) -> Vec<ShapeId> {

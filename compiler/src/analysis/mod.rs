@@ -58,6 +58,11 @@ const MOST_IN_ONE: u64 = 2_000_000;
 /// …and so many where one took more.
 const MOST_IN_NEXT: u64 = 20_000;
 
+/// So many ranges, and so many values with their slopes, are kept: of more the memory would grow with the square of what is compiled.
+const MOST_KEPT: usize = 250_000;
+/// How many steps of formulas may be looked at more closely for their outlines.
+const OUTLINING: usize = 400_000;
+
 /// What is known of the graph's nodes, kept so that nothing is computed twice.
 pub struct Facts {
     /// What was found in this compilation and those before.
@@ -97,6 +102,10 @@ pub struct Facts {
     nested: (u32, u64),
     /// How many regions within each other are looked for just now.
     regions_open: u32,
+    /// How many steps of formulas within each other are carried back through just now.
+    walking: u32,
+    /// How many steps of formulas closer looks at outlines may still cost.
+    outlining: usize,
     /// How many looks at unions inside are under way within each other, and how many regions were found in such looks so far.
     looking: u32,
     looked: u32,
@@ -144,6 +153,8 @@ impl Default for Facts {
             ran: 0,
             nested: (0, 0),
             regions_open: 0,
+            walking: 0,
+            outlining: OUTLINING,
             looking: 0,
             looked: 0,
             most_in_one: MOST_IN_ONE,
@@ -320,6 +331,9 @@ impl Facts {
         }
         let range = self.range(graph, s.value, domain);
         self.nested.0 -= 1;
+        if self.ranges.len() >= MOST_KEPT {
+            self.ranges.clear();
+        }
         self.ranges.insert(key, range);
         range
     }
@@ -371,6 +385,9 @@ impl Facts {
             self.dual_of(graph, &tape, domain).0
         };
         self.nested.0 -= 1;
+        if self.duals.len() >= MOST_KEPT {
+            self.duals.clear();
+        }
         self.duals.insert(key, dual);
         dual
     }

@@ -3,7 +3,7 @@
 
 use super::back::Turned;
 use super::branches::backward;
-use super::chain::DEEP;
+use super::chain::{DEEP, DEEPEST};
 use super::placed::Placed;
 use super::tape::{Step, Tape};
 use super::{call_domain, Box3, Constant, Domain, Facts};
@@ -64,12 +64,18 @@ impl Facts {
         self.entries = ENTRIES;
         self.sifts = SIFTS;
         self.unions = UNIONS;
-        for _ in 0..3 {
+        // Far down in a chain each look at a box of its own would be as long as the chain.
+        let is_deep = self.regions_open >= DEEP;
+        for _ in 0..if is_deep { 1 } else { 3 } {
             let before = region.size();
             region = self.contract(graph, &tape, &domain.at(region), Interval::new(f64::NEG_INFINITY, level));
             if region.is_empty() || region.size() > 0.9 * before {
                 break;
             }
+        }
+        if is_deep {
+            self.regions.insert(key, region);
+            return region;
         }
         region = self.sift(graph, node, domain, region, level);
         if self.closer < CLOSER_STEPS && !region.is_empty() && region.is_finite() {
@@ -93,10 +99,10 @@ impl Facts {
             return Some(solid.intersect(&domain.point));
         }
         match graph.node(node) {
-            Node::Op(Op::Min, args) => {
+            Node::Op(Op::Min, _) => {
                 let mut hull = Box3::EMPTY;
-                for part in args.iter() {
-                    hull = hull.hull(&self.region(graph, *part, domain, level));
+                for part in graph.least_of(node, |id| self.known_solid(id).is_some()) {
+                    hull = hull.hull(&self.region(graph, part, domain, level));
                 }
                 Some(hull)
             }
@@ -170,7 +176,10 @@ impl Facts {
             return known;
         }
         let outline = match graph.node(node) {
-            Node::Op(Op::Min, args) => args.iter().fold(Box3::EMPTY, |hull, &a| hull.hull(&self.outline_within(graph, a, moves))),
+            Node::Op(Op::Min, _) => {
+                let parts = graph.least_of(node, |id| self.known_solid(id).is_some());
+                parts.into_iter().fold(Box3::EMPTY, |hull, a| hull.hull(&self.outline_within(graph, a, moves)))
+            }
             Node::Op(Op::Max, args) => args.iter().fold(Box3::ALL, |common, &a| common.intersect(&self.outline_within(graph, a, moves))),
             Node::Claim(args, Claim::Continuous) => args.first().map_or(Box3::ALL, |&a| self.outline_within(graph, a, moves)),
             Node::Call(shape, Function::Field, args) if moves < MOVES && let Some((value, placed)) = placed(graph, *shape, args) => {
@@ -188,7 +197,7 @@ impl Facts {
     pub fn is_nowhere(&mut self, graph: &Graph, node: NodeId, domain: &Domain) -> bool {
         match graph.node(node) {
             // What was added last is mostly the least: a floor, a frame.
-            Node::Op(Op::Min, args) => args.iter().rev().all(|&a| self.is_nowhere(graph, a, domain)),
+            Node::Op(Op::Min, _) => graph.least_of(node, |_| false).into_iter().rev().all(|a| self.is_nowhere(graph, a, domain)),
             _ => self.rough_region(graph, node, domain).is_empty(),
         }
     }
@@ -361,7 +370,7 @@ impl Facts {
         if let (Some(solid), true) = (self.known_solid(s.value), target.hi <= 0.0 || is_distance) {
             return solid.grow(target.hi.max(0.0)).intersect(&domain.point);
         }
-        if self.entries == 0 {
+        if self.entries == 0 || self.walking >= DEEPEST {
             return domain.point;
         }
         self.entries -= 1;
@@ -446,7 +455,7 @@ impl Walk<'_> {
         if target.is_empty() || region.is_empty() {
             return Box3::EMPTY;
         }
-        if target == range || *self.visits == 0 {
+        if target == range || *self.visits == 0 || self.facts.walking >= DEEPEST {
             return region;
         }
         if target.lo <= range.lo {
@@ -454,6 +463,14 @@ impl Walk<'_> {
             target.lo = f64::NEG_INFINITY;
         }
         *self.visits -= 1;
+        self.facts.walking += 1;
+        let region = self.carried_back(step, target, region);
+        self.facts.walking -= 1;
+        region
+    }
+
+    /// The same of a step of which something is asked.
+    fn carried_back(&mut self, step: usize, target: Interval, region: Box3) -> Box3 {
         if target.hi <= 0.0
             && let Some(solid) = self.tape.nodes.get(step).and_then(|&n| self.facts.known_solid(n))
         {
@@ -512,6 +529,23 @@ impl Walk<'_> {
             Op::Mul if target.hi <= 0.0 && ra.contains(0.0) && rb.contains(0.0) => {
                 let below = Interval::new(f64::NEG_INFINITY, 0.0);
                 self.either(|walk| walk.step(a, below, region), |walk| walk.step(b, below, region))
+            }
+            // Of a long chain all operands at once: no stack grows with their number.
+            Op::Min if self.facts.walking >= DEEP && target.lo == f64::NEG_INFINITY => {
+                let (known, mut open, mut hull) = (self.turned.clone(), vec![b, a], Box3::EMPTY);
+                while let Some(step) = open.pop() {
+                    match self.tape.steps.get(step) {
+                        Some(Step::Op(Op::Min, args)) if !self.tape.nodes.get(step).is_some_and(|&n| self.facts.known_solid(n).is_some()) => {
+                            open.extend(args.iter().rev());
+                        }
+                        _ => {
+                            self.turned.clone_from(&known);
+                            hull = hull.hull(&self.step(step, target, region));
+                        }
+                    }
+                }
+                self.turned = known;
+                hull
             }
             Op::Min => {
                 let above = Interval::new(target.lo, f64::INFINITY);

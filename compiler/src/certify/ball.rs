@@ -7,7 +7,7 @@
 use super::code::Code;
 use super::forward::{self, Domain, Slot};
 use super::jumps::{self, Guard, Side};
-use super::{BRANCHES, Box3, Prover, SHORT};
+use super::{BRANCHES, Box3, Prover, SHORT, SLOPES};
 use crate::graph::interval::Interval;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -110,7 +110,7 @@ impl Prover<'_> {
             if near >= radius.min(aside) {
                 break;
             }
-            if left == 0 {
+            if left == 0 || self.work >= self.most {
                 aside = aside.min(near);
                 break;
             }
@@ -134,6 +134,7 @@ impl Prover<'_> {
             } else {
                 code
             };
+            self.work += SLOPES * code.steps.len() as u64;
             let whole = forward::full(&code, &domain, &mut self.slots);
             let flat = near == 0.0 && excludes(whole.centre, side) && self.flat(&code, &domain, whole.centre);
             if flat || excludes(whole.range, side) {
@@ -228,6 +229,7 @@ impl Prover<'_> {
             if !polish {
                 break;
             }
+            self.work += SLOPES * root.steps.len() as u64;
             let here = forward::full(root, &Domain::new(at.map(Interval::point), None), &mut self.slots);
             let gradient = here.gradient.map(Interval::middle);
             let size = gradient.iter().map(|g| g * g).sum::<f64>().sqrt();

@@ -71,6 +71,9 @@ pub struct Over {
 pub struct Prover<'t> {
     truth: &'t Truth,
     boxes: u64,
+    /// Operations that were computed, and how many may be.
+    work: u64,
+    most: u64,
     room: Room,
     values: Vec<f64>,
     ranges: Vec<Interval>,
@@ -83,6 +86,10 @@ pub struct Prover<'t> {
 
 /// A code that is shorter than this is not made shorter over natural intervals before its full evaluation.
 const SHORT: usize = 24;
+/// What an operation over a box costs, beside one of many points at once.
+pub const NATURAL: u64 = 8;
+/// The same with its slopes.
+pub const SLOPES: u64 = 40;
 /// Branches that are looked at in one box.
 const BRANCHES: usize = 64;
 
@@ -110,6 +117,8 @@ impl Truth {
         Prover {
             truth: self,
             boxes: 0,
+            work: 0,
+            most: u64::MAX,
             room: Room::default(),
             values: Vec::new(),
             ranges: Vec::new(),
@@ -126,6 +135,16 @@ impl Prover<'_> {
     /// Boxes looked at since this prover was made.
     pub fn boxes(&self) -> u64 {
         self.boxes
+    }
+
+    /// How much was computed: an operation over a box counts as [`NATURAL`], with its slopes as [`SLOPES`].
+    pub fn work(&self) -> u64 {
+        self.work
+    }
+
+    /// From here on so much may be computed; then a question ends as one whose boxes are used up.
+    pub fn allow(&mut self, work: u64) {
+        (self.work, self.most) = (0, work);
     }
 
     /// An interval that holds all values of the field over a box.
@@ -157,11 +176,13 @@ impl Prover<'_> {
 
     /// 1 or -1 where the field at a point is certainly above or below zero, else 0.
     fn sign<const D: usize>(&mut self, code: &Code, at: [f64; D]) -> i8 {
+        self.work += NATURAL * code.steps.len() as u64;
         side(forward::natural(code, &at.map(Interval::point), &mut self.ranges))
     }
 
     /// The natural interval of a code over a box, and the shorter code for it where it is worth it.
     fn narrowed<const D: usize>(&mut self, code: Arc<Code>, range: &[Interval; D]) -> (Interval, Arc<Code>) {
+        self.work += NATURAL * code.steps.len() as u64;
         let value = forward::natural(&code, range, &mut self.ranges);
         let ranges = &self.ranges;
         let shorter = code.shorter(|i| ranges.get(i).copied().unwrap_or(Interval::ALL), &mut self.room);

@@ -135,8 +135,8 @@ impl Builder<'_> {
         if let Some(known) = self.planes.get(&node) {
             return *known;
         }
-        self.deep += 1;
-        if self.deep > DEEP {
+        self.found.deep += 1;
+        if self.found.deep > DEEP {
             let formula = |builder: &Self, shape| builder.formula(shape, Function::Field);
             let known = |shape| formula(self, shape).is_none_or(|formula| self.planes.contains_key(&formula));
             for shape in self.graph.called_below(node, known) {
@@ -152,7 +152,7 @@ impl Builder<'_> {
             }
             _ => self.is_straight(node),
         };
-        self.deep -= 1;
+        self.found.deep -= 1;
         self.planes.insert(node, holds);
         holds
     }

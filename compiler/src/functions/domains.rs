@@ -137,13 +137,13 @@ impl Builder<'_> {
         if !hole && self.rough_constant(by, &domain.at(Box3::ALL)) > UNIT {
             return false;
         }
-        if self.absorbing > ABSORBING {
+        if self.found.absorbing > ABSORBING {
             return false;
         }
         let first = self.facts.ran;
         let solid = self.facts.outline(self.graph, by).intersect(&domain.point);
         let holds = !solid.is_empty() && solid.is_finite() && solid != domain.point && self.facts.range(self.graph, node, &domain.at(solid)).hi < 0.0;
-        self.absorbing += self.facts.ran - first;
+        self.found.absorbing += self.facts.ran - first;
         holds
     }
 
@@ -188,8 +188,8 @@ impl Builder<'_> {
         if let Some(known) = self.found.rough.get(&key) {
             return *known;
         }
-        self.deep += 1;
-        if self.deep > DEEP {
+        self.found.deep += 1;
+        if self.found.deep > DEEP {
             let (value, key) = (|graph: &Graph, shape| graph.shape(shape).map(|s| s.value), Domain::of(Box3::ALL).key());
             let known = |shape| value(self.graph, shape).is_none_or(|value| self.found.rough.contains_key(&(value, key.clone())));
             for shape in self.graph.called_below(node, known) {
@@ -210,7 +210,7 @@ impl Builder<'_> {
             }),
             _ => self.facts.constant(self.graph, node, everywhere, 1).lipschitz,
         };
-        self.deep -= 1;
+        self.found.deep -= 1;
         self.found.rough.insert(key, found);
         found
     }

@@ -46,8 +46,8 @@ impl Builder<'_> {
         if let Some(known) = self.dresses.get(&node) {
             return *known;
         }
-        self.deep += 1;
-        if self.deep > DEEP {
+        self.found.deep += 1;
+        if self.found.deep > DEEP {
             let value = |graph: &Graph, shape| graph.shape(shape).map(|s| s.value);
             let known = |shape| value(self.graph, shape).is_none_or(|value| self.dresses.contains_key(&value));
             for value in self.graph.called_below(node, known).into_iter().filter_map(|shape| value(self.graph, shape)).collect::<Vec<_>>() {
@@ -70,7 +70,7 @@ impl Builder<'_> {
             }
             _ => Dress::Many,
         };
-        self.deep -= 1;
+        self.found.deep -= 1;
         self.dresses.insert(node, dress);
         dress
     }

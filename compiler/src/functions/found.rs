@@ -29,6 +29,10 @@ pub(super) struct Found {
     pub slopes: FxHashMap<(NodeId, Key), f64>,
     /// How many operations it cost to look whether jumps agree.
     pub looked: u64,
+    /// How many shapes within each other are looked at just now.
+    pub deep: u32,
+    /// How many steps of formulas it has cost to tell which parts of intersections cut nothing off.
+    pub absorbing: u64,
     /// How many minima were looked at that jump as their operands do.
     pub vain_groups: usize,
 }

@@ -91,8 +91,8 @@ impl Builder<'_> {
             return *known;
         }
         let Some(value) = self.graph.shape(shape).map(|s| s.value) else { return false };
-        self.deep += 1;
-        if self.deep > DEEP {
+        self.found.deep += 1;
+        if self.found.deep > DEEP {
             for shape in self.graph.called_below(value, |shape| self.walled.contains_key(&shape)) {
                 self.has_walls(shape);
             }
@@ -100,7 +100,7 @@ impl Builder<'_> {
         let mut nodes = Vec::new();
         let inner: Vec<ShapeId> = self.calls(&[value], &mut nodes).map(|(inner, _)| inner).collect();
         let found = self.wall(shape).is_some() || inner.into_iter().any(|inner| self.has_walls(inner));
-        self.deep -= 1;
+        self.found.deep -= 1;
         self.walled.insert(shape, found);
         found
     }

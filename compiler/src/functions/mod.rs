@@ -266,10 +266,6 @@ pub struct Builder<'a> {
     looked: usize,
     /// Within how many smooth unions, each taken apart, the bound that is being made lies.
     parting: u32,
-    /// How many shapes within each other are looked at just now.
-    deep: u32,
-    /// How many steps of formulas it has cost to tell which parts of intersections cut nothing off.
-    absorbing: u64,
 }
 
 /// The numbers of a surface, and the images on it.
@@ -417,8 +413,6 @@ impl<'a> Builder<'a> {
             dresses: FxHashMap::default(),
             looked: 0,
             parting: 0,
-            deep: 0,
-            absorbing: 0,
         }
     }
 }

@@ -56,6 +56,11 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
+/// What `check --json` says of a scene.
+pub(super) fn in_json(scene: &str, outcome: &Outcome) -> Value {
+    Report::of(scene, outcome, true).in_json()
+}
+
 /// All that is said of a scene: what a person reads and what a machine reads are both written from it.
 struct Report<'a> {
     scene: &'a str,

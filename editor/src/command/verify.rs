@@ -6,7 +6,7 @@ use crate::picture::Device;
 use serde_json::{Value, json};
 use surefoot_compiler::compiled::{Compiled, Live};
 use surefoot_compiler::functions::Kind;
-use surefoot_compiler::verify::{self, ALLOWANCE, Compared, DIRECTIONS, Fault, Report, Settings, Side, Violation};
+use surefoot_compiler::verify::{self, ALLOWANCE, Compared, DIRECTIONS, Fault, Left, Report, Settings, Side, Violation};
 use surefoot_compiler::{Options, Outcome};
 
 /// What to verify.
@@ -46,7 +46,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
     let device = Adapter::new(args.device)?;
     let bar = LateBar::new();
-    let settings = Settings { samples: args.samples as usize, certified: args.certified as usize, seed: args.seed };
+    let settings = Settings { samples: args.samples as usize, certified: args.certified as usize, seed: args.seed, work: verify::WORK };
     let bound = |live: &Live, points: &[[f32; 3]]| device.bound(compiled, live, points);
     let bound = device.name().is_some().then_some(&bound as verify::Device);
     let report = verify::verify(compiled, settings, bound, &|part| bar.show(part));
@@ -135,6 +135,14 @@ fn in_words(args: &Args, compiled: &Compiled, report: &Report, device: Option<&s
     };
     text.push_str(&format!("  {} points along {DIRECTIONS} directions each{moments}\n", report.points));
     let balls = report.empty + report.undecided;
+    let Left { moments, points, balls: left } = report.left;
+    if report.left != Left::default() {
+        let asked = |left: usize, done: usize, of: &str| if left > 0 { format!(", {done} of {} {of}", done + left) } else { String::new() };
+        let others = asked(left, report.balls, "balls") + &asked(moments, report.moments.len(), "values of time and parameters");
+        let all = args.samples;
+        text.push_str(&format!("  stopped after {} of {all} points{others}: the budget is used up
+", all as usize - points));
+    }
     text.push_str(&format!("  {} of {balls} balls within the bound are certified to be empty", report.empty));
     text.push_str(&match report.undecided {
         0 => "\n".to_owned(),
@@ -229,6 +237,8 @@ fn in_json(args: &Args, outcome: &Outcome, compiled: &Compiled, report: &Report,
         "points": report.points,
         "directions": DIRECTIONS,
         "moments": report.moments.len(),
+        "stopped": report.left != Left::default(),
+        "left": { "points": report.left.points, "balls": report.left.balls, "moments": report.left.moments },
         "balls": { "empty": report.empty, "undecided": report.undecided },
         "tightness": { "points": report.tightness.len(), "p5": report.tightness(5), "p50": report.tightness(50) },
         "device": report.device.zip(device).map(|(c, name)| json!({

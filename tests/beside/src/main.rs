@@ -11,7 +11,7 @@ use surefoot_compiler::certify::Truth;
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
 use surefoot_compiler::graph::interval::Interval;
-use surefoot_compiler::verify::{Random, Settings, verify};
+use surefoot_compiler::verify::{Random, Settings, WORK, verify};
 use surefoot_compiler::{Compiled, MemoryLoader, Options, compile};
 
 /// Points at which a bound is tried.
@@ -119,7 +119,7 @@ fn fields(compiled: &Compiled, points: &[[f64; 3]]) -> Vec<f64> {
 
 fn ours(row: &Row) -> (Found, Compiled) {
     let compiled = scene(&format!("scene = {}\n", row.ours));
-    let settings = Settings { samples: POINTS, certified: CERTIFIED, seed: 1 };
+    let settings = Settings { samples: POINTS, certified: CERTIFIED, seed: 1, work: WORK };
     let report = verify(&compiled, settings, None, &|_| {}).expect("it is small enough");
     let tightened = (0..compiled.graph.factors.len()).map(|i| compiled.tighten(i, LONG)).fold(1.0, f64::max);
     let found = Found {

@@ -10,6 +10,7 @@ mod factors;
 mod hand;
 #[cfg(feature = "gpu")]
 mod many;
+mod operands;
 #[cfg(feature = "gpu")]
 mod parts;
 
@@ -23,7 +24,7 @@ use surefoot_compiler::{Loader, Memory, MemoryLoader, Options, Outcome, Stage, c
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scenes whose rays are followed by several methods, each judged by certified truth.
-    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls", "parts", "hand"])]
+    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands", "operand"])]
     scenes: Vec<String>,
     #[cfg(feature = "gpu")]
     #[command(flatten)]
@@ -52,6 +53,15 @@ pub struct Args {
     /// WGSL that a person wrote (tests/hand/*.wgsl), beside the modules of the same scenes: time and error.
     #[arg(long, value_name = "WGSL", num_args = 1.., conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls"])]
     hand: Vec<std::path::PathBuf>,
+    /// Unions, blends and drawings of many operands: how each ends, its time and its memory, with a small stack.
+    #[arg(long, conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls", "parts", "hand"])]
+    operands: bool,
+    /// How many operands.
+    #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1000, 3000, 10_000], requires = "operands")]
+    counts: Vec<usize>,
+    /// One of these scenes, by its text, in this process.
+    #[arg(long, hide = true, conflicts_with_all = ["scenes", "operands"])]
+    operand: Option<String>,
     /// No more balls than this.
     #[arg(long, default_value_t = 1_000_000, value_name = "N", requires = "balls")]
     most: u32,
@@ -83,6 +93,13 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if !args.factors.is_empty() {
         return factors::run(&args.factors);
     }
+    if let Some(text) = &args.operand {
+        return operands::one(text);
+    }
+    if args.operands {
+        let table = operands::run(&args.counts, args.json.is_some())?;
+        return keep(args, &table);
+    }
     let Some(path) = &args.compile else { return drawn(args) };
     let first = compile_file(path, &Options::default())?;
     show_diagnostics(&first);
@@ -103,6 +120,21 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     }
     let text = if args.json.is_some() { in_json(path, args.runs, &runs) } else { table(path, args.runs, &runs) };
     print(text.as_bytes())?;
+    Ok(Exit::Fine)
+}
+
+/// Writes the table of operands into a page, where one is asked for.
+#[cfg(feature = "gpu")]
+fn keep(args: &Args, table: &str) -> Result<Exit, Failure> {
+    if let Some(file) = &args.error.page {
+        let words = format!("## Many operands\n\nWritten by `surefoot bench --operands --page {}`.\n\n{table}", file.display());
+        super::page::put(file, "operands", &words)?;
+    }
+    Ok(Exit::Fine)
+}
+
+#[cfg(not(feature = "gpu"))]
+fn keep(_: &Args, _: &str) -> Result<Exit, Failure> {
     Ok(Exit::Fine)
 }
 
