@@ -36,7 +36,11 @@ const DEVELOP: &str = include_str!("../../runtime/src/passes/scene/film.wgsl");
 const FOG: [&str; 2] =
     [include_str!("../../runtime/src/passes/scene/fog.wgsl"), include_str!("../../runtime/src/passes/scene/no_fog.wgsl")];
 const SHADOW: [&str; 2] = [
-    include_str!("../../runtime/src/passes/scene/shadow.wgsl"),
+    concat!(
+        include_str!("../../runtime/src/passes/scene/emitter.wgsl"),
+        include_str!("../../runtime/src/passes/scene/seen.wgsl"),
+        include_str!("../../runtime/src/passes/scene/shadow.wgsl")
+    ),
     include_str!("../../runtime/src/passes/scene/no_shadow.wgsl"),
 ];
 const OCCLUSION: [&str; 2] = [

@@ -313,7 +313,7 @@ mod cpu {
     use surefoot_compiler::images::Images;
     use surefoot_compiler::reference::film::{bloom, develop, dither, level};
     use surefoot_compiler::reference::shade::{decode, encode};
-    use surefoot_compiler::reference::{Area, Reference, View, sample_offset};
+    use surefoot_compiler::reference::{Area, Reference, View};
 
     /// Side of the squares that the cores take one after another.
     const TILE: u32 = 32;
@@ -365,10 +365,9 @@ mod cpu {
             let mut sum = vec![[0.0; 3]; width as usize * height as usize];
             let mut light = sum.clone();
             for sample in 0..samples {
-                let [x, y] = sample_offset(sample);
                 let camera = camera.sampled(sample);
                 let drawn = areas.par_iter().map(|area| {
-                    let seen = scene.light_at(&frame, &camera, (width, height), view, *area, (x, y));
+                    let seen = scene.light_at(&frame, &camera, (width, height), view, *area, sample);
                     let done = done.fetch_add(1, Ordering::Relaxed) + 1;
                     progress(done as f64 / (areas.len() * samples as usize) as f64);
                     seen

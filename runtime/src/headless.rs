@@ -112,7 +112,7 @@ pub fn render_with(
             let aim = |picture: &mut Picture, sample: u32| {
                 let [across, down] = film::offset(sample);
                 let corner = [-(left as f32) - across, -(top as f32) - down];
-                let view = View { camera: camera.sampled(sample), size: [width as f32, height as f32], corner };
+                let view = View { camera: camera.sampled(sample), size: [width as f32, height as f32], corner, sample };
                 picture.update(gpu.queue(), compiled, live, &view);
             };
             let tile = match &mut film {
@@ -146,7 +146,7 @@ pub fn light(gpu: &Gpu, compiled: &Compiled, live: &Live, shot: &Shot) -> Result
     let frame = compiled.frame(live);
     let camera = shot.camera.or(frame.cameras.first().map(|(_, camera)| *camera)).ok_or("the scene has no camera")?;
     let target = Target::new(gpu, width, height, LINEAR)?;
-    let view = View { camera, size: [width as f32, height as f32], corner: [0.0; 2] };
+    let view = View { camera, size: [width as f32, height as f32], corner: [0.0; 2], sample: 0 };
     picture.update(gpu.queue(), compiled, live, &view);
     let bytes = target.draw(gpu, &picture)?;
     let rows = bytes.chunks_exact(target.stride()).map(|row| &row[..8 * width as usize]);
@@ -164,7 +164,7 @@ pub(crate) fn warm_up(
     let live = compiled.live();
     let frame = compiled.frame(&live);
     let Some(&(_, camera)) = frame.cameras.first() else { return Ok(()) };
-    let view = View { camera, size: [1.0, 1.0], corner: [0.0, 0.0] };
+    let view = View { camera, size: [1.0, 1.0], corner: [0.0, 0.0], sample: 0 };
     gpu.catch(|| {
         picture.update(gpu.queue(), compiled, &live, &view);
         let texture = texture(gpu, 1, 1, format);

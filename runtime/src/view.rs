@@ -12,4 +12,6 @@ pub struct View {
     /// Where the picture's upper left corner lies on the target, in pixels: not zero within a window's panel, and negative where
     /// only a part of a picture is drawn.
     pub corner: [f32; 2],
+    /// Which of the pictures it is that become one on film: of a light's disc each looks at its own place. 0 where there is one alone.
+    pub sample: u32,
 }

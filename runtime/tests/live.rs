@@ -410,7 +410,7 @@ fn pipelines_are_built_behind_and_only_where_something_changed() {
     stage.put(update.ready.unwrap());
     assert_eq!(gpu.stats().pipelines, 1);
     let camera = stage.scene().unwrap().frame(stage.live().unwrap()).cameras[0].1;
-    let view = View { camera, size: [32.0, 32.0], corner: [0.0; 2] };
+    let view = View { camera, size: [32.0, 32.0], corner: [0.0; 2], sample: 0 };
     assert!(stage.update(gpu.queue(), &view), "a new scene is to be drawn");
     assert!(!stage.update(gpu.queue(), &view), "and then not again");
     // A slider, and time in a scene that does not read it.

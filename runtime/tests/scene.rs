@@ -92,7 +92,7 @@ fn a_slider_builds_nothing_and_what_is_the_same_writes_nothing() {
     assert_eq!(built.pipelines, 1);
     let mut live = compiled.live();
     let frame = compiled.frame(&live);
-    let mut view = View { camera: frame.cameras[0].1, size: [64.0, 48.0], corner: [0.0, 0.0] };
+    let mut view = View { camera: frame.cameras[0].1, size: [64.0, 48.0], corner: [0.0, 0.0], sample: 0 };
     assert!(picture.update(gpu.queue(), &compiled, &live, &view));
     assert!(!picture.update(gpu.queue(), &compiled, &live, &view), "nothing changed");
     let shot = Shot { mode: ViewMode::Normals, ..Shot::new(64, 48) };
@@ -182,6 +182,7 @@ fn draw_within(
         camera: compiled.frame(&live).cameras[0].1,
         size: [size.0 as f32, size.1 as f32],
         corner: [at.0 as f32, at.1 as f32],
+        sample: 0,
     };
     picture.update(gpu.queue(), &compiled, &live, &view);
     // A row of 128 pixels is a multiple of 256 bytes.

@@ -109,7 +109,7 @@ fn a_storm_of_saves_while_the_picture_is_drawn() {
     let mut stage = Stage::new();
     stage.put(next_good(&live).ready.unwrap());
     let camera = stage.scene().unwrap().frame(stage.live().unwrap()).cameras[0].1;
-    let view = View { camera, size: [32.0, 32.0], corner: [0.0; 2] };
+    let view = View { camera, size: [32.0, 32.0], corner: [0.0; 2], sample: 0 };
     let last = 256;
     let writer = {
         let (folder, path) = (folder.clone(), path.clone());

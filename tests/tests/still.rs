@@ -78,8 +78,7 @@ fn samples_of_the_processor_are_those_of_the_gpu() {
     let area = Area { left: 0, top: 0, width: SIZE.0, height: SIZE.1 };
     let mut mean = vec![0.0; (SIZE.0 * SIZE.1) as usize];
     for sample in 0..samples {
-        let [x, y] = surefoot_runtime::film::offset(sample).map(f64::from);
-        let tile = reference.tile_at(&frame, &frame.cameras[0].1, SIZE, View::Shaded, area, (x, y));
+        let tile = reference.tile_at(&frame, &frame.cameras[0].1, SIZE, View::Shaded, area, sample);
         for (mean, pixel) in mean.iter_mut().zip(tile) {
             *mean += linear((255.0 * pixel[0]).round() as u8) / f64::from(samples);
         }

@@ -3,6 +3,7 @@
 //! `sf_` stands for the prefix of the module. A helper is emitted where something calls it. The tracing functions stand in
 //! `compiler/src/reference` once more, in 64 bits; the two are kept step for step alike.
 
+use super::shadow;
 use super::tracer::{Tracer, Ways};
 use crate::compiled::Export;
 use crate::graph::kernel::Op;
@@ -21,7 +22,7 @@ pub struct Piece {
 pub const LEAST_DIVISOR: f64 = 9e-31;
 
 /// Helpers, in the order in which they are emitted. The place is the helper's bit in [`Helpers`].
-pub const HELPERS: [Piece; 10] = [
+pub const HELPERS: [Piece; 11] = [
     Piece { name: "square", text: "\
 fn sf_square(a: f32) -> f32 {
   return a * a;
@@ -107,6 +108,21 @@ fn sf_within(origin: vec3f, direction: vec3f, span: vec2f) -> vec2f {
   let moved = select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
   let one = (sf_region_low - rounding - start) / moved;
   let other = (sf_region_high + rounding - start) / moved;
+  let enter = min(one, other);
+  let leave = max(one, other);
+  return vec2f(max(span.x, max(max(enter.x, enter.y), enter.z)), min(span.y, min(min(leave.x, leave.y), leave.z)));
+}
+" },
+    // Nothing on the span is further than the box's farthest corner, so a cone about it is no wider there than the margin.
+    Piece { name: "beside", text: "\
+// The part of a span of a ray that lies within the same box, or so near to it that what is solid can stand in a cone about the ray.
+fn sf_beside(origin: vec3f, direction: vec3f, span: vec2f, sharpness: f32) -> vec2f {
+  let start = origin + sf_uniforms.origin;
+  let far = length(max(abs(sf_region_low - start), abs(sf_region_high - start)));
+  let margin = vec3f(far / sharpness + 1e-6 * (length(start) + 1.0));
+  let moved = select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
+  let one = (sf_region_low - margin - start) / moved;
+  let other = (sf_region_high + margin - start) / moved;
   let enter = min(one, other);
   let leave = max(one, other);
   return vec2f(max(span.x, max(max(enter.x, enter.y), enter.z)), min(span.y, min(min(leave.x, leave.y), leave.z)));
@@ -252,10 +268,10 @@ struct sf_Surface {
 }
 
 /// Names of structs, which nothing else may take.
-pub const STRUCTURES: [&str; 3] = ["Hit", "Contact", "Surface"];
+pub const STRUCTURES: [&str; 4] = ["Hit", "Contact", "Surface", "Passage"];
 
 /// The texts of `sf_trace` and `sf_shadow` by [`Ways`], each made when it is first asked for.
-static FOLLOW: [OnceLock<[String; 2]>; 8] = [const { OnceLock::new() }; 8];
+static FOLLOW: [OnceLock<[String; 2]>; 16] = [const { OnceLock::new() }; 16];
 
 /// A text in which `COORDINATES` stands for those with which rounding grows, with them ([`crate::compiled::Module::reads_scene`]).
 pub fn with_coordinates(text: &str, reads_scene: [bool; 3]) -> String {
@@ -277,127 +293,16 @@ fn coordinates(reads_scene: [bool; 3]) -> Cow<'static, str> {
 
 /// The text of an exported function that is the same for every scene with the same ways.
 pub fn function(export: Export, ways: Ways, reads_scene: [bool; 3]) -> Option<Cow<'static, str>> {
-    let place = usize::from(ways.one) + 2 * usize::from(ways.planes) + 4 * usize::from(ways.region);
+    let place = [ways.one, ways.planes, ways.region, ways.loose].iter().fold(0, |place, way| 2 * place + usize::from(*way));
     match export {
         Export::Trace | Export::Shadow => {
-            let [trace, shadow] = FOLLOW.get(place)?.get_or_init(|| {
-                let shadow = if ways.one { SHADOW_OF_ONE } else { SHADOW };
-                [Tracer::DEFAULT.text(ways), if ways.planes { shadow_past_planes(shadow) } else { shadow.to_owned() }]
-            });
+            let [trace, shadow] = FOLLOW.get(place)?.get_or_init(|| [Tracer::DEFAULT.text(ways), shadow::text(ways)]);
             Some(with_coordinates(if export == Export::Trace { trace } else { shadow }, reads_scene).into())
         }
         Export::Collision => Some(COLLISION.into()),
         Export::Occlusion => Some(OCCLUSION.into()),
         _ => None,
     }
-}
-
-// The penumbra of a ray is its closest passage, as an angle (Quilez, \"Soft shadows in raymarched SDFs\"): seen from the surface up to half of the way,
-// from the light beyond, so that what a lamp hangs from or stands in does not dim it. The bound is the distance.
-//
-// As the bound grows along the ray by s, the next look is free / (1 - s) away, where it is as much again: whatever stands beside the ray, outside of
-// both spheres, is then no nearer to it between the looks than 0.86 of the smaller one's radius, as between two looks at the same distance without a
-// slope. So nothing of a penumbra is lost, and a ray that leaves a plane is gone in half of the looks. Where the bound is less than was to be
-// expected, the ray goes back to the end of the first sphere.
-//
-// Rays that come in flat may need more looks than there are: then they go on by guesses, and are dark where one lies inside.
-const SHADOW_OF_ONE: &str = "\
-fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: f32) -> f32 {
-  let span = sf_clip(origin, direction, t_min, t_max);
-  let size = length(COORDINATES) + 1.0;
-  let sharpness = select(1e18, softness, softness > 0.0);
-  var lit = 1.0;
-  var t = span.x;
-  // The last sphere known to be empty, and the step from its centre.
-  var radius = 1e18;
-  var stride = 1.0;
-  for (var step = 0u; step < 288u && t <= span.y && lit >= 0.002; step++) {
-    let tolerance = 2e-6 * (size + t);
-    let free = sf_bound(origin + direction * t);
-    let apart = max(min(t, t_max - t), tolerance);
-    // Out of looks it goes on by guesses, until one is inside.
-    let spent = step >= 256u;
-    lit = select(min(lit, sharpness * free / apart), 0.0, free <= select(tolerance, 0.0, spent));
-    // On by the slope over the last step, but not beyond the end without a look at it; or back.
-    let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
-    let next = max(t + free, min(t + on, span.y));
-    let back = stride > radius && free < 0.75 * stride;
-    let seen = t;
-    t = select(select(next, t + radius - stride, back), t + max(free, 2e-3 * (size + t)), spent);
-    stride = select(next - seen, radius, back);
-    radius = select(free, radius, back);
-  }
-  lit = select(lit, 0.0, lit < 0.002);
-  return lit * lit * (3.0 - 2.0 * lit);
-}
-";
-
-// The same with a distance of its own, which is looked at where the bound says that it can matter: outside of the loop over bounds, as in
-// [`Tracer::wgsl`].
-const SHADOW: &str = "\
-fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: f32) -> f32 {
-  let span = sf_clip(origin, direction, t_min, t_max);
-  let size = length(COORDINATES) + 1.0;
-  let sharpness = select(1e18, softness, softness > 0.0);
-  var lit = 1.0;
-  var t = span.x;
-  var step = 0u;
-  // Where it was looked last, and what was found there.
-  var seen = t;
-  var free = 0.0;
-  var tolerance = 0.0;
-  var apart = 0.0;
-  // The last sphere known to be empty, and the step from its centre.
-  var radius = 1e18;
-  var stride = 1.0;
-  while step < 288u && t <= span.y && lit >= 0.002 {
-    var near = false;
-    while step < 288u && t <= span.y && !near {
-      tolerance = 2e-6 * (size + t);
-      free = sf_bound(origin + direction * t);
-      apart = max(min(t, t_max - t), tolerance);
-      near = free <= tolerance || sharpness * free < lit * apart || step >= 256u;
-      // On by the slope over the last step, but not beyond the end without a look at it; or back.
-      let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
-      let next = max(t + free, min(t + on, span.y));
-      let back = stride > radius && free < 0.75 * stride;
-      seen = t;
-      t = select(next, t + radius - stride, back);
-      stride = select(next - seen, radius, back);
-      radius = select(free, radius, back);
-      step += 1u;
-    }
-    if near {
-      let distance = sf_distance(origin + direction * seen);
-      let share = sharpness * distance / apart;
-      if step > 256u {
-        // Out of looks it goes on by guesses, until one is inside.
-        lit = select(min(lit, share), 0.0, free <= 0.0);
-        t = seen + max(distance, 2e-3 * (size + seen));
-      } else {
-        // Where the bound is much less, between two looks so near to each other it is hardly less.
-        if t > seen && share < 1.25 * lit && distance > 1.5 * free {
-          stride = min(stride, max(0.4 * distance, tolerance));
-          t = seen + stride;
-        }
-        lit = select(min(lit, share), 0.0, free <= tolerance);
-      }
-    }
-  }
-  lit = select(lit, 0.0, lit < 0.002);
-  return lit * lit * (3.0 - 2.0 * lit);
-}
-";
-
-/// A shadow's text where planes are met apart: a ray that meets one is dark, and their share of a penumbra is least where half of the way to the light
-/// is left, or at the ray's end before that: their height over the way from the surface falls all along it, that over the way from the light grows.
-fn shadow_past_planes(shadow: &str) -> String {
-    let span = "  let span = sf_clip(origin, direction, t_min, t_max);\n";
-    let start = "  if span.x > span.y {\n    return 1.0;\n  }\n  if sf_ahead(origin + direction * span.x, direction) <= span.y - span.x {\n    return 0.0;\n  }\n";
-    let end = "  lit = select(lit, 0.0, lit < 0.002);\n";
-    let share = "  let middle = min(span.y, 0.5 * t_max);\n  lit = min(lit, sharpness * sf_planes(origin + direction * middle) / max(middle, 1e-6));\n";
-    let of_rest = shadow.replace("sf_bound(", "sf_rest_bound(").replace("sf_distance(", "sf_rest_distance(");
-    of_rest.replace(span, &format!("{span}{start}")).replace(end, &format!("{share}{end}"))
 }
 
 const COLLISION: &str = "\

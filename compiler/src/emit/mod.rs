@@ -15,6 +15,7 @@ mod layers;
 mod plan;
 mod spirv;
 pub mod table;
+pub(crate) mod shadow;
 pub mod tracer;
 mod translate;
 mod uniforms;
@@ -164,6 +165,7 @@ pub fn emit(
         one: rest.as_ref().map_or(one, |rest| rest.one),
         planes: rest.is_some(),
         region: functions.ahead.region.is_some() && rest.is_some() == functions.ahead.planes.is_some(),
+        loose: functions.loose,
     };
     let roots = Roots { root, targets: &roots, surface: surface.as_ref(), rest, ways };
     let operations = export_functions(&mut context, &exports, &roots, &mut body, &mut texts)?;
@@ -188,6 +190,9 @@ pub fn emit(
     }
     if exports.contains(&Export::Trace) && ways.region {
         context.helpers.need("within");
+    }
+    if exports.contains(&Export::Shadow) && ways.region {
+        context.helpers.need("beside");
     }
     if exports.contains(&Export::Occlusion) {
         context.uniforms.read(UniformSource::OcclusionReach);
@@ -257,7 +262,7 @@ fn reserved_names(prefix: &str) -> Scope {
     let mut names = Scope::default();
     let exports = Export::ALL.iter().map(|e| e.name());
     let helpers = library::HELPERS.iter().map(|h| h.name);
-    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists", "planes", "ahead", "rest_bound", "rest_distance", "region_low", "region_high"];
+    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists", "planes", "ahead", "rest_bound", "rest_distance", "region_low", "region_high", "passage", "shares", "across"];
     for text in exports.chain(helpers).chain(library::STRUCTURES).chain(others) {
         names.reserve(&format!("{prefix}{text}"));
     }
@@ -422,7 +427,7 @@ fn declarations(context: &Context, facts: &header::Facts, buffers: bool, wgsl: &
         let extent = (facts.extent as f32).clamp(f32::MIN_POSITIVE, 1e18);
         let _ = write!(wgsl, "\nconst {prefix}extent: f32 = {extent:?};\n");
     }
-    if let Some(region) = facts.region.filter(|_| context.helpers.pieces().any(|p| p.name == "within")) {
+    if let Some(region) = facts.region.filter(|_| context.helpers.pieces().any(|p| ["within", "beside"].contains(&p.name))) {
         let corner = |of: fn(Interval) -> f64| region.0.map(|side| format!("{:?}", of(side) as f32)).join(", ");
         // No array: HLSL's front ends take no call for a constant, as which naga writes one.
         let (low, high) = (corner(|i| i.lo), corner(|i| i.hi));

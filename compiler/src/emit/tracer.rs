@@ -31,6 +31,9 @@ pub struct Ways {
     pub planes: bool,
     /// Whether `sf_within` knows a box about all that is solid, but planes that are met apart.
     pub region: bool,
+    /// Whether the estimate of the distance may be much less than it: beside a face that an intersection cuts away, or where it is the field over its
+    /// gradient.
+    pub loose: bool,
 }
 
 impl Default for Tracer {
@@ -75,7 +78,7 @@ impl Tracer {
     /// return as it stands comes from there. A ray missed what it had met, because its neighbours looked on.
     pub(super) fn text(&self, ways: Ways) -> String {
         let Self { leap, budget, .. } = *self;
-        let Ways { one, planes, region } = ways;
+        let Ways { one, planes, region, .. } = ways;
         let (aside, fine) = (Self::ASIDE, Self::FINE);
         let indented = |lines: &[String], by: &str| -> String { lines.iter().map(|l| format!("{by}{l}\n")).collect() };
         let (look, go_on) = (self.look(one), self.go_on());

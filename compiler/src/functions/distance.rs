@@ -39,6 +39,11 @@ const TIMES_GENTLEST: f64 = 1.8;
 /// second look says what is too far.
 const TIMES_NEAR: f64 = 16_777_216.0;
 
+/// What is taken away ends just beyond the rest, if that is less than this part of how wide it is.
+const JUST_BEYOND: f64 = 0.15;
+/// And it is an opening, if it is so wide a part of the rest.
+const WIDE_OPEN: f64 = 0.7;
+
 /// At how many values of the parameters a constant is looked for again, and with how many boxes each.
 const GENTLE_VALUES: usize = 4;
 const GENTLE_BOXES: usize = 32;
@@ -72,6 +77,9 @@ impl Builder<'_> {
             _ if self.is_exact(shape, node) => node,
             Node::Op(Op::Max, _) if let Some(left) = self.without_absorbed(node, domain) => self.distance(shape, left, domain),
             Node::Op(op @ (Op::Min | Op::Max), args) => {
+                if op == Op::Max && self.is_solid(shape) {
+                    self.opening = self.opening.max(self.opening_of(node, &args, domain));
+                }
                 let args: Vec<NodeId> = {
                     let near = if op == Op::Max { self.narrowed(node, domain) } else { None };
                     let inner = near.as_ref().map_or(domain, |(d, _, _)| d);
@@ -152,6 +160,39 @@ impl Builder<'_> {
                 }
             }
         }
+    }
+
+    fn is_solid(&self, shape: ShapeId) -> bool {
+        self.graph.shape(shape).is_some_and(|shape| shape.dimensions == 3)
+    }
+
+    /// How wide an opening is whose face a ray may pass though it is not there: what an intersection takes away ends at a side of the rest, or only a
+    /// little beyond it. 0 where there is none.
+    fn opening_of(&mut self, node: NodeId, args: &[NodeId], domain: &Domain) -> f64 {
+        let taken: Vec<NodeId> = args
+            .iter()
+            .filter_map(|&a| match self.graph.node(a) {
+                Node::Op(Op::Neg, inner) => inner.first().copied(),
+                _ => None,
+            })
+            .collect();
+        let Some((rest, _)) = (!taken.is_empty()).then(|| self.region_of(node, domain)).flatten() else { return 0.0 };
+        let mut widest = 0.0;
+        for taken in taken {
+            let Some((taken, _)) = self.region_of(taken, domain) else { continue };
+            // A face that is not there is as large as what is taken away; one of a small hole stands among faces that are there.
+            let wide = |axis: usize| taken.axis(axis).width() >= WIDE_OPEN * rest.axis(axis).width();
+            for ((side, rest), axis) in taken.0.iter().zip(rest.0).zip(0..) {
+                let is_wide = (0..3).all(|other| other == axis || wide(other));
+                let little = JUST_BEYOND * side.width();
+                let ends = |beyond: f64| beyond > -0.01 * little && beyond < little;
+                if is_wide && (side.lo < rest.hi && ends(side.hi - rest.hi) || side.hi > rest.lo && ends(rest.lo - side.lo)) {
+                    let across = (0..3).filter(|other| *other != axis).map(|other| taken.axis(other).width());
+                    widest = across.fold(f64::INFINITY, f64::min).max(widest);
+                }
+            }
+        }
+        widest
     }
 
     /// How steep a node is that is no steeper than `constant`. A parameter's whole range says little about one of its values: at a few values

@@ -79,6 +79,8 @@ pub struct Functions {
     pub unions: FxHashMap<unions::Of, unions::Union>,
     /// What rays find without a search.
     pub ahead: Ahead,
+    /// Whether the estimate of the distance may be much less than it ([`crate::emit::tracer::Ways::loose`]).
+    pub loose: bool,
     /// How what is solid moves, where balls ask for it and it does.
     pub carry: Option<Carry>,
     /// Intersections, each with an operand that cuts nothing off, which bound and distance do without.
@@ -264,6 +266,8 @@ pub struct Builder<'a> {
     dresses: FxHashMap<NodeId, dress::Dress>,
     /// How many shapes of several materials were looked at.
     looked: usize,
+    /// How wide the widest opening is of which the estimate of the distance tells a face that is not there.
+    opening: f64,
     /// Within how many smooth unions, each taken apart, the bound that is being made lies.
     parting: u32,
 }
@@ -290,6 +294,9 @@ pub fn bind_world(graph: &mut Graph, root: ShapeId) -> ShapeId {
     let value = bound.first().copied().unwrap_or(shape.value);
     graph.add_shape(crate::graph::Shape { value, ..shape })
 }
+
+/// An opening that is less than this part of the scene's size is not looked at apart: what it does to the light is small.
+const SEEN_OPENING: f64 = 0.2;
 
 /// Builds the functions of a scene whose shape has been through [`bind_world`]. `searches` is what the graph's factors were found from.
 pub fn build(
@@ -342,6 +349,8 @@ pub fn build(
     }
     builder.built.unions = unions::find(builder.graph, builder.facts, &builder.built, &asked);
     builder.built.ahead = builder.ahead();
+    let size = builder.built.ahead.region.map_or(0.0, |region| region.size());
+    builder.built.loose = builder.opening > 0.0 && builder.opening >= SEEN_OPENING * size;
     builder.built.solids = builder.facts.known_solids().clone();
     let asked = builder.outline_all();
     builder.unite_folds(&asked);
@@ -412,6 +421,7 @@ impl<'a> Builder<'a> {
             looks: FxHashMap::default(),
             dresses: FxHashMap::default(),
             looked: 0,
+            opening: 0.0,
             parting: 0,
         }
     }

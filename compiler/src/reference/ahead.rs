@@ -27,23 +27,19 @@ impl PlanesApart {
         ways
     }
 
-    /// How much light the planes leave of each ray at most, before its edge is smoothed: as `shadow_past_planes` in `emit/library.rs` says. `lights`: how
-    /// far the light is along each ray.
-    pub fn shares(&self, rays: &[Option<Ray>], lights: &[f64], softness: &[f64]) -> Vec<f64> {
-        let mut shares = vec![f64::INFINITY; rays.len()];
+    /// How narrowly the planes are passed: the angle, in half-angles of the light, 0 where a ray meets one; and where it does. A plane that is not met
+    /// is passed most narrowly at the ray's end. `sharpness`: of a ray by its number.
+    pub fn passages(&self, rays: &[Option<Ray>], sharpness: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
+        let mut passed = vec![(f64::INFINITY, 0.0); rays.len()];
         let ahead = self.ahead(rays);
-        let halves: Vec<f64> = rays.iter().zip(lights).map(|(ray, light)| ray.map_or(0.0, |ray| ray.t_max.min(0.5 * light))).collect();
-        let points: Vec<Vec3> = rays.iter().zip(&halves).map(|(ray, &half)| ray.map_or([0.0; 3], |ray| ray.at(half))).collect();
+        let points: Vec<Vec3> = rays.iter().map(|ray| ray.map_or([0.0; 3], |ray| ray.at(ray.t_max))).collect();
         at_points(&self.distance, &points, &[], |i, values| {
             let ray = rays.get(i).copied().flatten();
-            if let (Some(share), Some(ray), Some(height)) = (shares.get_mut(i), ray, values.first()) {
-                if ahead.get(i).is_some_and(|t| *t <= ray.t_max) {
-                    *share = 0.0;
-                } else if let Some(softness) = softness.get(i).filter(|softness| **softness > 0.0) {
-                    *share = softness * height / halves.get(i).map_or(1e-6, |half| half.max(1e-6));
-                }
+            if let (Some(passed), Some(ray), Some(height)) = (passed.get_mut(i), ray, values.first()) {
+                let met = ahead.get(i).filter(|t| **t <= ray.t_max);
+                *passed = met.map_or((sharpness(i) * height / ray.t_max.max(1e-6), 0.0), |t| (0.0, *t));
             }
         });
-        shares
+        passed
     }
 }

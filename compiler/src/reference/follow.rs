@@ -1,4 +1,4 @@
-//! Where a ray is in its search, step for step as in the texts of `compiler/src/emit/tracer.rs` and of the shadow in `library.rs` beside it.
+//! Where a ray is in its search, step for step as in the text of `compiler/src/emit/tracer.rs`.
 
 use super::march::{Look, Ray};
 use crate::emit::tracer::Tracer;
@@ -97,95 +97,5 @@ impl Follow {
         self.before = change;
         self.stride = if self.leapt { leap } else { stride }.min(ray.t_max - look.t);
         Turn::Go(look.t + self.stride)
-    }
-}
-
-/// Looks of a shadow's ray at most.
-const MOST_SHADOW_STEPS: u32 = 256;
-/// A shadow's ray goes on by as much as the bound at most divided by this.
-const SHORTEST_REST: f64 = 0.25;
-/// It goes back where the bound is less than this share of the step.
-const CLOSE: f64 = 0.75;
-/// Where the distance matters, and is so many times the bound, it goes on by no more than this part of it: a passage between two looks is hardly nearer.
-const MATTERS: f64 = 1.25;
-const MUCH_MORE: f64 = 1.5;
-const BETWEEN: f64 = 0.4;
-/// A shadow's ray that has spent its looks goes on by guesses so often, and at least by so much for each unit of its coordinates and its way.
-const MOST_GUESSES: u32 = 32;
-const LEAST_GUESS: f64 = 2e-3;
-/// So near to the surface, for each unit of the same, it is met.
-pub const MET: f64 = 2e-6;
-/// Less light counts as none.
-pub const DARK: f64 = 0.002;
-
-/// What a shadow's ray passes.
-#[derive(Clone, Copy, Debug)]
-pub struct Passage {
-    /// The softness times the distance as an angle.
-    pub share: f64,
-    /// The distance.
-    pub distance: f64,
-}
-
-/// The variables of `sf_shadow`.
-#[derive(Clone, Copy, Debug)]
-pub struct Shadow {
-    /// How much light comes along the ray so far, before its edge is smoothed.
-    pub lit: f64,
-    /// Of the last sphere that is known to be empty.
-    radius: f64,
-    /// From its centre to here.
-    stride: f64,
-    steps: u32,
-}
-
-impl Shadow {
-    /// At the ray's beginning, before the first look.
-    pub const START: Self = Self { lit: 1.0, radius: 1e18, stride: 1.0, steps: 0 };
-
-    /// Whether it has spent its looks, and goes on by guesses.
-    pub fn is_spent(&self) -> bool {
-        self.steps >= MOST_SHADOW_STEPS
-    }
-
-    /// One look. `passage`: what it passes, where that can matter; `size`: how large coordinates are there, and the way to it; `end`: of the ray. The
-    /// answer: where to look next.
-    pub fn turn(&mut self, look: &Look, passage: Option<Passage>, size: f64, end: f64) -> Option<f64> {
-        let Self { radius, stride, lit, .. } = *self;
-        let (t, free) = (look.t, look.free);
-        let tolerance = MET * size;
-        let guesses = self.is_spent();
-        self.steps += 1;
-        if let Some(passage) = &passage {
-            self.lit = lit.min(passage.share);
-        }
-        if guesses {
-            if free <= 0.0 || self.lit < DARK {
-                self.lit = 0.0;
-                return None;
-            }
-            let next = t + passage.map_or(free, |p| p.distance).max(LEAST_GUESS * size);
-            return (next <= end && self.steps < MOST_SHADOW_STEPS + MOST_GUESSES).then_some(next);
-        }
-        if free <= tolerance || self.lit < DARK {
-            self.lit = 0.0;
-            return None;
-        }
-        let on = free * stride / (stride + radius - free).min(stride).max(SHORTEST_REST * stride);
-        let mut next = (t + free).max((t + on).min(end));
-        if stride > radius && free < CLOSE * stride {
-            next = t + radius - stride;
-            self.stride = radius;
-        } else {
-            (self.radius, self.stride) = (free, next - t);
-            if let Some(Passage { share, distance }) = passage
-                && share < MATTERS * lit
-                && distance > MUCH_MORE * free
-            {
-                self.stride = self.stride.min(tolerance.max(BETWEEN * distance));
-                next = t + self.stride;
-            }
-        }
-        (next <= end).then_some(next)
     }
 }

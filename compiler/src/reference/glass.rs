@@ -67,7 +67,7 @@ const LOOKS: u32 = 192;
 
 impl Reference {
     /// How far off a surface rays start that leave it.
-    pub(super) fn off(&self, point: Vec3, t: f64, footprint: f64) -> f64 {
+    pub fn off(&self, point: Vec3, t: f64, footprint: f64) -> f64 {
         shadow_offset(self.rounded(point, t), t, footprint)
     }
 

@@ -2,8 +2,9 @@
 //! `glass.wgsl`.
 
 use super::glass::{Through, fresnel};
-use super::march::Ray;
-use super::shade::{self, Leaving, Seen, Shading, SurfaceValues};
+use super::area::{Part, toward};
+use super::march::{Ray, at_points};
+use super::shade::{self, Lamp, Leaving, Seen, Shading, SurfaceValues};
 use super::vector::{Vec3, add, along, dot, mul, scale, sub};
 use super::{Reference, numbered};
 use crate::compiled::Frame;
@@ -102,10 +103,7 @@ impl Reference {
                 });
                 of.push(i);
             }
-            let dark = |rays: &[Ray]| {
-                let softness: Vec<f64> = rays.iter().map(|ray| lamp.softness_from(ray.t_max)).collect();
-                self.shadows(rays, &softness, frame.extent)
-            };
+            let dark = |rays: &[Ray]| self.lit(lamp, shading.part, rays, frame.extent);
             let mut shares = dark(&rays);
             if self.glass.is_some() {
                 shares = self.lit_through(&rays, shares, frame, footprint, dark);
@@ -118,5 +116,41 @@ impl Reference {
         }
         let all = places.iter().zip(surfaces).zip(occlusion.iter().zip(&lit));
         all.map(|((seen, surface), (&occlusion, lit))| shading.leaving(seen, surface, occlusion, lit)).collect()
+    }
+
+    /// How much of a lamp is seen along rays to its middle, of which `t_min` is how far they start from a surface: of all of its disc, or of what a
+    /// picture of a film looks at.
+    pub fn lit(&self, lamp: &Lamp, part: Part, rays: &[Ray], extent: f64) -> Vec<f64> {
+        let softness: Vec<f64> = rays.iter().map(|ray| lamp.softness_from(ray.t_max)).collect();
+        let aimed = |(ray, &softness): (&Ray, &f64)| {
+            let before = if softness > 0.0 && part.narrower > 0.0 { 1.25 * ray.t_max / softness } else { ray.t_min };
+            let end = self.end(lamp, ray, before);
+            let (tangent, [x, y]) = if softness > 0.0 { (1.0 / softness, part.place) } else { (0.0, [0.0; 2]) };
+            let t_max = end * (1.0 + tangent * tangent * (x * x + y * y)).sqrt();
+            Ray { direction: toward(ray.direction, tangent, [x, y]), t_max, ..*ray }
+        };
+        let aimed: Vec<Ray> = rays.iter().zip(&softness).map(aimed).collect();
+        let softness: Vec<f64> = softness.into_iter().map(|softness| softness * part.narrower).collect();
+        self.shadows(&aimed, &softness, extent)
+    }
+
+    /// Where a shadow's ray ends: at the lamp, or so far before the solid in which it stands if that emits light: it throws no shadow of its own.
+    pub fn end(&self, lamp: &Lamp, ray: &Ray, before: f64) -> f64 {
+        let (direction, far) = (ray.direction, ray.t_max);
+        let mut out = 0.0;
+        for _ in 0..if lamp.position { 64 } else { 0 } {
+            let mut inside = 0.0;
+            at_points(&self.bound, &[along(lamp.vector, direction, -out)], &[], |_, values| inside = -values.first().copied().unwrap_or(0.0));
+            if inside <= 1e-4 * out {
+                break;
+            }
+            out += inside;
+        }
+        if out <= 0.0 {
+            return far;
+        }
+        let lamp = Seen { point: lamp.vector, normal: direction, direction, t: 0.0 };
+        let emits = self.surfaces(&[lamp]).iter().any(|surface| surface.emission.iter().any(|c| *c > 0.0));
+        if emits { far - out - before } else { far }
     }
 }

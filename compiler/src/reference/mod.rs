@@ -4,6 +4,7 @@
 //! `runtime/src/passes/scene/*.wgsl`. A picture is made tile by tile; tiles may be made on as many threads as there are.
 
 mod ahead;
+pub mod area;
 pub mod camera;
 pub mod film;
 pub(crate) mod follow;
@@ -12,6 +13,7 @@ mod layers;
 mod light;
 pub mod march;
 pub mod shade;
+mod shadow;
 pub mod tone;
 pub mod vector;
 
@@ -22,8 +24,9 @@ use crate::graph::{Function, NodeId};
 use crate::functions::{Planes, Surface};
 use crate::images::{Images, Texture};
 use ahead::PlanesApart;
+use area::Part;
 use camera::Basis;
-use follow::{DARK, Follow, MET, Passage, Shadow, Small, TRACER, Turn};
+use follow::{Follow, Small, TRACER, Turn};
 use march::{Look, Ray, Scene, at_points, march, sizes};
 use shade::{Seen, Shading, SurfaceValues};
 use std::cell::Cell;
@@ -102,6 +105,8 @@ pub struct Reference {
     /// How much light goes through the surface, and the index of refraction, where any does.
     glass: Option<Tape>,
     images: Images,
+    /// Whether the estimate of the distance may be much less than it ([`crate::emit::tracer::Ways::loose`]).
+    loose: bool,
     /// The axes along which rounding grows with more than the way from the eye ([`crate::compiled::Module::reads_scene`]).
     reads_scene: [bool; 3],
 }
@@ -136,6 +141,7 @@ impl Reference {
                 environment: compiled.blocks.environment.as_ref().map(|_| Arc::new(shade::plain_sky())),
                 textures: functions.textures().into_iter().map(|(_, kind)| Arc::new(Texture::missing(kind))).collect(),
             },
+            loose: functions.loose,
             reads_scene: compiled.module.reads_scene,
         })
     }
@@ -282,49 +288,15 @@ impl Reference {
         hits
     }
 
-    /// How much light comes along rays: 1 lit, 0 dark. Of `softness` 0 is a sharp edge, more is sharper.
+    /// How much light comes along rays: 1 lit, 0 dark. Of `softness` 0 is a sharp edge; else the light is a disc that is seen under the half-angle
+    /// atan(1 / softness), of which the share that is seen is estimated.
     pub fn shadow(&self, rays: &[Ray], softness: f64, extent: f64) -> Vec<f64> {
         self.shadows(rays, &vec![softness; rays.len()], extent)
     }
 
     /// The same, each ray of its own softness.
     fn shadows(&self, rays: &[Ray], softness: &[f64], extent: f64) -> Vec<f64> {
-        let soft = |ray: usize| softness.get(ray).copied().unwrap_or(0.0);
-        let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
-        let states = vec![Cell::new(Shadow::START); rays.len()];
-        let state = |look: &Look| states.get(look.ray).map_or(Shadow::START, Cell::get);
-        let size = sizes(rays, self.reads_scene);
-        let way = |look: &Look| size(look) + look.t;
-        let Rest { bound, distance, both } = &self.rest;
-        let scene = match softness.iter().any(|softness| *softness > 0.0) {
-            true => Scene::Both(both),
-            false => Scene::Apart(bound, distance),
-        };
-        let lights: Vec<f64> = rays.iter().map(|ray| ray.t_max).collect();
-        let shares = self.planes.as_ref().map_or_else(|| vec![f64::INFINITY; rays.len()], |planes| planes.shares(&clipped, &lights, softness));
-        // How far a look is from the surface or from the light, whichever is nearer.
-        let apart = |look: &Look| look.t.min(lights.get(look.ray).map_or(f64::INFINITY, |light| light - look.t)).max(MET * way(look));
-        march(
-            scene,
-            &clipped,
-            |look| {
-                // The distance is looked at where the bound says that it can matter.
-                let softness = soft(look.ray);
-                let matters = softness > 0.0 && look.free > MET * way(look) && softness * look.free < state(look).lit * apart(look);
-                matters || state(look).is_spent()
-            },
-            |look, distance| {
-                let end = clipped.get(look.ray).copied().flatten()?.t_max;
-                let mut shadow = state(look);
-                let sharpness = if soft(look.ray) > 0.0 { soft(look.ray) } else { 1e18 };
-                let passage = distance.map(|d| Passage { share: sharpness * d / apart(look), distance: d });
-                let t = shadow.turn(look, passage, way(look), end);
-                states.get(look.ray)?.set(shadow);
-                t
-            },
-        );
-        let lit = states.iter().zip(shares).map(|(s, share)| s.get().lit.min(share));
-        lit.map(|lit| if lit < DARK { 0.0 } else { lit * lit * (3.0 - 2.0 * lit) }).collect()
+        shadow::shares(self, rays, softness, extent)
     }
 
     /// How open the surroundings of a surface are: 1 open, 0 closed; at strength 1 the edge of a wedge gets the share of the sky that it sees,
@@ -394,11 +366,11 @@ impl Reference {
         view: View,
         area: Area,
     ) -> Vec<[f32; 4]> {
-        self.tile_at(frame, camera, size, view, area, (0.0, 0.0))
+        self.tile_at(frame, camera, size, view, area, 0)
     }
 
-    /// The same, seen not through the middles of the pixels but so far beside them, in pixels across and down. Of a scene whose light is scattered
-    /// it is as if none were: see [`Reference::light_at`].
+    /// The same for the picture of a film with a number: it looks at places of its own in the pixels and on the lights. Of a scene whose light is
+    /// scattered it is as if none were: see [`Reference::light_at`].
     pub fn tile_at(
         &self,
         frame: &Frame,
@@ -406,9 +378,9 @@ impl Reference {
         size: (u32, u32),
         view: View,
         area: Area,
-        offset: (f64, f64),
+        sample: u32,
     ) -> Vec<[f32; 4]> {
-        let mut pixels = self.light_at(frame, camera, size, view, area, offset);
+        let mut pixels = self.light_at(frame, camera, size, view, area, sample);
         if view == View::Shaded {
             for [r, g, b, _] in &mut pixels {
                 [*r, *g, *b] = film::develop(frame.tone, [*r, *g, *b].map(f64::from)).map(|c| c as f32);
@@ -426,9 +398,10 @@ impl Reference {
         size: (u32, u32),
         view: View,
         area: Area,
-        offset: (f64, f64),
+        sample: u32,
     ) -> Vec<[f32; 4]> {
-        let shading = Shading::of(frame, self.images.environment.clone());
+        let shading = Shading { part: Part::of(sample), ..Shading::of(frame, self.images.environment.clone()) };
+        let offset = sample_offset(sample);
         let basis = Basis::of(camera);
         let mut pixels = vec![[0.0; 4]; area.width as usize * area.height as usize];
         for top in (0..area.height).step_by(BLOCK as usize) {
@@ -441,7 +414,7 @@ impl Reference {
                 let rays: Vec<Ray> = places
                     .iter()
                     .map(|&(x, y)| {
-                        let at = (f64::from(area.left + x) + 0.5 + offset.0, f64::from(area.top + y) + 0.5 + offset.1);
+                        let at = (f64::from(area.left + x) + 0.5 + offset[0], f64::from(area.top + y) + 0.5 + offset[1]);
                         let direction = basis.direction(at, size);
                         Ray { origin: basis.start(camera.eye, at, size), direction, t_min: 0.0, t_max: frame.max_distance }
                     })
@@ -519,6 +492,13 @@ impl Reference {
             Seen { point: *point, normal: *normal, direction: ray.direction, t: hit.t }
         };
         met.iter().zip(&points).zip(&normals).map(seen).collect()
+    }
+
+    /// What rays see of a surface, with their numbers.
+    pub fn seen(&self, rays: &[Ray], footprint: f64, extent: f64) -> Vec<(usize, Seen)> {
+        let hits = self.trace(rays, footprint, extent);
+        let met = numbered(rays, &hits);
+        met.iter().map(|(i, ..)| *i).zip(self.places(&met)).collect()
     }
 }
 

@@ -8,6 +8,7 @@
 //! Function", 2014) and Schlick's Fresnel term (1994), over Lambert's diffuse term; the fill light is a two-coloured sky above dark
 //! ground; the film is a tone curve ([`super::tone`]).
 
+use super::area::Part;
 use super::vector::{Vec3, add, cross, dot, length, mix, mul, scale, smooth, sub, unit};
 use crate::compiled::{Fog, Frame, Light, LightKind, Shadow, Sky};
 use super::glass::fresnel;
@@ -232,6 +233,8 @@ pub struct Shading {
     pub lamps: Vec<Lamp>,
     /// What the ground throws back of the light from above.
     pub ground: Vec3,
+    /// What is looked at of the lights' discs.
+    pub part: Part,
     /// What light is multiplied by.
     pub exposure: f64,
     /// What it comes through.
@@ -266,6 +269,7 @@ impl Shading {
             cube: cube.filter(|_| frame.has_environment),
             ground: ground(frame, &lamps),
             lamps,
+            part: Part::WHOLE,
             exposure: frame.exposure.exp2(),
             fog: frame.fog,
             max_distance: frame.max_distance,

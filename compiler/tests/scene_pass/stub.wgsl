@@ -26,3 +26,9 @@ fn sf_occlusion(p: vec3f, normal: vec3f) -> f32 {
 fn sf_surface(p: vec3f, normal: vec3f) -> sf_Surface {
     return sf_Surface(vec3f(0.5), vec3f(0.0), 0.5, 0.0, 0.0);
 }
+fn sf_bound(p: vec3f) -> f32 {
+    return length(p) - 1.0;
+}
+fn sf_across(n: vec3f) -> vec3f {
+    return normalize(n.yzx);
+}

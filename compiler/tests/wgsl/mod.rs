@@ -187,6 +187,12 @@ impl<'m> Machine<'m> {
                     }
                     Flow::Next
                 }
+                S::Switch { selector, cases } => {
+                    let Value::U(selector) = self.value(frame, *selector) else { panic!("{selector:?}") };
+                    let is = |value: &naga::SwitchValue| *value == naga::SwitchValue::U32(selector) || *value == naga::SwitchValue::Default;
+                    let case = cases.iter().find(|case| is(&case.value)).unwrap();
+                    self.block(frame, &case.body)
+                }
                 other => panic!("{other:?}"),
             };
             if !matches!(flow, Flow::Next) {
@@ -245,6 +251,21 @@ impl<'m> Machine<'m> {
                             .collect(),
                     ),
                     _ => Value::Many(parts),
+                }
+            }
+            E::Access { base, index } => {
+                let Value::U(index) = self.value(frame, *index) else { panic!("{index:?}") };
+                match self.value(frame, *base) {
+                    Value::Many(parts) => parts[index as usize].clone(),
+                    Value::Local(local, mut path) => {
+                        path.push(index);
+                        Value::Local(local, path)
+                    }
+                    Value::Uniform(mut path) => {
+                        path.push(index);
+                        Value::Uniform(path)
+                    }
+                    other => panic!("{other:?} has no parts"),
                 }
             }
             E::AccessIndex { base, index } => match self.value(frame, *base) {
@@ -404,6 +425,15 @@ fn math(fun: M, args: &[Value]) -> Value {
                 Value::F(x) => Value::F(x.abs()),
                 _ => Value::F(floats().iter().map(|x| x * x).sum::<f64>().sqrt()),
             };
+        }
+        M::Cross => {
+            let (a, b) = (floats(), args[1].floats());
+            let turned = [1, 2, 0].map(|i: usize| a[i] * b[(i + 1) % 3] - a[(i + 1) % 3] * b[i]);
+            return Value::vec3(turned);
+        }
+        M::Normalize => {
+            let size = floats().iter().map(|x| x * x).sum::<f64>().sqrt();
+            return each(args, &|v| Value::F(v[0].f() / size));
         }
         M::Dot => return Value::F(floats().iter().zip(args[1].floats()).map(|(a, b)| a * b).sum()),
         _ => {}

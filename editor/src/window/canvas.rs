@@ -50,7 +50,7 @@ pub struct Canvas {
     /// Bands since the last change.
     bands: u32,
     /// Where in its pixels the newest picture looks.
-    aim: u32,
+    sample: u32,
     /// The most pictures of a still.
     still: u32,
     /// Which part of the front's sides is drawn.
@@ -103,7 +103,7 @@ impl Canvas {
             film: None,
             rows: None,
             bands: 0,
-            aim: 0,
+            sample: 0,
             still: STILL.0,
             part: [0.0; 2],
             detail: 1.0,
@@ -197,7 +197,7 @@ impl Canvas {
             }
         }
         // With all pixels as they were drawn last, to learn whether anything changed; fewer are asked for below.
-        let changed = stage.update(self.gpu.queue(), &view(order, size, self.aim)) || resized;
+        let changed = stage.update(self.gpu.queue(), &view(order, size, self.sample)) || resized;
         if changed {
             self.begin_anew();
             self.choose_detail(order, size, rests);
@@ -217,7 +217,7 @@ impl Canvas {
     }
 
     fn begin_anew(&mut self) {
-        (self.rows, self.bands, self.aim, self.error) = (None, 0, 0, None);
+        (self.rows, self.bands, self.sample, self.error) = (None, 0, 0, None);
         if let Some(film) = &mut self.film {
             film.clear();
         }
@@ -248,10 +248,10 @@ impl Canvas {
     /// Draws the picture as far as the detail goes, and shows it.
     fn draw_whole(&mut self, stage: &mut Stage, order: &Order, size: [u32; 2]) -> Result<(), String> {
         let fewer = size.map(|side| ((side as f32 * self.detail).round() as u32).max(1));
-        stage.update(self.gpu.queue(), &view(order, fewer, self.aim));
+        stage.update(self.gpu.queue(), &view(order, fewer, self.sample));
         let piece = self.submit(stage, fewer, 0..fewer[1], true)?;
         if fewer != size {
-            stage.update(self.gpu.queue(), &view(order, size, self.aim));
+            stage.update(self.gpu.queue(), &view(order, size, self.sample));
         }
         self.part = [0, 1].map(|i| fewer[i] as f32 / size[i] as f32);
         self.frames += 1;
@@ -270,8 +270,8 @@ impl Canvas {
                 // The first is still there.
                 count(&self.gpu, film, picture)?;
             }
-            self.aim = film.count();
-            stage.update(self.gpu.queue(), &view(order, size, self.aim));
+            self.sample = film.count();
+            stage.update(self.gpu.queue(), &view(order, size, self.sample));
         }
         let row = self.timing().per_pixel * f64::from(size[0]);
         let band = (BANDS.0 * f64::from(1 << self.bands.min(10))).min(BANDS.1);
@@ -364,5 +364,5 @@ fn count(gpu: &Gpu, film: &mut Film, picture: &Picture) -> Result<(), String> {
 
 /// The view of the sample of a number, of a picture of `size` pixels.
 fn view(order: &Order, size: [u32; 2], sample: u32) -> View {
-    View { camera: order.camera.sampled(sample), size: size.map(|side| side as f32), corner: film::offset(sample).map(|c| -c) }
+    View { camera: order.camera.sampled(sample), size: size.map(|side| side as f32), corner: film::offset(sample).map(|c| -c), sample }
 }

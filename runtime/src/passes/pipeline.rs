@@ -104,8 +104,9 @@ impl ScenePipeline {
     ) -> bool {
         let frame = compiled.frame(live);
         let origin = origin(compiled, view);
-        let View { camera, size, corner } = *view;
+        let View { camera, size, corner, sample } = *view;
         let uniforms = SceneUniforms::new(&frame, &camera, origin, size, corner)
+            .of_sample(sample)
             .rounded_along(compiled.module.reads_scene);
         let module = self.module.write(queue, &compiled.uniform_bytes(live, origin));
         let scene = self.scene.write(queue, &uniforms);

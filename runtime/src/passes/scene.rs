@@ -6,6 +6,7 @@ use crate::film::LINEAR;
 use bytemuck::{Pod, Zeroable};
 use std::borrow::Cow;
 use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, MAX_BOUNCES, Shadow, Tone};
+use surefoot_compiler::reference::area;
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::shade::{self, MAX_LIGHTS};
 use surefoot_compiler::reference::vector::{scale, sub};
@@ -54,6 +55,8 @@ pub struct Features {
     pub bloom: bool,
     /// Whether a camera has a lens or rays that go side by side.
     pub optics: bool,
+    /// Whether a lamp may stand in a solid that emits light.
+    pub emitters: bool,
 }
 
 impl Features {
@@ -71,9 +74,13 @@ impl Features {
             constant(reach).is_some_and(|r| r <= 0.0)
                 || constant(strength).is_some_and(|s| s <= 0.0)
         };
+        let shadows = shaded && thrown && !off;
+        let placed = blocks.lights.iter().any(|l| l.position);
+        let emits = compiled.functions.surface.emission.iter().any(|&c| constant(c) != Some(0.0));
         Self {
             view,
-            shadows: shaded && thrown && !off,
+            shadows,
+            emitters: shadows && placed && emits,
             occlusion: shaded && !blocks.ambient_occlusion.is_some_and(nothing),
             environment: shaded && blocks.environment.is_some(),
             textures: if shaded { compiled.functions.textures().len().min(MOST_TEXTURES) as u32 } else { 0 },
@@ -129,7 +136,7 @@ impl Features {
         if self.occlusion {
             exports.push(Export::Occlusion);
         }
-        if self.capture.is_some() || self.glass {
+        if self.capture.is_some() || self.glass || self.emitters {
             exports.push(Export::Bound);
         }
         exports
@@ -169,9 +176,9 @@ impl Features {
             });
             sections.extend(match (self.shadows, self.maps()) {
                 (true, true) => {
-                    vec![include_str!("shadows/base.wgsl"), include_str!("shadows/box.wgsl"), include_str!("shadows/lit.wgsl")]
+                    vec![self.emitter(), include_str!("scene/seen.wgsl"), include_str!("shadows/base.wgsl"), include_str!("shadows/box.wgsl"), include_str!("shadows/lit.wgsl")]
                 }
-                (true, false) => vec![include_str!("scene/shadow.wgsl")],
+                (true, false) => vec![self.emitter(), include_str!("scene/seen.wgsl"), include_str!("scene/shadow.wgsl")],
                 (false, _) => vec![include_str!("scene/no_shadow.wgsl")],
             });
             sections.push(match self.occlusion {
@@ -205,6 +212,11 @@ impl Features {
             Tone::Neutral => include_str!("scene/tone_neutral.wgsl"),
             Tone::None => include_str!("scene/tone_none.wgsl"),
         }
+    }
+
+    /// Where shadows' rays end.
+    fn emitter(&self) -> &'static str {
+        if self.emitters { include_str!("scene/emitter.wgsl") } else { include_str!("scene/no_emitter.wgsl") }
     }
 
     /// Values of the `override` constants of what every pass that shades has, on targets of a format.
@@ -294,6 +306,8 @@ uniforms! {
         density: f32,
         lean: [f32; 2],
         padding: [f32; 2],
+        part: [f32; 3],
+        spare: f32,
         lights: [SceneLight; MAX_LIGHTS],
     }
 }
@@ -304,6 +318,12 @@ impl SceneUniforms {
     /// [`Module::reads_scene`]: surefoot_compiler::Module::reads_scene
     pub fn rounded_along(self, axes: [bool; 3]) -> Self {
         Self { rounding: axes.map(|read| f32::from(u8::from(read))), ..self }
+    }
+
+    /// The same for the picture of a film with a number ([`area::Part`]).
+    pub fn of_sample(self, sample: u32) -> Self {
+        let area::Part { place: [x, y], narrower } = area::Part::of(sample);
+        Self { part: [x, y, narrower].map(|c| c as f32), ..self }
     }
 
     /// Through a camera. `origin` is the scene's point at which the module's `p` is zero; `size` is that of the whole picture and `corner` its upper left
@@ -359,6 +379,8 @@ impl SceneUniforms {
             density: fog.density as f32,
             lean: basis.lean.map(|c| c as f32),
             padding: [0.0; 2],
+            part: [0.0, 0.0, 1.0],
+            spare: 0.0,
             lights,
         }
     }

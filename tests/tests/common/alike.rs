@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use surefoot_compiler::compiled::{Compiled, Options};
 use surefoot_compiler::images::Images;
 use surefoot_compiler::reference::shade::{decode, encode};
-use surefoot_compiler::reference::{Area, Reference, View, film, rgb8, sample_offset};
+use surefoot_compiler::reference::{Area, Reference, View, film, rgb8};
 use surefoot_compiler::{MemoryLoader, compile, diagnostic};
 use surefoot_runtime::headless::{self, FORMAT, Pixels, Shot};
 use surefoot_runtime::images::{Gallery, Loaded};
@@ -67,13 +67,12 @@ pub fn samples_on_the_processor(compiled: &Compiled, images: &Images, size: (u32
     let mut sum = vec![[0.0; 3]; (size.0 * size.1) as usize];
     for sample in 0..samples {
         let camera = frame.cameras[0].1.sampled(sample);
-        let offset = sample_offset(sample).into();
         let bands: Vec<Vec<[f32; 4]>> = (0..size.1)
             .into_par_iter()
             .step_by(12)
             .map(|top| {
                 let area = Area { left: 0, top, width: size.0, height: 12.min(size.1 - top) };
-                reference.light_at(&frame, &camera, size, View::Shaded, area, offset)
+                reference.light_at(&frame, &camera, size, View::Shaded, area, sample)
             })
             .collect();
         let light: Vec<[f64; 3]> = bands.iter().flatten().map(|&[r, g, b, _]| [r, g, b].map(f64::from)).collect();

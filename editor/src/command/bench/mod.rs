@@ -8,6 +8,7 @@ pub mod error;
 mod factors;
 #[cfg(feature = "gpu")]
 mod hand;
+mod light;
 #[cfg(feature = "gpu")]
 mod many;
 mod operands;
@@ -24,7 +25,7 @@ use surefoot_compiler::{Loader, Memory, MemoryLoader, Options, Outcome, Stage, c
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scenes whose rays are followed by several methods, each judged by certified truth.
-    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands", "operand"])]
+    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands", "operand", "light"])]
     scenes: Vec<String>,
     #[cfg(feature = "gpu")]
     #[command(flatten)]
@@ -62,6 +63,9 @@ pub struct Args {
     /// One of these scenes, by its text, in this process.
     #[arg(long, hide = true, conflicts_with_all = ["scenes", "operands"])]
     operand: Option<String>,
+    /// Shadow and occlusion of these scenes beside the truth.
+    #[arg(long, value_name = "SCENES", num_args = 1..)]
+    light: Vec<String>,
     /// No more balls than this.
     #[arg(long, default_value_t = 1_000_000, value_name = "N", requires = "balls")]
     most: u32,
@@ -86,6 +90,13 @@ struct Runs {
 pub fn run(args: &Args) -> Result<Exit, Failure> {
     if let Some(path) = &args.edits {
         return edits::run(path, args.runs);
+    }
+    if !args.light.is_empty() {
+        #[cfg(feature = "gpu")]
+        let page = args.error.page.as_deref();
+        #[cfg(not(feature = "gpu"))]
+        let page = None;
+        return light::run(&args.light, page);
     }
     if let Some(path) = &args.rules {
         return factors::rules(path);

@@ -69,7 +69,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{} balls, {} steps", physics.count(), physics.steps());
     }
     let (_, camera) = compiled.frame(&live).cameras[0];
-    let view = View { camera, size: [WIDTH as f32, HEIGHT as f32], corner: [0.0, 0.0] };
+    let view = View { camera, size: [WIDTH as f32, HEIGHT as f32], corner: [0.0, 0.0], sample: 0 };
     picture.update(&queue, &compiled, &live, &view);
     let depth = picture.depth(size);
     let target = texture.create_view(&Default::default());

@@ -52,6 +52,9 @@ struct SceneUniforms {
     // How far rays lean for each unit ahead, to the right and up: as a place of the lens has it.
     lean: vec2f,
     padding: vec2f,
+    // What this picture of a film looks at of a light's disc: a place, on a disc of radius one; and how many times as sharp, 0 for a sharp edge.
+    part: vec3f,
+    spare: f32,
     lights: array<SceneLight, 16>,
 }
 

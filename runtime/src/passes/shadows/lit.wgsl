@@ -87,12 +87,10 @@ fn shadow_said(index: u32, p: vec3f, n: vec3f) -> ShadowSaid {
 
 // `light` is the light's number, `l` points to it, `off` is how far a ray starts from the surface.
 fn scene_lit(light: u32, p: vec3f, n: vec3f, l: vec3f, off: f32, far: f32) -> f32 {
-    let softness = scene_softness(light, far);
     let place = select(p, scene_round, all(p == scene_flat));
     let said = shadow_said(light, place, n);
     if said.lit <= 0.0 || said.known && shadow_lights[light].field == 1u {
         return said.lit;
     }
-    // Of a light that throws no shadow the ray ends before it begins.
-    return said.lit * sf_shadow(place + off * n, l, off, select(far, -1.0, softness < 0.0), softness);
+    return said.lit * scene_seen(light, place, n, l, off, far);
 }
