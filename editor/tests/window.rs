@@ -114,3 +114,62 @@ fn what_is_typed_is_seen_and_saved() {
     }
     window.screen("typed");
 }
+
+/// Where the bar over the text has the button that takes what was found.
+const KEEP: (u32, u32) = (40, 106);
+
+#[test]
+fn who_types_undoes_and_is_killed_comes_back_to_the_text() {
+    let lines: String = (0..120).map(|i| format!("// {i}\n")).collect();
+    let scene = format!("{SCENE}{lines}");
+    let mut window = Window::open("tour", &[("scene.sdf", &scene)]);
+    window.see("first", red);
+    let saved = |window: &Window, end: &str| {
+        let start = Instant::now();
+        loop {
+            let text = std::fs::read_to_string(window.scene()).unwrap();
+            if text.starts_with(&scene) && text.ends_with(end) {
+                return;
+            }
+            assert!(start.elapsed() < Duration::from_secs(10), "{text}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    };
+    // Each key is a frame of its own, also on a machine that is busy.
+    let hand = |window: &Window, args: &[&str]| {
+        window.hand(args);
+        std::thread::sleep(Duration::from_millis(400));
+    };
+    window.point(TEXT);
+    hand(&window, &["click", "1"]);
+    hand(&window, &["key", "ctrl+End"]);
+    hand(&window, &["type", "--delay", "20", "// typed"]);
+    hand(&window, &["key", "ctrl+Home"]);
+    hand(&window, &["key", "ctrl+z"]);
+    // The cursor is where the change was, not where it was left.
+    hand(&window, &["type", "--delay", "20", "// instead"]);
+    window.screen("undone");
+    hand(&window, &["key", "ctrl+s"]);
+    saved(&window, "// instead");
+    assert!(window.kept().is_empty(), "what is saved is not kept besides");
+
+    hand(&window, &["type", "--delay", "20", " and not saved"]);
+    let start = Instant::now();
+    while !window.kept().iter().any(|text| text.ends_with("// instead and not saved")) {
+        assert!(start.elapsed() < Duration::from_secs(1), "{:?}", window.kept());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    window.kill_and_start();
+    window.see("found", red);
+    window.point(KEEP);
+    hand(&window, &["click", "1"]);
+    window.screen("kept");
+    hand(&window, &["key", "ctrl+s"]);
+    saved(&window, "// instead and not saved");
+    let start = Instant::now();
+    while !window.kept().is_empty() {
+        assert!(start.elapsed() < Duration::from_secs(1), "{:?}", window.kept());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert_eq!(window.errors(), "", "nothing that a person did not ask for");
+}

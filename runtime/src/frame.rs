@@ -154,6 +154,11 @@ impl Picture {
         &self.passes
     }
 
+    /// Whether it draws with depth: then that of its meshes is drawn before each pass.
+    pub fn has_depth(&self) -> bool {
+        self.scene.has_depth()
+    }
+
     /// How many shadow maps there are, and how many pixels a side of one has.
     pub(crate) fn maps(&self) -> (usize, u32) {
         self.scene.maps()

@@ -6,7 +6,7 @@ use crate::live::Ready;
 use crate::physics::{Contact, Passes, Physics, STEP};
 use crate::tighten::Tightening;
 use crate::view::View;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use surefoot_compiler::compiled::{Compiled, Live, Parameter};
 use surefoot_compiler::physics::{Group, spawn};
 
@@ -14,7 +14,7 @@ use surefoot_compiler::physics::{Group, spawn};
 #[derive(Debug, Default)]
 pub struct Stage {
     scene: Option<Arc<Compiled>>,
-    picture: Option<Picture>,
+    picture: Option<Arc<Mutex<Picture>>>,
     live: Option<Live>,
     time: f64,
     /// Whether time runs.
@@ -58,7 +58,7 @@ impl Stage {
         self.live = Some(live);
         self.tightening = Tightening::start(ready.compiled.clone());
         self.scene = Some(ready.compiled);
-        self.picture = ready.picture;
+        self.picture = ready.picture.map(|picture| Arc::new(Mutex::new(picture)));
         self.fresh = true;
     }
 
@@ -139,8 +139,8 @@ impl Stage {
         self.live.as_ref()
     }
 
-    /// What draws it.
-    pub fn picture(&self) -> Option<&Picture> {
+    /// What draws it; another thread may draw with it too.
+    pub fn picture(&self) -> Option<&Arc<Mutex<Picture>>> {
         self.picture.as_ref()
     }
 
@@ -195,7 +195,7 @@ impl Stage {
     /// Writes to the GPU what changed since the last call. Answers whether there is anything new to draw: where not, the last picture
     /// is still the right one.
     pub fn update(&mut self, queue: &wgpu::Queue, view: &View) -> bool {
-        let (Some(scene), Some(live), Some(picture)) = (&self.scene, &mut self.live, &mut self.picture)
+        let (Some(scene), Some(live), Some(picture)) = (&self.scene, &mut self.live, &self.picture)
         else {
             return false;
         };
@@ -205,6 +205,7 @@ impl Stage {
         if scene.follow(live, Compiled::QUICK) && scene.can_settle(live) {
             self.tightening.iter().for_each(|tightening| tightening.ask(live));
         }
+        let mut picture = picture.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(balls) = &mut self.balls {
             match balls.advance(scene, live, std::mem::take(&mut self.passed), MOST_STEPS) {
                 Ok(steps) => self.fresh |= steps > 0,

@@ -36,21 +36,22 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
 /// Shows the window until it is closed, or says why there is none.
 #[cfg(feature = "gui")]
 fn window(args: &Args) -> Result<Option<String>, Failure> {
-    // An editor may open a scene that does not exist yet or has errors, but a wrong name is more likely.
-    crate::files::read(Path::new(&args.scene))
-        .map_err(|why| Failure::usage(format!("can't read {}: {why}", args.scene)))?;
+    let recovery = crate::window::Recovery::of_user();
+    // An editor may open a scene that does not exist yet or has errors, but a wrong name is more likely; not where text of it was left behind.
+    if let Err(why) = crate::files::read(Path::new(&args.scene))
+        && !recovery.found().iter().any(|found| found.is_of(&args.scene))
+    {
+        return Err(Failure::usage(format!("can't read {}: {why}", args.scene)));
+    }
     let log = match &args.log {
         None => crate::window::Log::default(),
         Some(path) => crate::window::Log::to(path)
             .map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?,
     };
-    if cfg!(all(unix, not(target_os = "macos"))) {
-        let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-        if !set("DISPLAY") && !set("WAYLAND_DISPLAY") && !set("WAYLAND_SOCKET") {
-            return Ok(Some("there is no display".to_owned()));
-        }
+    if !crate::window::has_display() {
+        return Ok(Some("there is no display".to_owned()));
     }
-    Ok(crate::window::open(&args.scene, args.options(), log).err())
+    Ok(crate::window::open(&args.scene, args.options(), recovery, log).err())
 }
 
 #[cfg(not(feature = "gui"))]

@@ -3,10 +3,11 @@
 use super::document::{Disk, Document, Resolution};
 use super::orbit::Orbit;
 use super::panels::balls::DROP;
+use super::recovery::{Found, Recovery};
 use super::session::{Place, Question, Search, Session, factors, problems};
 use super::world::World;
 use serde_json::json;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 use surefoot_compiler::compiled::{Camera, Compiled, Live};
@@ -35,6 +36,13 @@ pub enum Command {
     Resolve(Resolution),
     /// Write the edits beside the file, then show what is on the disk.
     KeepBoth,
+    /// Take a text that was left behind as an edit of the one that is shown, or drop it.
+    Recover {
+        /// The file that holds it.
+        file: PathBuf,
+        /// Whether it is taken.
+        keep: bool,
+    },
     /// Show a text.
     Show(String),
     /// Show a place.
@@ -154,6 +162,7 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
             }
         }
         Command::KeepBoth => keep_both(session, world),
+        Command::Recover { file, keep } => recover(session, world, &file, keep),
         Command::Show(file) => show(session, world, &file),
         Command::Jump(place) => {
             show(session, world, &place.file);
@@ -258,6 +267,25 @@ fn save(session: &mut Session, world: &mut World, index: usize) -> bool {
             session.notice = Some(format!("{} can't be written: {why}", document.name));
             false
         }
+    }
+}
+
+/// Ends what was left behind of the text that is shown. A text that is taken can be undone.
+fn recover(session: &mut Session, world: &mut World, file: &Path, keep: bool) {
+    let Some(at) = session.found.iter().position(|found| found.file == file) else { return };
+    if keep {
+        match Recovery::read(&session.found[at]) {
+            Ok(text) => session.documents.current_mut().edit(text, Instant::now()),
+            Err(why) => {
+                session.notice = Some(format!("The unsaved text can't be read: {why}."));
+                return;
+            }
+        }
+        // It lies there under this window's name before the other one goes.
+        world.keep_unsaved(session);
+    }
+    if let Some(at) = session.found.iter().position(|found| found.file == file) {
+        world.recovery.remove(&session.found.remove(at));
     }
 }
 
@@ -483,7 +511,10 @@ fn answer(session: &mut Session, world: &mut World, answer: Answer) {
     if go_on {
         match question {
             Question::Open(path) => open(session, world, &path),
-            Question::Close => world.close = true,
+            Question::Close => {
+                world.recovery.forget_all();
+                world.close = true;
+            }
         }
     }
 }
@@ -553,6 +584,7 @@ fn go_home(session: &mut Session, old: &Compiled, was: &Live) {
 }
 
 fn on_disk(session: &mut Session, world: &mut World, name: &str, disk: &Disk) {
+    session.found.iter_mut().filter(|found| found.is_of(name)).for_each(Found::look);
     let Some(index) = session.documents.find(name) else { return };
     let Some(document) = session.documents.all.get_mut(index) else { return };
     if document.on_disk(disk) {

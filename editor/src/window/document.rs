@@ -86,6 +86,11 @@ impl Document {
         self.name.rsplit(['/', '\\']).next().unwrap_or(&self.name)
     }
 
+    /// What the disk holds, as far as this document has followed it.
+    pub fn saved(&self) -> &str {
+        &self.saved
+    }
+
     /// Whether the text differs from what is on the disk.
     pub fn is_unsaved(&self) -> bool {
         self.missing || self.has_edits()

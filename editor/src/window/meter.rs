@@ -1,24 +1,21 @@
-//! How long pictures take. That is known only when they are done, and waiting for it would stop the window; so a thread waits.
+//! How long pictures take. That is known only when they are done.
 
 use super::log::Log;
 use serde_json::json;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use surefoot_runtime::Gpu;
 
 /// How long pictures took.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Timing {
-    /// The last one, from the order to its end.
+    /// The last one, without what it had to wait for.
     pub frame: Duration,
     /// Its width and height in pixels.
     pub size: (u32, u32),
     /// A pixel of the last ones, in seconds; 0 while nothing is known.
     pub per_pixel: f64,
-    /// Pieces that are being drawn.
-    pub in_flight: u32,
     /// What the pieces of a picture took that is not finished.
     so_far: Duration,
 }
@@ -26,12 +23,14 @@ pub struct Timing {
 /// A picture, or a piece of one, that is being drawn.
 #[derive(Debug)]
 pub struct Piece {
-    /// The work on the device.
-    pub submission: wgpu::SubmissionIndex,
+    /// Whether the device is done with it.
+    pub done: Arc<AtomicBool>,
     /// When it was ordered.
     pub ordered: Instant,
     /// How many pixels it has.
     pub pixels: u64,
+    /// Whether a picture begins with it: of one that was given up nothing counts.
+    pub begins: bool,
     /// The picture that is whole with it.
     pub finishes: Option<Finished>,
 }
@@ -47,80 +46,40 @@ pub struct Finished {
     pub swaps: u64,
 }
 
-/// Measures on a thread of its own, which ends with it: a driver that is a program must not be asked while the process ends.
-#[derive(Debug)]
+/// What measures, piece after piece.
 pub struct Meter {
+    gpu: Gpu,
+    log: Log,
     timing: Arc<Mutex<Timing>>,
-    /// None once it ends.
-    pieces: Option<Sender<Piece>>,
-    /// None where there could be no thread: then nothing is measured, and the pictures come all the same.
-    thread: Option<JoinHandle<()>>,
+    before: Option<Instant>,
 }
+
+/// How long it sleeps while a piece is drawn.
+const NAP: Duration = Duration::from_micros(500);
 
 impl Meter {
-    /// Starts. `wake` is called when a piece is done.
-    pub fn start(gpu: Gpu, log: Log, wake: Arc<dyn Fn() + Send + Sync>) -> Self {
-        let timing = Arc::<Mutex<Timing>>::default();
-        let (pieces, received) = channel();
-        let shared = timing.clone();
-        let wait = move || measure(&gpu, &received, &shared, &log, &*wake);
-        let thread = std::thread::Builder::new().name("surefoot meter".to_owned()).spawn(wait).ok();
-        Self { timing, pieces: Some(pieces), thread }
+    /// Measures what a device draws.
+    pub fn new(gpu: Gpu, log: Log, timing: Arc<Mutex<Timing>>) -> Self {
+        Self { gpu, log, timing, before: None }
     }
 
-    /// What is known so far.
-    pub fn timing(&self) -> Timing {
-        *lock(&self.timing)
-    }
-
-    /// Hears of a piece that is being drawn.
-    pub fn add(&self, piece: Piece) {
-        lock(&self.timing).in_flight += 1;
-        if self.pieces.as_ref().is_none_or(|pieces| pieces.send(piece).is_err()) {
-            // Nobody measures.
-            lock(&self.timing).in_flight = 0;
-        }
-    }
-}
-
-impl Drop for Meter {
-    fn drop(&mut self) {
-        self.pieces = None;
-        if let Some(thread) = self.thread.take() {
-            // A thread that panicked has said so already.
-            let _ = thread.join();
-        }
-    }
-}
-
-/// Waits for one piece after another until there is no meter any more.
-fn measure(
-    gpu: &Gpu,
-    pieces: &Receiver<Piece>,
-    timing: &Mutex<Timing>,
-    log: &Log,
-    wake: &(dyn Fn() + Send + Sync),
-) {
-    let mut before: Option<Instant> = None;
-    while let Ok(piece) = pieces.recv() {
-        let submission_index = Some(piece.submission.clone());
-        let wait = wgpu::PollType::Wait { submission_index, timeout: None };
-        let waited = gpu.device().poll(wait);
+    /// Waits for a piece, and answers how long it took.
+    pub fn measure(&mut self, piece: &Piece) -> Duration {
+        let is_done = self.wait(&piece.done);
         let now = Instant::now();
         // What had to wait for the piece before it began when that one was done.
-        let began = before.map_or(piece.ordered, |before| before.max(piece.ordered));
+        let began = self.before.map_or(piece.ordered, |before| before.max(piece.ordered));
         let took = now.duration_since(began);
-        before = Some(now);
-        let mut timing = lock(timing);
-        timing.in_flight = timing.in_flight.saturating_sub(1);
-        if waited.is_ok() {
-            note(&mut timing, &piece, took);
+        self.before = Some(now);
+        let mut timing = lock(&self.timing);
+        if is_done {
+            note(&mut timing, piece, took);
         }
         let frame = timing.frame;
         drop(timing);
         if let Some(finished) = piece.finishes {
-            let built = gpu.stats();
-            log.event(
+            let built = self.gpu.stats();
+            self.log.event(
                 "frame",
                 json!({
                     "frame": finished.frame,
@@ -133,21 +92,41 @@ fn measure(
                 }),
             );
         }
-        wake();
+        took
     }
+
+    /// Asks again and again: while one thread waits within the device, no other can present the window.
+    fn wait(&self, done: &AtomicBool) -> bool {
+        while !done.load(Ordering::Acquire) {
+            if self.gpu.device().poll(wgpu::PollType::Poll).is_err() {
+                return false;
+            }
+            std::thread::sleep(NAP);
+        }
+        true
+    }
+}
+
+/// What becomes true once the device is done with all that was submitted so far.
+pub fn watch(gpu: &Gpu) -> Arc<AtomicBool> {
+    let done = Arc::<AtomicBool>::default();
+    let heard = done.clone();
+    gpu.queue().on_submitted_work_done(move || heard.store(true, Ordering::Release));
+    done
 }
 
 fn note(timing: &mut Timing, piece: &Piece, took: Duration) {
     let per_pixel = took.as_secs_f64() / piece.pixels.max(1) as f64;
     let old = timing.per_pixel;
     timing.per_pixel = if old == 0.0 { per_pixel } else { 0.5 * (old + per_pixel) };
-    timing.so_far += took;
+    timing.so_far = if piece.begins { took } else { timing.so_far + took };
     if let Some(finished) = piece.finishes {
         timing.frame = std::mem::take(&mut timing.so_far);
         timing.size = finished.size;
     }
 }
 
-fn lock(timing: &Mutex<Timing>) -> MutexGuard<'_, Timing> {
-    timing.lock().unwrap_or_else(PoisonError::into_inner)
+/// What several threads share, also where one of them panicked.
+pub fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -8,14 +8,19 @@ mod log;
 mod meter;
 mod orbit;
 mod panels;
+mod recovery;
+mod refine;
 mod session;
 mod theme;
+mod trial;
 mod world;
 
 #[cfg(test)]
 mod tests;
 
 pub use log::Log;
+pub use recovery::Recovery;
+pub use trial::Measured;
 
 use crate::files::FileLoader;
 use canvas::{Canvas, Order};
@@ -23,7 +28,7 @@ use command::{Command, apply};
 use document::Document;
 use eframe::egui_wgpu::{RenderState, WgpuSetup};
 use egui::containers::panel::PanelState;
-use egui::{CentralPanel, Frame, IdSalt, Key, KeyboardShortcut, Margin, Modifiers, Panel, Rect, ViewportCommand, vec2};
+use egui::{CentralPanel, Event, Frame, IdSalt, Key, KeyboardShortcut, Margin, Modifiers, Panel, Rect, ViewportCommand, vec2};
 use serde_json::json;
 use session::{Question, Session};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -31,26 +36,49 @@ use std::time::{Duration, Instant};
 use surefoot_compiler::Options;
 use surefoot_runtime::Gpu;
 use surefoot_runtime::live::SharedLoader;
+use trial::Trial;
 use world::World;
 
 /// Shows a scene until the window is closed; the error is why there is no window. `asked` is what the compiler is asked for.
-pub fn open(scene: &str, asked: Options, log: Log) -> Result<(), String> {
+pub fn open(scene: &str, asked: Options, recovery: Recovery, log: Log) -> Result<(), String> {
+    run(scene, move |cc, scene| App::new(cc, scene, asked, Arc::new(FileLoader), recovery, log))
+}
+
+/// Whether there may be a screen to show a window on.
+pub fn has_display() -> bool {
+    let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    !cfg!(all(unix, not(target_os = "macos"))) || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(set)
+}
+
+/// Shows a scene until it is measured what the window costs. What is typed is not saved.
+pub fn measure(scene: &str) -> Result<Measured, String> {
+    let measured = Arc::<Mutex<Measured>>::default();
+    let shared = measured.clone();
+    run(scene, move |cc, scene| {
+        let mut app = App::new(cc, scene, Options::default(), Arc::new(FileLoader), Recovery::within(None), Log::default())?;
+        let Some(canvas) = &app.canvas else { return Err("the window has no graphics adapter".to_owned()) };
+        app.trial = Some(Trial::new(canvas.gpu().clone(), shared));
+        Ok(app)
+    })?;
+    let measured = meter::lock(&measured).clone();
+    measured.failure.clone().map_or(Ok(measured), Err)
+}
+
+fn run(scene: &str, create: impl FnOnce(&eframe::CreationContext<'_>, &str) -> Result<App, String>) -> Result<(), String> {
     let mut options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Surefoot")
             .with_inner_size([1280.0, 800.0])
             .with_min_inner_size([640.0, 400.0]),
         persist_window: false,
+        // The picture is shown as it was drawn, and all else is of one colour.
+        dithering: false,
         ..Default::default()
     };
     if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
         setup.device_descriptor = Arc::new(Gpu::device_descriptor);
     }
-    let scene = scene.to_owned();
-    let create = move |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
-        let app = App::new(cc, &scene, asked, Arc::new(FileLoader), log)?;
-        Ok(Box::new(app))
-    };
+    let create = |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> { Ok(Box::new(create(cc, scene)?)) };
     eframe::run_native("surefoot", options, Box::new(create)).map_err(|error| error.to_string())
 }
 
@@ -67,6 +95,8 @@ struct App {
     /// When time was last let pass.
     ticked: Instant,
     title: String,
+    /// What types and measures, where that is asked for.
+    trial: Option<Trial>,
 }
 
 impl App {
@@ -75,6 +105,7 @@ impl App {
         scene: &str,
         asked: Options,
         loader: SharedLoader,
+        recovery: Recovery,
         log: Log,
     ) -> Result<Self, String> {
         theme::apply(&cc.egui_ctx);
@@ -85,17 +116,18 @@ impl App {
         let document = Document::of(scene, &world::read(&*loader, scene));
         let mut session = Session::new(document);
         session.options = asked;
+        session.found = recovery.found();
         if let Some(gpu) = &gpu {
             session.meter.adapter = gpu.name().to_owned();
             session.meter.software = gpu.is_software();
         }
         log.event("opened", json!({ "scene": scene, "adapter": session.meter.adapter }));
-        let world = World::new(scene, &session.options, loader, gpu.clone(), log.clone(), wake.clone())?;
+        let world = World::new(scene, &session.options, loader, gpu.clone(), recovery, log.clone(), wake.clone())?;
         let canvas = gpu
             .zip(cc.wgpu_render_state.clone())
             .map(|(gpu, render)| Canvas::new(gpu, render, log, wake));
         let now = Instant::now();
-        Ok(Self { session, world, canvas, uncaught, ticked: now, title: String::new() })
+        Ok(Self { session, world, canvas, uncaught, ticked: now, title: String::new(), trial: None })
     }
 
     /// What came from outside since the last frame.
@@ -186,7 +218,7 @@ impl App {
         };
         let mut commands = Vec::new();
         if let Some(canvas) = &self.canvas {
-            commands.push(Command::Drawn(canvas.error().map(str::to_owned)));
+            commands.push(Command::Drawn(canvas.error()));
         }
         if let Some(again) = shown.and_then(|shown| shown.again) {
             ui.ctx().request_repaint_after(again);
@@ -236,7 +268,8 @@ impl App {
             ctx.request_repaint_after(TICK);
         }
         let now = Instant::now();
-        let wait = self.session.documents.all.iter().filter_map(|d| d.wait(now)).min();
+        let kept = self.world.keep_unsaved(&mut self.session);
+        let wait = self.session.documents.all.iter().filter_map(|d| d.wait(now)).chain(kept).min();
         if let Some(wait) = wait {
             ctx.request_repaint_after(wait);
         }
@@ -244,7 +277,17 @@ impl App {
 }
 
 impl eframe::App for App {
+    fn raw_input_hook(&mut self, _ctx: &egui::Context, input: &mut egui::RawInput) {
+        if let Some(trial) = &mut self.trial {
+            trial.before(input);
+        }
+    }
+
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let is_key = |event: &Event| matches!(event, Event::Key { .. } | Event::Text(_) | Event::Paste(_) | Event::Cut | Event::Ime(_));
+        if let Some(canvas) = self.canvas.as_mut().filter(|_| ui.input(|i| i.events.iter().any(is_key))) {
+            canvas.yields();
+        }
         self.hear();
         self.let_time_pass();
         let mut commands = Vec::new();
@@ -257,9 +300,12 @@ impl eframe::App for App {
         let mut commands = Vec::new();
         self.panels(ui, &mut commands);
         self.apply(commands);
-        let ground = Frame::new().fill(theme::GROUND);
-        CentralPanel::default().frame(ground).show(ui, |ui| self.picture(ui));
+        // All of it is painted over.
+        CentralPanel::default().frame(Frame::NONE).show(ui, |ui| self.picture(ui));
         self.around(ui);
+        if let (Some(trial), Some(canvas)) = (&mut self.trial, &self.canvas) {
+            self.world.close |= trial.after(ui.ctx(), &mut self.session, canvas);
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::document::Document;
 use super::orbit::Orbit;
+use super::recovery::Found;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -37,6 +38,8 @@ pub struct Session {
     pub options: Options,
     /// What drawing takes.
     pub meter: Meter,
+    /// Texts that were not saved when a window ended without a word.
+    pub found: Vec<Found>,
     /// How far into the picture the ball is that a hand holds, if one does.
     pub held: Option<f64>,
 }
@@ -202,6 +205,7 @@ impl Session {
             notice: None,
             options: Options::default(),
             meter: Meter::default(),
+            found: Vec::new(),
             held: None,
         }
     }
@@ -286,6 +290,17 @@ impl Session {
     /// The first error, if there is one: the picture is then that of an older text.
     pub fn error(&self) -> Option<&Problem> {
         self.said.problems.iter().find(|p| p.severity == Severity::Error)
+    }
+
+    /// The scene's texts, those that are open first.
+    pub fn names(&self) -> Vec<String> {
+        let mut names: Vec<String> = self.documents.all.iter().map(|d| d.name.clone()).collect();
+        for file in &self.said.words.files {
+            if file.ends_with(".sdf") && !names.contains(file) {
+                names.push(file.clone());
+            }
+        }
+        names
     }
 
     /// Whether any text has edits that are not on the disk.

@@ -2,6 +2,7 @@
 
 mod changing;
 mod typing;
+mod unsaved;
 
 use super::*;
 use egui::accesskit::Role;
@@ -47,14 +48,15 @@ impl Drop for Folder {
 
 fn window(scene: &str) -> Harness<'static, App> {
     let scene = scene.to_owned();
+    let recovery = Recovery::within(Some(Path::new(&scene).with_file_name("recovery")));
     let builder =
         Harness::builder().with_size([1100.0, 700.0]).with_max_steps(2).with_step_dt(0.02).wgpu();
     let mut harness = builder.build_eframe(move |cc| {
-        App::new(cc, &scene, Options::default(), Arc::new(FileLoader), Log::default()).unwrap()
+        App::new(cc, &scene, Options::default(), Arc::new(FileLoader), recovery, Log::default()).unwrap()
     });
     // One picture is enough, but where stills are looked at.
     harness.state_mut().canvas.as_mut().unwrap().set_still(1);
-    until(&mut harness, |app| app.session.said.words.files.len() == 1);
+    until(&mut harness, |app| !app.session.said.words.files.is_empty());
     until(&mut harness, |app| app.session.said.failure.is_none());
     harness
 }

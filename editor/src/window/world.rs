@@ -3,6 +3,7 @@
 use super::command::Command;
 use super::document::Disk;
 use super::log::Log;
+use super::recovery::Recovery;
 use super::session::Session;
 use serde_json::json;
 use std::path::Path;
@@ -19,6 +20,8 @@ use surefoot_runtime::{Gpu, Stats, ViewMode};
 pub struct World {
     /// The compiler, which follows the scene's files.
     pub live: LiveScene,
+    /// What keeps unsaved texts.
+    pub recovery: Recovery,
     /// What happens, for whoever measures from outside.
     pub log: Log,
     /// Whether the window shall close without another question.
@@ -37,6 +40,7 @@ impl World {
         options: &Options,
         loader: SharedLoader,
         gpu: Option<Gpu>,
+        recovery: Recovery,
         log: Log,
         wake: Arc<dyn Fn() + Send + Sync>,
     ) -> Result<Self, String> {
@@ -49,7 +53,7 @@ impl World {
             mode: ViewMode::default(),
             wake: wake.clone(),
         })?;
-        let mut world = Self { live, log, close: false, followed: Vec::new(), loader, gpu, wake };
+        let mut world = Self { live, recovery, log, close: false, followed: Vec::new(), loader, gpu, wake };
         world.follow(scene);
         Ok(world)
     }
@@ -122,6 +126,25 @@ impl World {
                 self.log.event("edited", json!({ "file": document.name }));
             }
         }
+    }
+
+    /// Keeps what is not saved for the case that the program ends without a word; answers after what time it must be asked again.
+    pub fn keep_unsaved(&mut self, session: &mut Session) -> Option<Duration> {
+        // What a person has thrown away is not kept.
+        if self.close {
+            return None;
+        }
+        session.found.retain(|found| {
+            let known = session.documents.all.iter().any(|d| found.is_of(&d.name) && !d.is_missing() && found.is_known(d));
+            if known {
+                self.recovery.remove(found);
+            }
+            !known
+        });
+        if let Some(why) = self.recovery.failure() {
+            session.notice = Some(why);
+        }
+        self.recovery.follow(&session.documents.all, Instant::now())
     }
 
     /// What was built on the device so far.

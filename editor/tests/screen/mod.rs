@@ -54,17 +54,36 @@ impl Window {
         BufReader::new(screen.stdout.take().unwrap()).read_line(&mut number).unwrap();
         let screen = Ended(screen);
         let display = format!(":{}", number.trim());
-        let mut program = Command::new(env!("CARGO_BIN_EXE_surefoot"));
-        program.current_dir(&folder).args(["scene.sdf", "--log", "log.jsonl"]);
-        program.env("DISPLAY", &display).env_remove("WAYLAND_DISPLAY").stdin(Stdio::null());
-        if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
-            program.env("XDG_RUNTIME_DIR", &folder);
-        }
-        let program = Ended(program.spawn().unwrap());
+        let program = start(&folder, &display);
         let window = Self { folder, display, program, _screen: screen, _alone: alone };
-        window.picture(|frame| frame["swaps"] == 1);
-        window.hand(&["windowfocus", "--sync", &window.id()]);
+        window.wait_for_first();
         window
+    }
+
+    /// Kills the program, which hears nothing of it, and starts it again.
+    pub fn kill_and_start(&mut self) {
+        self.program.0.kill().unwrap();
+        self.program.0.wait().unwrap();
+        std::fs::remove_file(self.folder.join("log.jsonl")).unwrap();
+        self.program = start(&self.folder, &self.display);
+        self.wait_for_first();
+    }
+
+    fn wait_for_first(&self) {
+        self.picture(|frame| frame["swaps"] == 1);
+        self.hand(&["windowfocus", "--sync", &self.id()]);
+    }
+
+    /// What the program has written on standard error.
+    pub fn errors(&self) -> String {
+        std::fs::read_to_string(self.folder.join("errors.txt")).unwrap()
+    }
+
+    /// The texts that are kept for recovery.
+    pub fn kept(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.folder.join("state/surefoot/recovery")).into_iter().flatten().flatten();
+        let texts = entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|e| e == "txt"));
+        texts.filter_map(|path| std::fs::read_to_string(path).ok()).collect()
     }
 
     /// The scene's file.
@@ -151,6 +170,18 @@ impl Window {
             std::thread::sleep(Duration::from_millis(50));
         }
     }
+}
+
+/// Starts the program in a folder, on a screen.
+fn start(folder: &Path, display: &str) -> Ended {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_surefoot"));
+    program.current_dir(folder).args(["scene.sdf", "--log", "log.jsonl"]);
+    program.env("DISPLAY", display).env_remove("WAYLAND_DISPLAY").env("XDG_STATE_HOME", folder.join("state"));
+    program.stdin(Stdio::null()).stderr(std::fs::File::create(folder.join("errors.txt")).unwrap());
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        program.env("XDG_RUNTIME_DIR", folder);
+    }
+    Ended(program.spawn().unwrap())
 }
 
 /// The colour of a red ball.

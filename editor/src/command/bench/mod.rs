@@ -14,6 +14,8 @@ mod many;
 mod operands;
 #[cfg(feature = "gpu")]
 mod parts;
+#[cfg(feature = "gui")]
+mod window;
 
 use super::{Exit, Failure, compile_file, print, show_diagnostics};
 use crate::files::FileLoader;
@@ -25,7 +27,7 @@ use surefoot_compiler::{Loader, Memory, MemoryLoader, Options, Outcome, Stage, c
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scenes whose rays are followed by several methods, each judged by certified truth.
-    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands", "operand", "light"])]
+    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands", "operand", "light", "window"])]
     scenes: Vec<String>,
     #[cfg(feature = "gpu")]
     #[command(flatten)]
@@ -66,6 +68,9 @@ pub struct Args {
     /// Shadow and occlusion of these scenes beside the truth.
     #[arg(long, value_name = "SCENES", num_args = 1..)]
     light: Vec<String>,
+    /// A window on this scene: how soon a key is seen while the picture is refined, and what a caret costs.
+    #[arg(long, value_name = "SCENE", conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands"])]
+    window: Option<String>,
     /// No more balls than this.
     #[arg(long, default_value_t = 1_000_000, value_name = "N", requires = "balls")]
     most: u32,
@@ -110,6 +115,9 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if args.operands {
         let table = operands::run(&args.counts, args.json.is_some())?;
         return keep(args, &table);
+    }
+    if let Some(path) = &args.window {
+        return in_window(path);
     }
     let Some(path) = &args.compile else { return drawn(args) };
     let first = compile_file(path, &Options::default())?;
@@ -164,6 +172,14 @@ fn drawn(args: &Args) -> Result<Exit, Failure> {
     } else {
         error::run(&args.scenes, &args.error, args.json.as_deref())
     }
+}
+
+#[cfg(feature = "gui")]
+use window::run as in_window;
+
+#[cfg(not(feature = "gui"))]
+fn in_window(_: &str) -> Result<Exit, Failure> {
+    Err(Failure::usage("this program was built without a window"))
 }
 
 #[cfg(not(feature = "gpu"))]

@@ -89,7 +89,7 @@ pub fn follow(ui: &Ui, id: Id, document: &Document, text: &mut String) -> bool {
         return false;
     };
     let Some(moment) = found else { return false };
-    put_cursor(ui, id, moment.cursor);
+    put_cursor(ui, id, place(&document.text, &moment));
     text.clone_from(&moment.text);
     // What is taken back is no edit.
     history.last = moment;
@@ -103,12 +103,30 @@ pub fn expect(ui: &Ui, id: Id, document: &Document, text: &str) {
     text.clone_into(&mut history.expected);
 }
 
-/// Where a character of a text is in another one, which differs from it in one piece.
-fn carried(old: &str, new: &str, at: usize) -> usize {
+/// How many characters two texts share at their beginnings, and how many more at their ends.
+fn shared_ends(old: &str, new: &str) -> [usize; 2] {
     let before = old.chars().zip(new.chars()).take_while(|(a, b)| a == b).count();
     let [of_old, of_new] = [old, new].map(|text| text.chars().count());
     let most = of_old.min(of_new) - before;
     let after = old.chars().rev().zip(new.chars().rev()).take(most).take_while(|(a, b)| a == b).count();
+    [before, after]
+}
+
+/// Where the cursor goes when a text becomes that of a moment: as it was then where that is at what changes, else behind what changes.
+fn place(old: &str, moment: &Moment) -> CCursorRange {
+    let [before, after] = shared_ends(old, &moment.text);
+    let changed = before..=moment.text.chars().count() - after;
+    let CCursorRange { primary, secondary, .. } = moment.cursor;
+    match [primary, secondary].iter().all(|end| changed.contains(&end.index.0)) {
+        true => moment.cursor,
+        false => CCursorRange::one(CCursor::new(*changed.end())),
+    }
+}
+
+/// Where a character of a text is in another one, which differs from it in one piece.
+fn carried(old: &str, new: &str, at: usize) -> usize {
+    let [before, after] = shared_ends(old, new);
+    let [of_old, of_new] = [old, new].map(|text| text.chars().count());
     match at {
         at if at >= of_old - after && at > before => of_new - of_old.saturating_sub(at),
         at => at.min(of_new - after).min(at.max(before)),
@@ -117,7 +135,17 @@ fn carried(old: &str, new: &str, at: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::carried;
+    use super::{CCursor, CCursorRange, Moment, carried, place};
+
+    #[test]
+    fn a_cursor_goes_to_what_changes() {
+        let cursor = |at| CCursorRange::one(CCursor::new(at));
+        let moment = |text: &str, cursor| Moment { text: text.to_owned(), cursor };
+        assert_eq!(place("one\ntwo\nx", &moment("one\ntwo\n", cursor(3))), cursor(8), "what was typed is gone");
+        assert_eq!(place("one\nthree", &moment("one\nzwo\nthree", cursor(0))), cursor(8), "what was deleted is there again");
+        let selected = CCursorRange::two(CCursor::new(4), CCursor::new(7));
+        assert_eq!(place("one\n\nthree", &moment("one\ntwo\nthree", selected)), selected, "as it was selected");
+    }
 
     #[test]
     fn a_cursor_stays_at_its_place() {

@@ -4,6 +4,7 @@ pub mod balls;
 mod history;
 pub mod icons;
 pub mod lines;
+pub mod notes;
 pub mod parameters;
 pub mod picture;
 pub mod problems;

@@ -79,6 +79,7 @@ pub fn paint(ui: &mut Ui, rect: Rect, session: &Session, shown: Option<Shown>) {
             }
         }
         None => {
+            ui.painter().rect_filled(rect, 0.0, theme::GROUND);
             let words = match (wrong(session), working(session, LONG)) {
                 (Some(_), _) => "no picture yet".to_owned(),
                 (None, Some((work, time))) => format!("{work} {time}"),

@@ -1,9 +1,9 @@
 //! The text: coloured, with lines' numbers, and problems underlined.
 
 use crate::window::command::Command;
-use crate::window::document::{Document, Resolution};
+use crate::window::document::Document;
 use crate::window::panels::icons::{self, Icon};
-use crate::window::panels::{history, lines, problems, search};
+use crate::window::panels::{history, lines, notes, problems, search};
 use crate::window::session::{Place, Problem, Session};
 use crate::window::theme::{self, code};
 use egui::cache::{ComputerMut, FrameCache};
@@ -22,12 +22,14 @@ use surefoot_compiler::syntax::{TokenClass, tokens};
 
 /// From a line of the text to the next.
 const LINE_HEIGHT: f32 = 17.0;
+/// How long the cursor blinks after the last that a hand did, in seconds.
+pub const BLINKS: f64 = 10.0;
 
 /// Shows the text and what belongs to it.
 pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     files(ui, session, commands);
     let document = session.documents.current();
-    notes(ui, session, document, commands);
+    notes::show(ui, session, document, commands);
     search::show(ui, session, document, commands);
     editor(ui, session, document, commands);
 }
@@ -51,7 +53,7 @@ fn files(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                 if document.is_unsaved() {
                     icons::sign(ui, Icon::Dot, theme::ACCENT).on_hover_text("not saved");
                 }
-                let names = names(session);
+                let names = session.names();
                 if names.len() < 2 {
                     ui.add(Label::new(name).truncate()).on_hover_text(&document.name);
                     return;
@@ -99,85 +101,6 @@ fn open(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
-/// The scene's texts, those that are open first.
-fn names(session: &Session) -> Vec<String> {
-    let mut names: Vec<String> = session.documents.all.iter().map(|d| d.name.clone()).collect();
-    for file in &session.said.words.files {
-        if file.ends_with(".sdf") && !names.contains(file) {
-            names.push(file.clone());
-        }
-    }
-    names
-}
-
-/// What a person should know of the file, and decide.
-fn notes(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Vec<Command>) {
-    let bar = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
-        let fill = Color32::from_rgb(0x3a, 0x2c, 0x14);
-        let margin = Margin::symmetric(8, 6);
-        Frame::new().fill(fill).inner_margin(margin).corner_radius(4).show(ui, |ui| {
-            ui.set_min_width(ui.available_width());
-            add(ui);
-        });
-    };
-    for other in session.documents.all.iter().filter(|other| other.has_conflict() && other.name != document.name) {
-        bar(ui, &mut |ui| {
-            ui.horizontal_wrapped(|ui| {
-                ui.label(format!("Another program has changed {}, and there is something to decide.", other.short_name()));
-                if ui.button("Show it").clicked() {
-                    commands.push(Command::Show(other.name.clone()));
-                }
-            });
-        });
-    }
-    if document.has_conflict() {
-        bar(ui, &mut |ui| {
-            match document.unreadable() {
-                Some(why) if !document.is_editable() => {
-                    ui.label(format!("This file can't be shown: {why}."));
-                    return;
-                }
-                Some(why) => ui.label(format!("The disk holds something in place of this text that can't be shown: {why}.")),
-                None if document.is_missing() => ui.label("Another program has changed this file, and then taken it away; there are edits here that are not saved."),
-                None => ui.label("Another program has changed this file, and there are edits here that are not saved."),
-            };
-            ui.horizontal_wrapped(|ui| {
-                for (text, hover, command) in [
-                    (
-                        "Keep both",
-                        "write the edits beside it, as .mine.sdf, and show the file",
-                        Command::KeepBoth,
-                    ),
-                    (
-                        "Show the file",
-                        "undo (Ctrl+Z) brings the edits back",
-                        Command::Resolve(Resolution::TakeFile),
-                    ),
-                    (
-                        "Keep the edits",
-                        "saving them will replace what the file holds now",
-                        Command::Resolve(Resolution::KeepEdits),
-                    ),
-                ] {
-                    // There is nothing to show.
-                    if document.unreadable().is_some() && matches!(command, Command::Resolve(Resolution::TakeFile)) {
-                        continue;
-                    }
-                    if ui.button(text).on_hover_text(hover).clicked() {
-                        commands.extend([command, Command::Focus]);
-                    }
-                }
-            });
-        });
-    } else if document.is_missing() {
-        bar(ui, &mut |ui| {
-            ui.label("The file is gone from the disk. Saving writes it again.");
-        });
-    } else if document.read_only {
-        ui.label(RichText::new("comes with the compiler; it can't be edited").color(theme::WEAK));
-    }
-}
-
 fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Vec<Command>) {
     let marks = marks(&session.said.problems, document);
     let lines = document.text.bytes().filter(|b| *b == b'\n').count() + 1;
@@ -198,6 +121,7 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
     lay_out_while_typing(ui, id, &document.text);
     let before = TextEditState::load(ui.ctx(), id).and_then(|state| state.cursor.char_range());
     let paged = page(ui, id, &text);
+    ui.visuals_mut().text_cursor.blink = !session.meter.software && blinks(ui, id);
     let area = ScrollArea::both().id_salt(&document.name).auto_shrink([false, false]);
     Frame::new().fill(theme::WELL).show(ui, |ui| {
         area.show(ui, |ui| {
@@ -212,7 +136,7 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
                 .show(ui);
             icons::name(ui, id, "Source text");
             search::mark(ui, session, &output);
-            if paged || output.cursor_range != before {
+            if by_lines || paged || output.cursor_range != before {
                 keep_in_view(ui, &output, gutter);
             }
             numbers(ui, &output, gutter, session, document);
@@ -231,6 +155,20 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
             }
         });
     });
+}
+
+/// Whether the cursor of a window on a graphics card blinks: each blink draws the window anew, so it stands still where nobody has done anything
+/// for a while. Where the adapter is a program, which takes a share of a core for that, it always stands still.
+fn blinks(ui: &Ui, id: Id) -> bool {
+    let (now, is_touched) = ui.input(|i| (i.time, !i.events.is_empty()));
+    let last = ui.data_mut(|data| {
+        let last = data.get_temp_mut_or(id.with("touched"), now);
+        if is_touched {
+            *last = now;
+        }
+        *last
+    });
+    now - last < BLINKS
 }
 
 /// What the text's cursor is called.
@@ -273,7 +211,10 @@ fn keep_in_view(ui: &Ui, output: &TextEditOutput, gutter: f32) {
     let Some(range) = output.cursor_range else { return };
     let mut rect = output.galley.pos_from_cursor(range.primary).translate(output.galley_pos.to_vec2());
     rect.min.x -= gutter;
-    ui.scroll_to_rect(rect, None);
+    // What is far from what was seen comes with what stands around it.
+    let seen = ui.clip_rect().y_range();
+    let far = rect.max.y < seen.min - seen.span() || rect.min.y > seen.max + seen.span();
+    ui.scroll_to_rect(rect, far.then_some(Align::Center));
 }
 
 /// What is selected in a text, in characters; where the cursor is, where nothing is.
