@@ -152,9 +152,12 @@ impl Canvas {
     }
 
     /// Lets a still be made of so many pictures.
-    #[cfg(test)]
     pub fn set_still(&mut self, most: u32) {
         self.still = most;
+        if let Some(sheet) = &self.sheet {
+            // One that is being made is given up.
+            lock(sheet).turn += 1;
+        }
     }
 
     /// How many pictures the still of this size is made of.

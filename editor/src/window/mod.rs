@@ -303,7 +303,7 @@ impl eframe::App for App {
         // All of it is painted over.
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| self.picture(ui));
         self.around(ui);
-        if let (Some(trial), Some(canvas)) = (&mut self.trial, &self.canvas) {
+        if let (Some(trial), Some(canvas)) = (&mut self.trial, &mut self.canvas) {
             self.world.close |= trial.after(ui.ctx(), &mut self.session, canvas);
         }
     }

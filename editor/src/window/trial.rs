@@ -156,7 +156,7 @@ impl Trial {
     }
 
     /// After a frame: what is next. Answers whether all is measured, and the window shall close.
-    pub fn after(&mut self, ctx: &Context, session: &mut Session, canvas: &Canvas) -> bool {
+    pub fn after(&mut self, ctx: &Context, session: &mut Session, canvas: &mut Canvas) -> bool {
         if !self.shown.is_empty() {
             ctx.request_repaint();
         }
@@ -173,6 +173,8 @@ impl Trial {
                 measured.echoes.sort_unstable();
                 measured.pictures = canvas.frames() - self.frames;
                 drop(measured);
+                // What a still costs is not measured here.
+                canvas.set_still(1);
                 self.enter(Phase::Refining);
             }
             Phase::Refining if canvas.is_done() && session.said.work.is_none() && !session.stage.settles() => {
