@@ -89,7 +89,7 @@ fn shadows_of_planes_are_nearer_to_the_truth_than_searched_ones() {
             let origin = [f64::from(i % 50) * 0.12 - 3.0, 1e-3, f64::from(i / 50) * 0.12 - 2.0];
             let up = [0.02, 0.1, 0.5, 0.9][i as usize % 4];
             let across = f64::sqrt(1.0 - up * up) / 2f64.sqrt();
-            Ray { origin, direction: [across, up, across], t_min: 1e-3, t_max: 30.0 }
+            Ray { origin, direction: [across, up, across], t_min: 1e-3, t_max: 400.0 }
         })
         .collect();
     let off = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum::<f64>() / a.len() as f64;
@@ -104,7 +104,7 @@ fn shadows_of_planes_are_nearer_to_the_truth_than_searched_ones() {
         assert!(between > 100, "{softness}: {between}");
         let (a, b) = (apart.shadow(&rays, softness, 100.0), whole.shadow(&rays, softness, 100.0));
         let (a, b) = (off(&a, &truth), off(&b, &truth));
-        assert!(a < 0.03 && a <= b + 1e-3, "{softness}: {a} apart, {b} searched");
+        assert!(a < 0.035 && a <= b + 1e-3, "{softness}: {a} apart, {b} searched");
     }
     // Of a sharp edge both say the same, but where a ray creeps along the floor.
     let (a, b) = (apart.shadow(&rays, 0.0, 100.0), whole.shadow(&rays, 0.0, 100.0));

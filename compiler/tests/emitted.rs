@@ -139,7 +139,8 @@ fn the_examples_are_emitted_as_they_are_meant() {
         .filter_map(|path| {
             let outcome = compile(&Disk, path.to_str().unwrap(), &Options::default());
             let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
-            Some((name, outcome.compiled?, 4.0))
+            // The interpreter knows no tables; what stands in them is held against its formulas by the tests of large unions.
+            Some((name, outcome.compiled.filter(|compiled| compiled.module.tables.is_none())?, 4.0))
         })
         .collect();
     assert!(scenes.len() > 8);

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// Numbers of operands: the second is four times the first.
-const COUNTS: [u64; 2] = [400, 1600];
+const COUNTS: [u64; 2] = [100, 400];
 /// How many times as many steps of formulas, and as long a text, four times the operands may take; the square would be sixteen.
 const MOST_TIMES: f64 = 8.0;
 /// Megabytes.

@@ -6,6 +6,8 @@
 //! more go to places near the disc's rim, and tell in the same way how much is seen there. So a shadow has both halves of its penumbra, and only rays
 //! within it cost more.
 //!
+//! How narrow a passage is, is seen from the surface up to half of the way and from the light beyond, so that what a lamp hangs from does not dim it.
+//!
 //! An estimate of the distance may be less than the distance: a face that an intersection cuts away still counts in its formula. Where a scene has
 //! such ([`Ways::loose`]), the narrowest passage of a ray counts if the surface is where the estimate and the gradient say; else the four rays tell.
 
@@ -43,8 +45,9 @@ pub fn text(ways: Ways) -> String {
   if plane <= span.y - span.x {
     return sf_Passage(0.0, span.x + plane, 0.0);
   }
-  // A plane is passed most narrowly at the ray's end.
-  lit = min(lit, sharpness * sf_planes(origin + direction * span.y) / max(span.y, 1e-6));\n";
+  // A plane is passed most narrowly where half of the way to the light is left, or at the ray's end before that.
+  let half = min(span.y, 0.5 * t_max);
+  lit = min(lit, sharpness * sf_planes(origin + direction * half) / max(half, 1e-6));\n";
     let planes = if ways.planes { planes } else { "" };
     // The bound is the distance.
     let passage = if ways.one { passage.replace("sf_distance(", "sf_bound(") } else { passage };
@@ -155,7 +158,7 @@ fn passage_of_one() -> String {
     free = sf_bound(origin + direction * t);
     // Out of looks it goes on by guesses, until one is inside.
     let spent = step >= 256u;
-    let share = sharpness * free / max(t, tolerance);
+    let share = sharpness * free / max(min(t, t_max - t), tolerance);
     nearest = select(nearest, t, share < lit);
     lit = select(min(lit, share), 0.0, free <= select(tolerance, 0.0, spent));
     // On by the slope over the last step, but not beyond the end without a look at it; or back.
@@ -191,7 +194,7 @@ fn passage() -> String {
       tolerance = 2e-6 * (size + t);
       free = sf_bound(origin + direction * t);
       // A ray that goes aside takes the bound for the distance.
-      let past = min(lit, sharpness * free / max(t, tolerance));
+      let past = min(lit, sharpness * free / max(min(t, t_max - t), tolerance));
       near = select(free <= tolerance || past < lit || step >= 256u, past < least, most < 288u);
       nearest = select(nearest, t, most < 288u && past < lit);
       lit = select(lit, past, most < 288u);
@@ -207,7 +210,7 @@ fn passage() -> String {
     }
     if near && most == 288u {
       let distance = sf_distance(origin + direction * seen);
-      let share = sharpness * distance / max(seen, tolerance);
+      let share = sharpness * distance / max(min(seen, t_max - seen), tolerance);
       nearest = select(nearest, seen, share < lit);
       if step > 256u {
         // Out of looks it goes on by guesses, until one is inside.
@@ -231,7 +234,7 @@ fn passage() -> String {
 fn end(ways: Ways) -> String {
     let mut text = "  lit = select(lit, 0.0, lit < least || most < 288u && t <= span.y);\n".to_owned();
     if ways.loose {
-        let plane = if ways.planes { " || sf_planes(at) <= lit * nearest / sharpness" } else { "" };
+        let plane = if ways.planes { " || sf_planes(at) <= lit * min(nearest, t_max - nearest) / sharpness" } else { "" };
         text += &format!(
             "  let at = origin + direction * nearest;
   var known = lit <= 0.0 || nearest < 0.0{plane};

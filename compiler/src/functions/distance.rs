@@ -176,10 +176,13 @@ impl Builder<'_> {
                 _ => None,
             })
             .collect();
-        let Some((rest, _)) = (!taken.is_empty()).then(|| self.region_of(node, domain)).flatten() else { return 0.0 };
+        if taken.is_empty() {
+            return 0.0;
+        }
+        let rest = self.facts.rough_region_at(self.graph, node, domain, 0.0);
         let mut widest = 0.0;
         for taken in taken {
-            let Some((taken, _)) = self.region_of(taken, domain) else { continue };
+            let taken = self.facts.rough_region_at(self.graph, taken, domain, 0.0);
             // A face that is not there is as large as what is taken away; one of a small hole stands among faces that are there.
             let wide = |axis: usize| taken.axis(axis).width() >= WIDE_OPEN * rest.axis(axis).width();
             for ((side, rest), axis) in taken.0.iter().zip(rest.0).zip(0..) {

@@ -329,7 +329,7 @@ mod tests {
             ("scene = for i in 0..3 by smooth_union { sphere(1).translate(i, 0, 0) }\n", "by smooth_union(k)", "scene = for i in 0..3 by smooth_union(0.1) { sphere(1).translate(i, 0, 0) }\n"),
             ("material m { color: #f00 }\nscene = sphere(1).m\n", "`.material(m)`", "material m { color: #f00 }\nscene = sphere(1).material(m)\n"),
             ("material m { color: #f00 }\nscene = m(sphere(1))\n", "`.material(m)`", "material m { color: #f00 }\nscene = sphere(1).material(m)\n"),
-            ("material m { opacity: 0.5 }\nscene = sphere(1).material(m)\n", "leave it out", "material m { }\nscene = sphere(1).material(m)\n"),
+            ("material m { opacity: 0.5 }\nscene = sphere(1).material(m)\n", "`transmission: 1`", "material m { }\nscene = sphere(1).material(m)\n"),
             ("scene = box(1, center=true)\n", "leave it out", "scene = box(1)\n"),
             ("scene = cylinder(h=1, radius: 2)\n", "`height: …`", "scene = cylinder(height: 1, radius: 2)\n"),
             ("scene = cylinder(height=1, radius: 2)\n", "`height: …`", "scene = cylinder(height: 1, radius: 2)\n"),

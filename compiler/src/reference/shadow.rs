@@ -39,7 +39,7 @@ pub(super) fn shares(scene: &Reference, rays: &[Ray], softness: &[f64], extent: 
     let deeper: Vec<Vec3> = met.iter().map(|(i, ray, middle)| ray.at(middle.t + wide(*i, middle))).collect();
     let mut hidden: Vec<(usize, Ray)> = Vec::new();
     at_points(&scene.rest.bound, &deeper, &[], |i, values| {
-        if let Some((of, ray, middle)) = met.get(i).filter(|(i, _, middle)| values.first().is_none_or(|bound| *bound > -(wide(*i, middle) * (1.0 + 1.1 / sharp(*i))))) {
+        if let Some((of, ray, _)) = met.get(i).filter(|(i, _, middle)| values.first().is_none_or(|bound| *bound > -(wide(*i, middle) * (1.0 + 1.1 / sharp(*i))))) {
             hidden.push((*of, **ray));
         }
     });
@@ -99,7 +99,7 @@ fn passages(scene: &Reference, rays: &[Ray], sharpness: &[f64], extent: f64, asi
     // A ray that goes aside takes the bound for the distance.
     let by_bound = aside;
     let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
-    let planes = scene.planes.as_ref().map_or_else(|| vec![(f64::INFINITY, 0.0); rays.len()], |planes| planes.passages(&clipped, sharp));
+    let planes = scene.planes.as_ref().map_or_else(|| vec![(f64::INFINITY, 0.0); rays.len()], |planes| planes.passages(&clipped, |ray| (sharp(ray), rays.get(ray).map_or(f64::INFINITY, |ray| 0.5 * ray.t_max))));
     let starts = planes.iter().map(|&(past, t)| Cell::new(Passage { lit: past.min(1.0), t, ..Passage::START }));
     let states: Vec<Cell<Passage>> = starts.collect();
     let near: Vec<Option<Ray>> = clipped
@@ -114,7 +114,9 @@ fn passages(scene: &Reference, rays: &[Ray], sharpness: &[f64], extent: f64, asi
     let state = |look: &Look| states.get(look.ray).map_or(Passage::START, Cell::get);
     let size = sizes(rays, scene.reads_scene);
     let way = |look: &Look| size(look) + look.t;
-    let apart = |look: &Look| look.t.max(TOUCHED * way(look));
+    // How far a look is from the surface or from the light, whichever is nearer.
+    let light = |ray: usize| rays.get(ray).map_or(f64::INFINITY, |ray| ray.t_max);
+    let apart = |look: &Look| look.t.min(light(look.ray) - look.t).max(TOUCHED * way(look));
     let is_hard = |look: &Look| sharp(look.ray) >= HARD;
     march(
         match by_bound || sharpness.iter().all(|sharpness| *sharpness >= HARD) {

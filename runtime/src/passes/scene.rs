@@ -229,7 +229,7 @@ impl Features {
             ("scene_lights", self.lights.into()),
             ("scene_bounces", self.reflections.into()),
             ("scene_linear", f64::from(u8::from(linear))),
-            ("scene_level", level),
+            ("scene_step", level),
         ]
     }
 

@@ -70,7 +70,7 @@ override scene_bounces: u32 = 0u;
 // Whether the target wants linear light, which it may encode itself.
 override scene_linear: bool = false;
 // What the target's levels are apart, of a screen's white; 0 where they are much finer than a screen's.
-override scene_level: f32 = 0.0;
+override scene_step: f32 = 0.0;
 
 // Where a flat triangle of a mesh is seen, and that place on the round shape that it stands for.
 var<private> scene_flat: vec3f;

@@ -4,7 +4,7 @@ const SCENE_CAPTURES: bool = false;
 
 // A screen's colour as the target wants it. `field` says that it is the field's, `position` is the pixel.
 fn scene_target(encoded: vec3f, field: bool, position: vec2f) -> vec4f {
-    let c = clamp(encoded + scene_level * screen_dither(position - floor(scene.corner)), vec3f(0.0), vec3f(1.0));
+    let c = clamp(encoded + scene_step * screen_dither(position - floor(scene.corner)), vec3f(0.0), vec3f(1.0));
     if !scene_linear {
         return vec4f(c, 1.0);
     }
