@@ -5,7 +5,7 @@ mod common;
 use common::{compile_file, examples, gpu, pictures};
 use rayon::prelude::*;
 use surefoot_compiler::compiled::{Compiled, Live};
-use surefoot_compiler::reference::{Area, Reference, rgb8};
+use surefoot_compiler::reference::{Area, Reference, film, rgb8};
 use surefoot_runtime::ViewMode;
 use surefoot_runtime::headless::{self, Pixels, Shot};
 
@@ -21,16 +21,24 @@ fn reference(compiled: &Compiled, live: &Live, mode: ViewMode) -> Pixels {
     let frame = compiled.frame(live);
     let camera = frame.cameras[0].1;
     let (width, height) = SIZE;
-    let bands: Vec<Vec<u8>> = (0..height)
+    let bands: Vec<Vec<[f32; 4]>> = (0..height)
         .step_by(12)
         .collect::<Vec<u32>>()
         .into_par_iter()
         .map(|top| {
             let area = Area { left: 0, top, width, height: 12.min(height - top) };
-            rgb8(&reference.tile(&frame, &camera, SIZE, mode, area), area, mode)
+            reference.light_at(&frame, &camera, SIZE, mode, area, 0)
         })
         .collect();
-    let rgba = bands.iter().flatten().copied().collect::<Vec<u8>>();
+    let mut pixels: Vec<[f32; 4]> = bands.into_iter().flatten().collect();
+    if mode == ViewMode::Shaded {
+        let light: Vec<[f64; 3]> = pixels.iter().map(|&[r, g, b, _]| [r, g, b].map(f64::from)).collect();
+        let light = if frame.bloom > 0.0 { film::bloom(&light, SIZE, frame.bloom) } else { light };
+        for ([r, g, b, _], light) in pixels.iter_mut().zip(light) {
+            [*r, *g, *b] = film::develop(frame.tone, light).map(|c| c as f32);
+        }
+    }
+    let rgba = rgb8(&pixels, Area { left: 0, top: 0, width, height }, mode);
     Pixels { width, height, rgba: rgba.chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect() }
 }
 

@@ -62,7 +62,7 @@ impl Graph {
 impl Facts {
     /// Does something for the shapes that a formula calls at its own point, those within them first: each with its formula and where it is asked for.
     /// Without those that are `known` there.
-    pub(super) fn from_below(
+    pub(super) fn look_from_below(
         &mut self,
         graph: &Graph,
         node: NodeId,

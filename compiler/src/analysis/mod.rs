@@ -325,7 +325,7 @@ impl Facts {
         }
         if self.nested.0 >= DEEP {
             let known = |facts: &Self, shape, domain: &Domain| facts.ranges.contains_key(&(shape, domain.key()));
-            self.from_below(graph, s.value, domain, known, |facts, shape, domain| {
+            self.look_from_below(graph, s.value, domain, known, |facts, shape, domain| {
                 facts.range_in(graph, shape, &domain);
             });
         }
@@ -369,7 +369,7 @@ impl Facts {
         let value = s.value;
         if self.nested.0 >= DEEP {
             let known = |facts: &Self, shape, domain: &Domain| facts.duals.contains_key(&(shape, domain.key()));
-            self.from_below(graph, value, domain, known, |facts, shape, domain| {
+            self.look_from_below(graph, value, domain, known, |facts, shape, domain| {
                 facts.dual_in(graph, shape, &domain);
             });
         }

@@ -128,7 +128,7 @@ impl Facts {
                     let known = |facts: &Self, shape, own: &Domain| {
                         of(shape, own.clone()).is_none_or(|(value, own)| facts.regions.contains_key(&(value, own.key(), level.to_bits())))
                     };
-                    self.from_below(graph, value, &own, known, |facts, shape, own| {
+                    self.look_from_below(graph, value, &own, known, |facts, shape, own| {
                         if let Some((value, own)) = of(shape, own) {
                             facts.region(graph, value, &own, level);
                         }
@@ -535,7 +535,7 @@ impl Walk<'_> {
                 let (known, mut open, mut hull) = (self.turned.clone(), vec![b, a], Box3::EMPTY);
                 while let Some(step) = open.pop() {
                     match self.tape.steps.get(step) {
-                        Some(Step::Op(Op::Min, args)) if !self.tape.nodes.get(step).is_some_and(|&n| self.facts.known_solid(n).is_some()) => {
+                        Some(Step::Op(Op::Min, args)) if self.tape.nodes.get(step).is_none_or(|&n| self.facts.known_solid(n).is_none()) => {
                             open.extend(args.iter().rev());
                         }
                         _ => {

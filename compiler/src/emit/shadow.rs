@@ -30,7 +30,7 @@ pub const STEP: f64 = 0.05;
 pub const LEFT: f64 = 0.2;
 
 /// How the share of a disc on one side of a line grows with its distance a from the middle: a (c₀ + a² (c₁ + c₂ a²)), from a half.
-pub const SHARE: [f64; 3] = [0.6366, -0.1017, -0.0349];
+pub const SHARE: [f64; 3] = [0.6365, -0.1016, -0.0349];
 
 /// The function `sf_shadow` and what it calls.
 pub fn text(ways: Ways) -> String {
@@ -144,8 +144,7 @@ fn sf_passage(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, sharpness
 //
 // Rays that come in flat may need more looks than there are: then they go on by guesses, and are dark where one lies inside.
 fn passage_of_one() -> String {
-    format!(
-        "\
+    "\
   var t = span.x;
   // The last sphere known to be empty, and the step from its centre.
   var radius = 1e18;
@@ -153,7 +152,7 @@ fn passage_of_one() -> String {
   var seen = t;
   var free = 0.0;
   var nearest = -1.0;
-  for (var step = 0u; step < most && t <= span.y && lit >= least; step++) {{
+  for (var step = 0u; step < most && t <= span.y && lit >= least; step++) {
     let tolerance = 2e-6 * (size + t);
     free = sf_bound(origin + direction * t);
     // Out of looks it goes on by guesses, until one is inside.
@@ -169,9 +168,9 @@ fn passage_of_one() -> String {
     t = select(select(next, t + radius - stride, back), t + max(free, 2e-3 * (size + t)), spent);
     stride = select(next - seen, radius, back);
     radius = select(free, radius, back);
-  }}
+  }
 "
-    )
+    .to_owned()
 }
 
 // The same with a distance of its own, which is looked at where the bound says that it can matter: outside of the loop over bounds, as in

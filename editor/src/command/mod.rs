@@ -59,7 +59,7 @@ enum Command {
     /// Let a scene's balls fall, and write where they are.
     Simulate(simulate::Args),
     /// Measure.
-    Bench(bench::Args),
+    Bench(Box<bench::Args>),
     /// Try what is hard for a field, for rays and for balls.
     #[cfg(feature = "gpu")]
     Stress(stress::Args),

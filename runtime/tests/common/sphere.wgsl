@@ -64,3 +64,7 @@ fn sf_occlusion(p: vec3f, normal: vec3f) -> f32 {
 fn sf_surface(p: vec3f, normal: vec3f) -> sf_Surface {
   return sf_Surface(vec3f(0.8, 0.3, 0.1), vec3f(0.0), 0.5, 0.0, 0.0);
 }
+
+fn sf_across(n: vec3f) -> vec3f {
+  return normalize(cross(n, select(vec3f(0.0, 1.0, 0.0), vec3f(1.0, 0.0, 0.0), abs(n.x) < 0.7)));
+}
