@@ -8,6 +8,7 @@ pub mod error;
 mod factors;
 #[cfg(feature = "gpu")]
 mod hand;
+#[cfg(feature = "gpu")]
 mod light;
 #[cfg(feature = "gpu")]
 mod many;
@@ -96,13 +97,6 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if let Some(path) = &args.edits {
         return edits::run(path, args.runs);
     }
-    if !args.light.is_empty() {
-        #[cfg(feature = "gpu")]
-        let page = args.error.page.as_deref();
-        #[cfg(not(feature = "gpu"))]
-        let page = None;
-        return light::run(&args.light, page);
-    }
     if let Some(path) = &args.rules {
         return factors::rules(path);
     }
@@ -161,7 +155,9 @@ fn keep(_: &Args, _: &str) -> Result<Exit, Failure> {
 #[cfg(feature = "gpu")]
 fn drawn(args: &Args) -> Result<Exit, Failure> {
     let page = args.error.page.as_deref();
-    if args.many {
+    if !args.light.is_empty() {
+        light::run(&args.light, page)
+    } else if args.many {
         many::run(page)
     } else if !args.balls.is_empty() {
         balls::run(&args.balls, args.most, page)
