@@ -5,7 +5,7 @@ mod common;
 use common::gpu;
 use std::path::{Path, PathBuf};
 use surefoot_compiler::compiled::{Loader, Options};
-use surefoot_compiler::reference::{Area, Reference, View, rgb8};
+use surefoot_compiler::reference::{Area, Reference, View, film, rgb8};
 use surefoot_compiler::{compile, diagnostic};
 use surefoot_runtime::headless::{self, Shot};
 
@@ -49,7 +49,15 @@ fn every_example_looks_alike_on_both() {
             let shot = Shot { mode, ..Shot::new(width, height) };
             let drawn = headless::render(&gpu, &compiled, &live, &shot).unwrap();
             let area = Area { left: 0, top: 0, width, height };
-            let computed = rgb8(&reference.tile(&frame, &frame.cameras[0].1, SIZE, mode, area), area, mode);
+            let mut pixels = reference.light_at(&frame, &frame.cameras[0].1, SIZE, mode, area, 0);
+            if mode == View::Shaded {
+                let light: Vec<[f64; 3]> = pixels.iter().map(|&[r, g, b, _]| [r, g, b].map(f64::from)).collect();
+                let light = if frame.bloom > 0.0 { film::bloom(&light, SIZE, frame.bloom) } else { light };
+                for ([r, g, b, _], light) in pixels.iter_mut().zip(light) {
+                    [*r, *g, *b] = film::develop(frame.tone, light).map(|c| c as f32);
+                }
+            }
+            let computed = rgb8(&pixels, area, mode);
             let differ = |(drawn, computed): (&[u8], &[u8])| {
                 drawn.iter().zip(computed).any(|(a, b)| a.abs_diff(*b) > 8)
             };
