@@ -493,7 +493,7 @@ fn a_ball_throws_a_shadow() {
     let gpu = gpu();
     // Seen from above, the light from above and aside: the shadow lies where no ball hides it.
     let compiled = scene(
-        "scene = plane(y)\nballs b { count: 0 }\ncamera { eye: (0, 8, 0.01), target: (0, 0, 0), fov: 40deg }\nlight sun { direction: (-1, -1, 0), intensity: 3, shadow: hard }\nrender { ambient_occlusion: off }",
+        "scene = plane(y)\nballs b { count: 0 }\ncamera { eye: (0, 8, 0.01), target: (0, 0, 0), fov: 40deg }\nlight sun { direction: (-1, -1, 0), intensity: 3, shadow: hard }\nrender { ambient_occlusion: off }\nenvironment { sky: gradient(#204060, #202830) }",
     );
     let live = compiled.live();
     let mut picture = Picture::prepare(&gpu, &compiled, FORMAT, ViewMode::Shaded).unwrap();
