@@ -86,7 +86,7 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
     // What fills the cone hides all of the light.
     let wide = 1.1 * passed.t / sharpness;
     deeper = passed.t + wide;
-    hidden = hidden || turn == 1u && passed.free <= -wide;
+    hidden = hidden || (turn == 1u && passed.free <= -wide);
     around = vec4f(around.yzw, passed.lit);
     aside = select(select(cross(direction, aside), rim * sf_across(direction), turn == 1u), vec3f(0.0), turn == 0u);
   }}
@@ -231,7 +231,7 @@ fn passage() -> String {
 
 // What comes of a passage. Where it may be of a face that is not there: whether the surface is where the narrowest look says.
 fn end(ways: Ways) -> String {
-    let mut text = "  lit = select(lit, 0.0, lit < least || most < 288u && t <= span.y);\n".to_owned();
+    let mut text = "  lit = select(lit, 0.0, lit < least || (most < 288u && t <= span.y));\n".to_owned();
     if ways.loose {
         let plane = if ways.planes { " || sf_planes(at) <= lit * min(nearest, t_max - nearest) / sharpness" } else { "" };
         text += &format!(

@@ -224,7 +224,7 @@ fn meet(@builtin(global_invocation_id) id: vec3u) {
         let far = length(apart);
         let overlap = ball.r + other.r - far;
         let other_asleep = sleeps(at);
-        if overlap <= 0.0 || asleep && other_asleep {
+        if overlap <= 0.0 || (asleep && other_asleep) {
             continue;
         }
         var n = one_way(index, at);

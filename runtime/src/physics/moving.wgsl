@@ -32,5 +32,5 @@ fn stays(ball: Ball) -> bool {
     let before = distance_before(ball.p);
     let now = sf_distance(ball.p);
     let still = 1e-5 * ball.r;
-    return min(now, before) > 1.1 * ball.r || abs(now - before) <= still && length(carried(ball.p)) <= still;
+    return min(now, before) > 1.1 * ball.r || (abs(now - before) <= still && length(carried(ball.p)) <= still);
 }

@@ -24,7 +24,7 @@ fn mesh_fragment(in: MeshSeen) -> @location(0) vec4f {
     let smooth_normal = normalize(in.normal);
     let n = select(smooth_normal, -smooth_normal, dot(smooth_normal, facet) < 0.0);
     // What is drawn for mirrors leaves out what is seen from behind: it may be drawn from the middle of what mirrors.
-    if t > scene.max_distance || SCENE_CAPTURES && dot(smooth_normal, facet) < 0.0 {
+    if t > scene.max_distance || (SCENE_CAPTURES && dot(smooth_normal, facet) < 0.0) {
         discard;
     }
     // The mean of the places on the planes of the triangle's corners (Boubekeur and Alexa, "Phong Tessellation", 2008), if it is further out: a

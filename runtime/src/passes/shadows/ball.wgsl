@@ -17,7 +17,7 @@ fn map_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) index
     let far = length(way);
     let nothing = MapVertex(vec4f(0.0, 0.0, 0.0, 1.0), vec3f(0.0), index);
     // A ball that is gone, or that the light is in.
-    if (ball.word & GONE) != 0u || light.position == 1u && far <= 1.0001 * ball.r {
+    if (ball.word & GONE) != 0u || (light.position == 1u && far <= 1.0001 * ball.r) {
         return nothing;
     }
     let corner = vec2f(f32((0x32u >> vertex) & 1u), f32((0x2cu >> vertex) & 1u)) * 2.0 - 1.0;

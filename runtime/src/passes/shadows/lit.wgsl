@@ -89,7 +89,7 @@ fn shadow_said(index: u32, p: vec3f, n: vec3f) -> ShadowSaid {
 fn scene_lit(light: u32, p: vec3f, n: vec3f, l: vec3f, off: f32, far: f32) -> f32 {
     let place = select(p, scene_round, all(p == scene_flat));
     let said = shadow_said(light, place, n);
-    if said.lit <= 0.0 || said.known && shadow_lights[light].field == 1u {
+    if said.lit <= 0.0 || (said.known && shadow_lights[light].field == 1u) {
         return said.lit;
     }
     return said.lit * scene_seen(light, place, n, l, off, far);
