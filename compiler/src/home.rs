@@ -268,7 +268,7 @@ mod tests {
         let turning = distance("star(5, 1, 0.5).rotate(time).extrude(0.3)") / distance("star(5, 1, 0.5).extrude(0.3)");
         assert!((0.99..1.7).contains(&turning), "{turning}");
         // Of a polynomial its slope far away says nothing of how near it is.
-        let cubed = distance("polynomial.within(sphere(1.6))\nfield polynomial = cube(dot(p, p) - 1)") / distance("sphere(1)");
+        let cubed = distance("polynomial.within(sphere(1.6))\nfield polynomial = cubed(dot(p, p) - 1)") / distance("sphere(1)");
         assert!((0.99..1.6).contains(&cubed), "{cubed}");
         // In an upright picture it stands farther away, and not where the text says where.
         let still = scene("scene = box(4, 1, 1)");

@@ -85,7 +85,7 @@ fn run(
         compiled: None,
     };
     let facts = Facts::with(std::mem::take(memory));
-    let mut elaboration = program::elaborate(&loaded.modules, options, facts);
+    let mut elaboration = program::elaborate(&loaded.modules, &outcome.sources, options, facts);
     outcome.diagnostics.append(&mut elaboration.diagnostics);
     finished(Stage::Elaborate);
     if let (Some(root), false) = (elaboration.root, outcome.has_errors()) {

@@ -4,7 +4,7 @@ use crate::syntax::ast::BlockKind;
 use crate::syntax::words::{self, nearest};
 
 /// A name of another tool, and ours. Those that begin like Quilez' (`sd`, `op`) stand without that beginning, in small letters.
-const NAMES: [(&str, &str); 67] = [
+const NAMES: [(&str, &str); 68] = [
     // Shadertoy, Quilez, hg_sdf.
     ("smin", "smooth_union"),
     ("smax", "smooth_intersection"),
@@ -55,6 +55,7 @@ const NAMES: [(&str, &str); 67] = [
     ("worley", "cellular"),
     ("voronoi", "cellular"),
     // OpenSCAD, Curv, Bauble, libfive, and what people say.
+    ("cube", "box"),
     ("cuboid", "box"),
     ("ball", "sphere"),
     ("move", "translate"),
@@ -181,10 +182,8 @@ pub fn instead(word: &str) -> Option<&'static str> {
         "hull" => "there is no convex hull; write a `capsule`, a `rounded_cone` or `smooth_union`",
         "noise" | "snoise" => "write `perlin(p)`, `simplex(p)`, `value_noise(p)`, or `fbm(p)` for several of it",
         "random" | "rand" | "rnd" => "write `hash(i)`, a number from 0 to 1 that is another for each `i`",
-        "rounded_cylinder" | "roundedcylinder" | "round_cylinder" => "write `cylinder(1, 2).round(0.1)`",
+        "rounded_cylinder" | "roundedcylinder" | "round_cylinder" => "write `rounded_rectangle((2 * radius, height), 0.1).revolve()`: a drawing with round corners, turned",
         "text" | "letter" | "font" => "there are no letters: draw them with `segment`, `arc` and `polygon`",
-        "fillet" => "write `.round(0.1)` for all edges of a shape, `a.round_union(b, 0.1)` where two meet, `.extrude(1, 0.1)` for those of a drawing",
-        "chamfer" | "bevel" => "write `a.chamfer_union(b, 0.1)` where two shapes meet, `.extrude(1, 0.1)` for the edges of a drawing",
         "len" => "write `length(v)` for a vector, `list.count` for a list",
         "texture2d" | "texture" | "sampler2d" | "ichannel0" | "ichannel1" => "an image is laid on by a material: `material m { texture: \"image.png\" }`",
         "t" => "write `time`, in seconds, or declare it: `let t = …`",
@@ -287,8 +286,22 @@ mod tests {
             ("let a = [1, 2]\nscene = for i in 0..a.length { sphere(a[i]) }\n", "`.count`", "let a = [1, 2]\nscene = for i in 0..a.count { sphere(a[i]) }\n"),
             ("field f = { let q = abs(p); q.y -= 0.5; length(q) - 1 }\nscene = f\n", "`let q2 = q - … * (0, 1, 0);`", "field f = { let q = abs(p); let q2 = q - 0.5 * (0, 1, 0); length(q2) - 1 }\nscene = f\n"),
             ("scene = sphere(1).translate(x: 1)\n", "`(1, 0, 0)`", "scene = sphere(1).translate(1, 0, 0)\n"),
-            ("scene = box(1).fillet(0.1)\n", "`.round(0.1)`", "scene = box(1).round(0.1)\n"),
-            ("scene = box(1).chamfer(0.1)\n", "`.extrude(1, 0.1)`", "scene = rectangle((1, 1)).extrude(1, 0.1)\n"),
+            ("scene = box(1).fillet(0.1)\n", "`rounded_box(1, 0.1)`", "scene = rounded_box(1, 0.1)\n"),
+            ("scene = fillet(box(1, 2, 3), 0.1)\n", "`rounded_box(1, 2, 3, 0.1)`", "scene = rounded_box(1, 2, 3, 0.1)\n"),
+            ("scene = box(size: 2).translate(x).fillet(0.1)\n", "`rounded_box(size: 2, radius: 0.1)`", "scene = rounded_box(size: 2, radius: 0.1)\n"),
+            ("scene = rectangle(1).fillet(0.1).extrude(1)\n", "`rounded_rectangle(1, 0.1)`", "scene = rounded_rectangle(1, 0.1).extrude(1)\n"),
+            ("let a = cylinder(1, 2)\nscene = a.fillet(0.2)\n", "`round_union(a, b, 0.2)`", "scene = round_union(box(1), sphere(1).translate(x), 0.2)\n"),
+            ("scene = cylinder(0.5, 2).fillet(0.2)\n", "`rounded_rectangle((2 * radius, height), 0.2).revolve()`", "scene = rounded_rectangle((1, 2), 0.2).revolve()\n"),
+            ("scene = chamfer(sphere(1) & box(1.5), 0.1)\n", "`chamfer_intersection(a, b, 0.1)`", "scene = chamfer_intersection(sphere(1), box(1.5), 0.1)\n"),
+            ("scene = box(1).chamfer(0.1)\n", "`chamfered_box(1, 0.1)`", "scene = chamfered_box(1, 0.1)\n"),
+            ("scene = star(5, 1, 0.5).extrude(1).bevel(0.1)\n", "`.extrude(height, 0.1)`", "scene = star(5, 1, 0.5).extrude(1, 0.1)\n"),
+            ("let s = 2\nscene = cube(s)\n", "`box(s)`", "let s = 2\nscene = box(s)\n"),
+            ("scene = cube((1, 2, 3)).translate(x)\n", "`box((1, 2, 3))`", "scene = box((1, 2, 3)).translate(x)\n"),
+            ("scene = cube(1, 2, 3)\n", "`box(1, 2, 3)`", "scene = box(1, 2, 3)\n"),
+            ("scene = cube(size = [1, 2, 3], center = true)\n", "`box((1, 2, 3))`", "scene = box((1, 2, 3))\n"),
+            ("scene = cube()\n", "`box(1)`", "scene = box(1)\n"),
+            ("scene = heightfield(cube(p.x)).within(box(2))\n", "`cubed(p.x)`", "scene = heightfield(cubed(p.x)).within(box(2))\n"),
+            ("scene = heightfield(p.x.cube()).within(box(2))\n", "`cubed(p.x)`", "scene = heightfield(cubed(p.x)).within(box(2))\n"),
             ("scene = sphere(1).material(red)\n", "`swatch(#ff0000)`", "scene = sphere(1).material(swatch(#ff0000))\n"),
             ("scene = sphere(0.5).at((1, 0, 0))\n", "`.translate(1, 2, 3)`", "scene = sphere(0.5).translate(1, 2, 3)\n"),
             ("scene = sphere(1) and box(1.7)\n", "`a & b`", "scene = sphere(1) & box(1.7)\n"),
@@ -305,7 +318,7 @@ mod tests {
             ("light a { direction: (1, -1, 0), shadows: soft(8) }\nscene = sphere(1)\n", "`shadow`", "light a { direction: (1, -1, 0), shadow: soft(8) }\nscene = sphere(1)\n"),
             ("material m { color: 0xff0000 }\nscene = sphere(1).material(m)\n", "`#ff0000`", "material m { color: #ff0000 }\nscene = sphere(1).material(m)\n"),
             ("scene = translate((1, 0, 0), sphere(1))\n", "`shape.translate(v)`", "scene = sphere(1).translate((1, 0, 0))\n"),
-            ("scene = cube([1, 2, 3])\n", "`(1, 2, 3)`", "scene = box((1, 2, 3))\n"),
+            ("scene = cube([1, 2, 3])\n", "`box((1, 2, 3))`", "scene = box((1, 2, 3))\n"),
             ("scene = circle(1).extrude(z, 2)\n", "`.extrude(height)`", "scene = circle(1).extrude(2)\n"),
             ("scene = for k in polar(6, y) { sphere(0.3).translate(1, 0, 0) }\n", "`polar(y, 6)`", "scene = for k in polar(y, 6) { sphere(0.3).translate(1, 0, 0) }\n"),
             ("scene = sphere(0.3).translate(1, 0, 0).polar(6)\n", "`.repeat_polar(y, 6)`", "scene = sphere(0.3).translate(1, 0, 0).repeat_polar(y, 6)\n"),

@@ -33,7 +33,7 @@ use crate::analysis::Facts;
 use crate::compiled::{Options, Parameter, SceneBlocks};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::{Exactness, Graph, NodeId, NodeList, Shape, ShapeId};
-use crate::source::Span;
+use crate::source::{Sources, Span};
 use crate::syntax::ast::{self, FunctionKind, ItemKind};
 use gaps::Capped;
 use load::{ItemRef, Modules};
@@ -128,6 +128,8 @@ const CALL_LIMIT: usize = 200;
 pub struct Elaborator<'a> {
     /// All texts.
     pub modules: &'a Modules,
+    /// The texts themselves, for what is said of a place.
+    sources: &'a Sources,
     /// What the host chose.
     pub options: &'a Options,
     /// The graph that is made.
@@ -191,26 +193,27 @@ pub struct Elaboration {
 }
 
 /// Elaborates the program whose texts are `modules`; the scene is that of the first text. `facts` know what was found before.
-pub fn elaborate(modules: &Modules, options: &Options, facts: Facts) -> Elaboration {
-    let (elaboration, read) = elaborate_reading(modules, options, facts, FxHashMap::default());
+pub fn elaborate(modules: &Modules, sources: &Sources, options: &Options, facts: Facts) -> Elaboration {
+    let (elaboration, read) = elaborate_reading((modules, sources), options, facts, FxHashMap::default());
     if read.is_empty() {
         return elaboration;
     }
     let ran = elaboration.facts.ran;
     let mut facts = Facts::with(elaboration.facts.memory);
     facts.ran = ran;
-    elaborate_reading(modules, options, facts, read).0
+    elaborate_reading((modules, sources), options, facts, read).0
 }
 
 /// The same with what is known of how far repetitions are read; and how far they are, where that is farther than they look.
 fn elaborate_reading(
-    modules: &Modules,
+    (modules, sources): (&Modules, &Sources),
     options: &Options,
     facts: Facts,
     read_up_to: FxHashMap<Span, f64>,
 ) -> (Elaboration, FxHashMap<Span, f64>) {
     let mut e = Elaborator {
         modules,
+        sources,
         options,
         graph: Graph::new(),
         facts,

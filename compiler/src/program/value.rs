@@ -320,7 +320,7 @@ impl Elaborator<'_> {
     /// What to write where a shape is needed and a number stands.
     pub(super) fn instead_of_number(&self, node: NodeId) -> &'static str {
         match self.graph.node(node) {
-            Node::Constant(_) => "write a shape, as `sphere(1)` or `box(1)`; `cube` is the third power of a number",
+            Node::Constant(_) => "write a shape, as `sphere(1)` or `box(1)`; `cubed` is the third power of a number",
             Node::Call(_, Function::Field, _) => "`.at(point)` is the number that the shape's formula gives there; a shape is moved by `.translate(1, 2, 3)`",
             _ => "declare the formula with `field name = …`, and write its name here",
         }

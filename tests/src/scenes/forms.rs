@@ -327,7 +327,7 @@ const NUMERIC: &[&str] = &[
     "pow(abs(<same>), <size>)",
     "pow(<same>, 2)",
     "sq(<same>)",
-    "cube(<same>)",
+    "cubed(<same>)",
     "cube_root(<same>)",
     "floor(3 * <same>) / 3",
     "ceil(<same>)",

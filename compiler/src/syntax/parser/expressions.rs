@@ -304,7 +304,7 @@ impl Parser<'_> {
                 match (operator, token.kind) {
                     (Some(operator), TokenKind::Equals) => self.changed_value(operator),
                     (Some(operator), TokenKind::Star) if operator.kind == TokenKind::Star => {
-                        self.unexpected("a power is a function", "write `pow(a, b)`; `sq(a)` and `cube(a)` are the second and third");
+                        self.unexpected("a power is a function", "write `pow(a, b)`; `sq(a)` and `cubed(a)` are the second and third");
                         self.bump();
                         self.value();
                     }
