@@ -235,6 +235,12 @@ fn shapes_combine_and_move() {
         ("mix(sphere(1), sphere(3), 0.5) | sphere(round(0.6))", [5.0, 0.0, 0.0], 3.0),
         ("sphere(1).round(0.5)", [2.0, 0.0, 0.0], 0.5),
         ("(rectangle(2, 1) - circle(0.1)).extrude(2)", [0.0, 3.0, 0.0], 2.5),
+        ("circle(1).translate(2 * x + y).extrude(2)", [2.0, 4.0, 0.0], 2.0),
+        ("circle(1).translate(2, 1).symmetry(x).extrude(2)", [-2.0, 4.0, 0.0], 2.0),
+        ("circle(1).translate(2, 1).mirror(-y).extrude(2)", [2.0, -4.0, 0.0], 2.0),
+        ("circle(1).repeat(4 * x, 3).extrude(2)", [4.0, 3.0, 0.0], 2.0),
+        ("segment(-x, x + y).round(1).extrude(2)", [-3.0, 0.0, 0.0], 1.0),
+        ("(for a in [x, y] { circle(1).translate(3 * a) }).extrude(2)", [0.0, 6.0, 0.0], 2.0),
     ] {
         near(field(&format!("scene = {text}"), point), expected);
     }
@@ -279,3 +285,5 @@ fn turns_about_any_axis_go_by_the_right_hand() {
         }
     }
 }
+        ("field2 f = dot(p - x, y + x) - 1\nscene = f.extrude(2)", [3.0, 1.0, 0.0], 2.0),
+        ("let side = x\nfield2 f = length(p - 2 * side) - 1\nscene = f.extrude(2)", [5.0, 0.0, 0.0], 2.0),

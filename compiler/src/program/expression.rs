@@ -92,13 +92,17 @@ impl Elaborator<'_> {
     /// A name alone.
     fn name(&mut self, name: &str, span: Span, env: &Env) -> Elaborated<Value> {
         if let Some(value) = env.local(name) {
-            return Ok(value.clone());
+            let value = value.clone();
+            self.note_axis(&value, span);
+            return Ok(value);
         }
         let modules = self.modules;
         let meaning = modules.resolve(env.module, name);
         match &meaning {
             Resolution::Items(items) if !self.modules.is_prelude(items.first().map_or(0, |i| i.module)) => {
-                return self.item_value(items, span, env);
+                let value = self.item_value(items, span, env)?;
+                self.note_axis(&value, span);
+                return Ok(value);
             }
             Resolution::Ambiguous(paths) => return Err(self.ambiguous(name, paths, span)),
             _ => {}
@@ -109,6 +113,16 @@ impl Elaborator<'_> {
         match meaning {
             Resolution::Items(items) => self.item_value(items, span, env),
             _ => Err(self.unknown_name(name, false, span, env)),
+        }
+    }
+
+    /// Notes where the name of a unit vector stands: `x` and what is called otherwise, as by `let side = x`.
+    fn note_axis(&mut self, value: &Value, span: Span) {
+        let Value::Vector(v) = value else { return };
+        let unit = |n: &NodeId| self.graph.as_constant(*n).is_some_and(|c| c == 0.0 || c == 1.0);
+        let ones = || v.iter().filter(|n| self.graph.as_constant(**n) == Some(1.0)).count();
+        if v.len() == 3 && v.iter().all(unit) && ones() == 1 {
+            self.axes.insert(span);
         }
     }
 

@@ -6,7 +6,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
 use crate::graph::{NodeId, ShapeId, FAR};
 use crate::source::Span;
-use crate::syntax::ast::{BinaryOp, Expr, UnaryOp};
+use crate::syntax::ast::{BinaryOp, Expr, Type, UnaryOp};
 
 impl Elaborator<'_> {
     pub(super) fn unary(&mut self, op: UnaryOp, inner: &Expr, span: Span, env: &Env) -> Elaborated<Value> {
@@ -168,6 +168,12 @@ impl Elaborator<'_> {
         }
         let arithmetic =
             matches!(op, BinaryOp::Add | BinaryOp::Sub | BinaryOp::Mul | BinaryOp::Div | BinaryOp::Rem);
+        if let (Value::Vector(x), Value::Vector(y)) = (&a, &b)
+            && arithmetic
+            && (x.len() == 2 && self.is_axis_of_a_drawing(&b, &Type::Vec(2), spans.2) || y.len() == 2 && self.is_axis_of_a_drawing(&a, &Type::Vec(2), spans.0))
+        {
+            (a, b) = (Value::Vector(self.to_vector(&a, 2, spans.0)?), Value::Vector(self.to_vector(&b, 2, spans.2)?));
+        }
         if arithmetic && !computes(op, &a, &b) {
             let (left, right) = (a.describe(self), b.describe(self));
             let error = Diagnostic::new(
@@ -271,12 +277,12 @@ impl Elaborator<'_> {
         if let (Value::Shape(x), Value::Shape(y)) = (a, b)
             && self.dimensions(*x) != self.dimensions(*y)
         {
-            let error = Diagnostic::new(
-                Code::TypeMismatch,
-                spans.1,
-                "a drawing and a solid do not go together",
-                "make a solid of the drawing with `.extrude(height)` or `.revolve()`",
-            );
+            let is_plane = [spans.0, spans.2].into_iter().any(|at| self.sources.text(at).starts_with("plane("));
+            let help = match is_plane {
+                true => "of a drawing a `plane` has a normal of two numbers: `plane((1, 0))`; or make a solid of the drawing with `.extrude(height)`",
+                false => "make a solid of the drawing with `.extrude(height)` or `.revolve()`",
+            };
+            let error = Diagnostic::new(Code::TypeMismatch, spans.1, "a drawing and a solid do not go together", help);
             return Err(self.report(error.label(spans.0, a.describe(self)).label(spans.2, b.describe(self))));
         }
         let a = self.to_shape(a, dimensions, span)?;

@@ -197,6 +197,7 @@ impl Elaborator<'_> {
             (Value::Shape(_) | Value::Nothing, Type::Field | Type::Float) => {
                 self.to_number(&value, span, env).map(Value::number)
             }
+            _ if self.is_axis_of_a_drawing(&value, ty, span) => self.to_vector(&value, 2, span).map(Value::Vector),
             (Value::Nothing, Type::Shape) => self.to_shape(&value, 3, span).map(Value::Shape),
             (Value::Nothing, Type::Shape2) => self.to_shape(&value, 2, span).map(Value::Shape),
             // One number would be a point on the diagonal, which nobody means who writes a list of coordinates.
@@ -317,6 +318,11 @@ impl Elaborator<'_> {
         self.axes.iter().any(|axis| axis.file == span.file && span.start <= axis.start && axis.end <= span.end)
     }
 
+    /// Whether a direction made of `x`, `y` and `z` stands where a drawing wants one: there it is of two components.
+    pub(super) fn is_axis_of_a_drawing(&self, value: &Value, ty: &Type, span: Span) -> bool {
+        matches!((value, ty), (Value::Vector(v), Type::Vec(2)) if v.len() == 3) && self.names_an_axis(span)
+    }
+
     /// What to write where a shape is needed and a number stands.
     pub(super) fn instead_of_number(&self, node: NodeId) -> &'static str {
         match self.graph.node(node) {
@@ -387,6 +393,10 @@ impl Elaborator<'_> {
         match value {
             Value::Number(node, _) => Ok(NodeList::of(*node, n)),
             Value::Vector(v) if v.len() == n => Ok(v.clone()),
+            Value::Vector(v) if n == 2 && let &[x, y, z] = &**v && self.names_an_axis(span) => match self.graph.as_constant(z) {
+                Some(0.0) => Ok([x, y].into()),
+                _ => Err(self.error(Code::TypeMismatch, span, "a drawing has no z", "its axes are `x` and `y`; make a solid of it first, with `.extrude(height)`")),
+            },
             other => {
                 let found = other.describe(self);
                 Err(self.error(
@@ -421,6 +431,10 @@ impl Elaborator<'_> {
             }
             (Value::Vector(x), Value::Vector(y)) if x.len() == y.len() => {
                 Ok(Value::Vector(x.iter().zip(y.iter()).map(|(x, y)| f(self, *x, *y)).collect()))
+            }
+            (Value::Vector(x), Value::Vector(y)) if matches!((x.len(), y.len()), (2, 3) | (3, 2)) && self.names_an_axis(span) => {
+                let (x, y) = (self.to_vector(a, 2, span)?, self.to_vector(b, 2, span)?);
+                self.componentwise(&Value::Vector(x), &Value::Vector(y), span, f)
             }
             _ => {
                 let (left, right) = (a.describe(self), b.describe(self));
