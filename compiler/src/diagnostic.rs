@@ -222,6 +222,9 @@ codes! {
     Unused, "unused", Warning,
         "A parameter that nothing reads. Its slider would do nothing.",
         "param a = 1 in 0..2\nscene = sphere(1)";
+    RangeReach, "range-reach", Warning,
+        "The range of a parameter reaches what cannot be: a radius below zero, a scale of zero, a blend of less than nothing. There the number is kept at the nearest one that can be, and the slider does nothing more. End the range before that.",
+        "param r = 1 in -1..2\nscene = sphere(r)";
     BareAngle, "bare-angle", Warning,
         "An angle of more than a whole turn, written as a bare number: that is in radians. Write `45deg`, or `45rad` where radians are meant.",
         "scene = box(1).rotate(y, 45)";

@@ -246,6 +246,36 @@ fn shapes_combine_and_move() {
     }
 }
 
+/// What joins two joins more of them, as it would one after the other.
+#[test]
+fn blends_of_many_are_folded_in_their_order() {
+    let given = "let a = box(1)\nlet b = sphere(0.6).translate(0.4, 0, 0)\nlet c = box(0.8).translate(0, 0.5, 0)\nlet d = sphere(0.3).translate(0, 0, 0.5)\n";
+    let mut calls: Vec<(String, String)> = Vec::new();
+    for kind in ["union", "intersection", "difference"] {
+        let fold = |name: &str, rest: &str| format!("{name}({name}({name}(a, b{rest}), c{rest}), d{rest})");
+        calls.push((format!("{kind}(a, b, c, d)"), fold(kind, "")));
+        calls.push((format!("{kind}([a, b, c, d])"), fold(kind, "")));
+        for form in ["smooth", "round", "chamfer", "stairs"] {
+            let name = format!("{form}_{kind}");
+            let folded = fold(&name, ", 0.1");
+            for call in ["(a, b, c, d, 0.1)", "([a, b, c, d], 0.1)", "(a, b, c, d, k: 0.1)", "([a, b], c, d, 0.1)"] {
+                calls.push((format!("{name}{call}"), folded.clone()));
+            }
+            calls.push((format!("a.{name}(b, c, d, 0.1)"), folded.clone()));
+            calls.push((format!("[a, b, c, d].{name}(0.1)"), folded));
+        }
+    }
+    calls.push(("stairs_union(a, b, c, d, 0.1, 2)".into(), "stairs_union(stairs_union(stairs_union(a, b, 0.1, 2), c, 0.1, 2), d, 0.1, 2)".into()));
+    let formula = |of: &str| format!("f.within(box(3))\nfield f = {of}");
+    calls.push((formula("smooth_union(length(p), p.x, p.y, 0.3)"), formula("smooth_union(smooth_union(length(p), p.x, 0.3), p.y, 0.3)")));
+    for (many, folded) in calls {
+        for point in [[0.1, 0.2, 0.3], [0.55, 0.5, 0.3], [0.4, 0.62, 0.45]] {
+            let [many, folded] = [&many, &folded].map(|text| field(&format!("{given}scene = {text}"), point));
+            assert_eq!(many, folded, "{many}");
+        }
+    }
+}
+
 #[test]
 fn formulas_use_shapes_blends_and_warps() {
     for (text, point, expected) in [
@@ -257,6 +287,8 @@ fn formulas_use_shapes_blends_and_warps() {
         ("field f(g: field) = length(p) - g\nscene = f(1 + 0.1 * sin(p.x))", [0.0, 3.0, 0.0], 2.0),
         ("blend b(a, b, r: field) = min(a, b) - r\nscene = b(sphere(1), sphere(2), 0.5)", [5.0, 0.0, 0.0], 2.5),
         ("field f = length(world) - 1\nscene = f.translate(5, 0, 0)", [3.0, 0.0, 0.0], 2.0),
+        ("field2 f = dot(p - x, y + x) - 1\nscene = f.extrude(2)", [3.0, 1.0, 0.0], 2.0),
+        ("let side = x\nfield2 f = length(p - 2 * side) - 1\nscene = f.extrude(2)", [5.0, 0.0, 0.0], 2.0),
     ] {
         near(field(text, point), expected);
     }
@@ -285,5 +317,3 @@ fn turns_about_any_axis_go_by_the_right_hand() {
         }
     }
 }
-        ("field2 f = dot(p - x, y + x) - 1\nscene = f.extrude(2)", [3.0, 1.0, 0.0], 2.0),
-        ("let side = x\nfield2 f = length(p - 2 * side) - 1\nscene = f.extrude(2)", [5.0, 0.0, 0.0], 2.0),

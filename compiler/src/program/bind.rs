@@ -1,15 +1,17 @@
 //! How arguments meet parameters: by place or name, one by one or a vector at once, and within what the documentation requires.
 
+use super::apply::is_operand;
 use super::builtin::is_function;
 use super::load::{ItemRef, in_prelude, is_of_prelude, prelude_items};
 use super::value::{points, type_words, Value};
 use super::blocks::short;
 use super::{Elaborated, Elaborator, Env, Stop};
-use crate::diagnostic::Code;
+use crate::compiled::Live;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
-use crate::graph::NodeId;
+use crate::graph::{Leaf, Node, NodeId, ShapeId};
 use crate::source::Span;
-use crate::syntax::ast::{self, Argument, Expr, ExprKind, Parameter, Type, UnaryOp};
+use crate::syntax::ast::{self, Argument, Expr, ExprKind, FunctionKind, ItemKind, Parameter, Type, UnaryOp};
 use crate::syntax::words::nearest;
 use smallvec::{SmallVec, smallvec};
 use std::sync::LazyLock;
@@ -20,6 +22,32 @@ pub struct Requirement {
     parameter: String,
     relation: String,
     bound: f64,
+}
+
+impl Requirement {
+    /// Whether a number meets it.
+    fn holds(&self, c: f64) -> bool {
+        match self.relation.as_str() {
+            ">=" => c >= self.bound,
+            ">" => c > self.bound,
+            "<=" => c <= self.bound,
+            "<" => c < self.bound,
+            "!=" => c != self.bound,
+            _ => true,
+        }
+    }
+
+    /// `at least 0`.
+    fn words(&self) -> String {
+        let relation = match self.relation.as_str() {
+            ">=" => "at least",
+            ">" => "greater than",
+            "<=" => "at most",
+            "<" => "less than",
+            _ => "other than",
+        };
+        format!("{relation} {}", self.bound)
+    }
 }
 
 /// The conditions of each item of the prelude, read once as its texts are.
@@ -143,7 +171,10 @@ impl Elaborator<'_> {
                     self.error(
                         Code::ExtraArgument,
                         at,
-                        format!("`{name}` takes {takes} argument{}, and here are {given}", if takes == 1 { "" } else { "s" }),
+                        match is_of_two(parameters) {
+                            true => format!("this is one argument too many for `{name}`"),
+                            false => format!("`{name}` takes {takes} argument{}, and here are {given}", if takes == 1 { "" } else { "s" }),
+                        },
                         match takes {
                             _ if hides => format!("the language's own `{name}` is hidden by what the scene calls so: give that another name"),
                             0 => format!("write `{name}`"),
@@ -264,9 +295,14 @@ impl Elaborator<'_> {
                 }
             };
             let at = value.as_ref().map_or(span, |(_, at)| *at);
+            let is_solid = is_field && &*parameter.name.text == "k" && is_of_two(parameters) && matches!(&value, Ok((Value::Shape(id), _)) if !self.is_declared_field(*id));
             let after_axis = parameters.iter().take_while(|p| p.name.text != parameter.name.text).any(|p| &*p.name.text == "axis");
             let typed = value.and_then(|(value, at)| match &parameter.ty {
-                Some((ty, _)) if after_axis && matches!(value, Value::Vector(_)) && !self.fits(&value, ty) => {
+                Some(_) if is_solid => {
+                    let found = value.describe(self);
+                    Err(self.error(Code::MissingArgument, at, format!("`{name}` needs `k`, a number, and this is {found}"), of_many(name, parameters)))
+                }
+                Some((ty, _)) if after_axis && matches!(value, Value::Vector(_)) && !self.fits(&value, ty) && !self.is_axis_of_a_drawing(&value, ty, at) => {
                     let found = value.describe(self);
                     let help = format!("the axis stands first: write `{}`", written(name, parameters, hidden, false));
                     Err(self.error(Code::TypeMismatch, at, format!("{} is needed here, and this is {found}", type_words(ty)), help))
@@ -377,14 +413,7 @@ impl Elaborator<'_> {
             // A vector that may not be zero may have components that are.
             let constants: SmallVec<[f64; 4]> =
                 nodes.iter().filter_map(|n| self.graph.as_constant(*n)).collect();
-            let holds = |c: f64| match requirement.relation.as_str() {
-                ">=" => c >= requirement.bound,
-                ">" => c > requirement.bound,
-                "<=" => c <= requirement.bound,
-                "<" => c < requirement.bound,
-                "!=" => c != requirement.bound,
-                _ => true,
-            };
+            let holds = |c: f64| requirement.holds(c);
             let broken = if requirement.relation == "!=" {
                 constants.len() == nodes.len() && !constants.iter().any(|&c| holds(c))
             } else {
@@ -405,15 +434,7 @@ impl Elaborator<'_> {
                     span,
                     format!("the `{parameter}` of `{name}` is {bad}"),
                     format!(
-                        "write one that is {} {}",
-                        match requirement.relation.as_str() {
-                            ">=" => "at least",
-                            ">" => "greater than",
-                            "<=" => "at most",
-                            "<" => "less than",
-                            _ => "other than",
-                        },
-                        requirement.bound
+                        "write one that is {}", requirement.words()
                     ),
                 ));
             }
@@ -426,6 +447,7 @@ impl Elaborator<'_> {
             };
             let within: SmallVec<[NodeId; 4]> = nodes.iter().map(|n| self.keep_within(*n, limit)).collect();
             if within != nodes {
+                self.warn_of_reach(&function.name.text, requirement, &nodes, *span);
                 kept.extend(match (values.get(at), within.first()) {
                     (Some(Value::Number(_, kind)), Some(n)) => Some((at, Value::Number(*n, *kind))),
                     (Some(Value::Vector(_)), _) => Some((at, Value::Vector(within.iter().copied().collect()))),
@@ -434,6 +456,61 @@ impl Elaborator<'_> {
             }
         }
         Ok(kept)
+    }
+
+    /// Warns where a slider at an end of its range, and all others at their defaults, makes a number that is ruled out.
+    fn warn_of_reach(&mut self, name: &str, requirement: &Requirement, nodes: &[NodeId], at: Span) {
+        let start = Live::start(&self.graph);
+        for id in self.graph.reachable(nodes) {
+            let Node::Leaf(Leaf::Parameter(component)) = *self.graph.node(id) else { continue };
+            let Some(known) = self.graph.parameters.get(component as usize) else { continue };
+            let ends = [known.min, known.max];
+            let Some((parameter, span)) = self.written_range(component) else { continue };
+            if nodes.iter().any(|n| !self.reads_parameters_alone(*n)) || self.is_known(Code::RangeReach, span) {
+                continue;
+            }
+            for end in ends {
+                let mut live = start.clone();
+                live.components.iter_mut().skip(component as usize).take(1).for_each(|c| *c = end);
+                let Some(bad) = live.values(&self.graph, nodes).into_iter().find(|c| !requirement.holds(*c)) else { continue };
+                let (of, words) = (&requirement.parameter, requirement.words());
+                let warning = Diagnostic::new(
+                    Code::RangeReach,
+                    span,
+                    format!("the range of `{parameter}` reaches {}, where the `{of}` of `{name}` is {}", short(end), short(bad)),
+                    format!("let the range end where the `{of}` is {words}; beyond that it is kept there"),
+                );
+                self.report(warning.label(at, format!("the `{of}` of `{name}`")));
+                break;
+            }
+        }
+    }
+
+    /// The name of the parameter that has a component, and where its range is written, if it is.
+    fn written_range(&self, component: u32) -> Option<(String, Span)> {
+        let parameter = self.parameters.iter().find(|p| p.components().contains(&component))?;
+        let modules = self.modules;
+        modules.with_parameters().into_iter().flat_map(|module| modules.items(module)).find_map(|(_, item)| match &item.kind {
+            ItemKind::Param { name, domain: Some(range), .. } if name.span == parameter.span => Some((parameter.name.clone(), range.span)),
+            _ => None,
+        })
+    }
+
+    /// Whether a number depends on parameters and time and nothing else.
+    fn reads_parameters_alone(&self, node: NodeId) -> bool {
+        self.graph.reachable(&[node]).into_iter().all(|id| match self.graph.node(id) {
+            Node::Leaf(leaf) => matches!(leaf, Leaf::Parameter(_) | Leaf::Time),
+            Node::Call(..) => false,
+            _ => true,
+        })
+    }
+
+    /// Whether a shape is what a person declared as a formula: such a one may stand where a number is wanted that varies.
+    fn is_declared_field(&self, id: ShapeId) -> bool {
+        let Some(name) = self.graph.shape(id).and_then(|s| s.name.clone()) else { return false };
+        let is_field = |item: &ast::Item| matches!(&item.kind, ItemKind::Function(f) if matches!(f.kind, FunctionKind::Field | FunctionKind::Field2) && *f.name.text == *name);
+        let modules = self.modules;
+        modules.with_parameters().into_iter().flat_map(|module| modules.items(module)).any(|(_, item)| is_field(item))
     }
 
     /// A number that is not constant, kept on one side of a limit: `Max` keeps it at or above.
@@ -510,8 +587,8 @@ pub fn parse_requirements(doc: &str) -> Vec<Requirement> {
 }
 
 /// Whether it joins two shapes: its first parameters are `a` and `b`.
-fn is_of_two(parameters: &[Parameter]) -> bool {
-    parameters.iter().map(|p| &*p.name.text).take(2).eq(["a", "b"])
+pub(super) fn is_of_two(parameters: &[Parameter]) -> bool {
+    parameters.iter().take_while(|p| is_operand(p)).map(|p| &*p.name.text).eq(["a", "b"])
 }
 
 /// A call as advice: what stands before the dot is left out, and a vector may be written out.
@@ -524,20 +601,17 @@ fn written(name: &str, parameters: &[Parameter], hidden: usize, by_components: b
     format!("{dot}{name}({})", list.get(hidden..).unwrap_or(&[]).join(", "))
 }
 
-/// How something that joins two shapes joins more of them.
+/// How something that joins two shapes is called, and with more of them.
 fn of_many(name: &str, parameters: &[Parameter]) -> String {
-    let rest: Vec<&str> = parameters.iter().skip(2).map(|p| &*p.name.text).collect();
-    let (two, by) = match rest.is_empty() {
-        true => (format!("{name}(a, b)"), name.to_owned()),
-        false => (format!("{name}(a, b, {})", rest.join(", ")), format!("{name}({})", rest.join(", "))),
-    };
+    let rest: String = parameters.iter().skip(2).map(|p| format!(", {}", p.name.text)).collect();
     let sign = match name {
         "union" => " or `a | b | c`",
         "intersection" => " or `a & b & c`",
         "difference" => " or `a - b - c`",
+        "mix" => return format!("write `{name}(a, b{rest})`"),
         _ => "",
     };
-    format!("write `{two}`; of more, `for s in [a, b, c] by {by} {{ s }}`{sign}")
+    format!("write `{name}(a, b{rest})`; of more, `{name}(a, b, c{rest})`{sign}")
 }
 
 /// The number that an expression is, where it is one without a unit.
