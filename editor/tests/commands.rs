@@ -139,6 +139,87 @@ fn the_box_of_the_solid_is_the_same_for_people_and_machines() {
     }
 }
 
+/// Scenes of the corpus, with which code `check` ends, and what it says of them.
+const SAID: [(&str, i32, &[&str]); 4] = [
+    ("symmetry_in_a_drawing", 0, &["symmetry_in_a_drawing.sdf: fine"]),
+    ("cube", 1, &["cube.sdf:2:9", "help: write `box((10, 20, 30))`", "1 error\n"]),
+    ("fillet", 1, &["fillet.sdf:2:9", "help: write `rounded_box(1, 0.1)`, which is as large as `box(1)`", "1 error\n"]),
+    (
+        "ranges_that_cannot_be",
+        0,
+        &[
+            "ranges_that_cannot_be.sdf:2:16",
+            "warning[range-reach]: the range of `k` reaches -1, where the `k` of `scale` is -1",
+            "ranges_that_cannot_be.sdf:3:16",
+            "warning[range-reach]: the range of `r` reaches -1, where the `major` of `torus` is -1",
+            "2 warnings\n",
+        ],
+    ),
+];
+
+#[test]
+fn cases_are_told_what_they_are_owed() {
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/corpus/cases");
+    for (name, code, said) in SAID {
+        let (exit, out, err) = run(&cases, &["check", &format!("{name}.sdf")]);
+        assert_eq!((exit, err.as_str()), (code, ""), "{name}: {out}");
+        for words in said {
+            assert!(out.contains(words), "`{words}` is not in\n{out}");
+        }
+    }
+}
+
+/// Each kind of file is written by one command; another says which.
+#[test]
+fn files_that_a_command_does_not_write_are_refused() {
+    let folder = folder("endings");
+    let render = ["render", "good.sdf", "--device", "cpu", "--size", "8x8", "-o"];
+    for (args, file, told) in [
+        (&["compile", "good.sdf", "-o"][..], "x.stl", "nothing writes meshes"),
+        (&["compile", "good.sdf", "-o"], "x.STL", "nothing writes meshes"),
+        (&["compile", "good.sdf", "-o"], "x.png", "`surefoot render SCENE.sdf -o OUT.png`"),
+        (&["compile", "good.sdf", "-o"], "x.csv", "`surefoot simulate"),
+        (&["compile", "good.sdf", "-o"], "x.glsl", "--target glsl"),
+        (&["compile", "good.sdf", "--target", "glsl", "-o"], "x.wgsl", "`surefoot compile SCENE.sdf -o OUT.wgsl`"),
+        (&["compile", "good.sdf", "-o"], "x.sdf", "`surefoot fmt SCENE.sdf`"),
+        (&["compile", "good.sdf", "-o", "x.wgsl", "--layout"], "x.png", "`surefoot render"),
+        (&render, "x.wgsl", "`surefoot compile SCENE.sdf -o OUT.wgsl`"),
+        (&render, "x.obj", "nothing writes meshes"),
+        (&render, "x.gif", "--frames 0..120"),
+        (&render, "x.jpg", "write `-o x.png`"),
+        (&render, "x.ply", "`surefoot simulate"),
+        (&["simulate", "good.sdf", "-o"], "x.png", "`surefoot render"),
+        (&["simulate", "good.sdf", "-o"], "x.stl", "nothing writes meshes"),
+    ] {
+        let (code, out, err) = run(&folder, &[args, &[file]].concat());
+        assert_eq!((code, out.as_str()), (2, ""), "{args:?} {file}: {err}");
+        assert!(err.contains(told), "{args:?} {file}: {err}");
+        assert!(!folder.join(file).exists(), "{file}");
+    }
+    for (args, file) in [
+        (&["compile", "good.sdf", "-o"][..], "x.txt"),
+        (&["compile", "good.sdf", "--target", "glsl", "-o"], "x.frag"),
+        (&["compile", "good.sdf", "--target", "msl", "-o"], "x.metal"),
+        (&render, "x.PNG"),
+    ] {
+        assert_eq!(run(&folder, &[args, &[file]].concat()).0, 0, "{args:?} {file}");
+        assert!(folder.join(file).exists(), "{file}");
+    }
+}
+
+/// Where there is no desktop, drivers complain of it; a person reads what the program says alone.
+#[test]
+fn drivers_write_nothing_of_their_own() {
+    let folder = folder("drivers");
+    let mut render = command(&folder, &["render", "good.sdf", "-o", "a.png", "--size", "8x8", "--device", "gpu"]);
+    for name in ["XDG_RUNTIME_DIR", "WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"] {
+        render.env_remove(name);
+    }
+    let (code, _, err) = texts(render.output().unwrap());
+    assert!(code == 0 || code == 3, "{err}");
+    assert!(err.lines().all(|line| line.starts_with("note: ") || line.starts_with("surefoot: ")), "{err}");
+}
+
 #[test]
 fn check_explains_factors_and_strict_refuses_what_is_measured() {
     let folder = folder("factors");

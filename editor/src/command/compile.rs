@@ -2,7 +2,7 @@
 
 use super::check::parameter_json;
 use super::values::{self, Setting};
-use super::{Exit, Failure, compile_file, print, show_broken, show_diagnostics, spare};
+use super::{Exit, Failure, compile_file, ends_wrong, print, show_broken, show_diagnostics, spare};
 use crate::files;
 use clap::builder::PossibleValuesParser;
 use serde_json::{Value, json};
@@ -56,6 +56,15 @@ pub struct Args {
     #[arg(long)]
     live_in_shader: bool,
 }
+
+/// The endings of files in each language.
+const ENDINGS_OF: [(&[&str], Target); 5] = [
+    (&["wgsl"], Target::Wgsl),
+    (&["glsl", "frag", "vert"], Target::Glsl),
+    (&["hlsl"], Target::Hlsl),
+    (&["msl", "metal"], Target::Msl),
+    (&["spv", "spirv"], Target::Spirv),
+];
 
 fn export(name: &str) -> Result<Export, String> {
     Export::ALL.into_iter().find(|export| export.name() == name.trim()).ok_or_else(|| {
@@ -128,6 +137,11 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     }
     for path in paths {
         spare(path, &outcome)?;
+    }
+    let endings = ENDINGS_OF.iter().find(|(_, t)| *t == target).map_or(&[][..], |(endings, _)| endings);
+    let wrong = file.and_then(|file| ends_wrong(file, endings)).or_else(|| ends_wrong(layout.as_ref()?.0, &["json"]));
+    if let Some(words) = wrong {
+        return Err(Failure::usage(words));
     }
     for skipped in &compiled.module.skipped {
         eprintln!("note: left out: {skipped}");

@@ -159,6 +159,32 @@ fn spare(path: &std::path::Path, outcome: &Outcome) -> Result<(), Failure> {
     }
 }
 
+/// What files with some ending hold, and how such are written, or that nothing writes them.
+const ENDINGS: [(&[&str], &str); 11] = [
+    (&["png"], "a picture is drawn by `surefoot render SCENE.sdf -o OUT.png`"),
+    (&["jpg", "jpeg", "webp", "bmp", "tif", "tiff", "exr", "hdr", "svg"], "pictures are PNG alone, by `surefoot render SCENE.sdf -o OUT.png`"),
+    (&["gif", "mp4", "webm", "mov", "avi", "mkv"], "nothing writes films; their pictures are drawn by `surefoot render SCENE.sdf -o OUT.png --frames 0..120`"),
+    (&["wgsl"], "WGSL is written by `surefoot compile SCENE.sdf -o OUT.wgsl`"),
+    (&["glsl", "frag", "vert"], "GLSL is written by `surefoot compile SCENE.sdf -o OUT.glsl --target glsl`"),
+    (&["hlsl"], "HLSL is written by `surefoot compile SCENE.sdf -o OUT.hlsl --target hlsl`"),
+    (&["msl", "metal"], "Metal's language is written by `surefoot compile SCENE.sdf -o OUT.metal --target msl`"),
+    (&["spv", "spirv"], "SPIR-V is written by `surefoot compile SCENE.sdf -o OUT.spv --target spirv`"),
+    (&["csv", "ply"], "places of balls are written by `surefoot simulate SCENE.sdf -o OUT.csv` or `-o OUT.ply`"),
+    (&["stl", "obj", "glb", "gltf", "3mf", "off", "step", "stp", "usd", "usdz"], "nothing writes meshes: a scene is a field, and what draws it is `surefoot render`"),
+    (&["sdf"], "a scene is written by a person, and laid out by `surefoot fmt SCENE.sdf`"),
+];
+
+/// Why a command that writes files with the endings `own` does not write one with the ending of `path`; none where it may. Endings that nobody
+/// knows are free.
+fn ends_wrong(path: &std::path::Path, own: &[&str]) -> Option<String> {
+    let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+    if own.contains(&ending.as_str()) {
+        return None;
+    }
+    let (_, written) = ENDINGS.iter().find(|(endings, _)| endings.contains(&ending.as_str()))?;
+    Some(format!("{} is not what this writes: {written}", path.display()))
+}
+
 /// The paths of all that a scene reads: texts, those of images and of a sky (a folder, of a cubemap), meshes.
 fn all_read(outcome: &Outcome) -> Vec<&str> {
     let images = outcome.compiled.iter().flat_map(|c| c.graph.images.iter().chain(c.blocks.environment.as_ref().map(|e| &e.file)));

@@ -2,7 +2,7 @@
 
 use super::bar::LateBar;
 use super::values::{self, Setting};
-use super::{Exit, Failure, compile_file, print, show_broken, show_diagnostics, show_found, spare};
+use super::{Exit, Failure, compile_file, ends_wrong, print, show_broken, show_diagnostics, show_found, spare};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -99,7 +99,11 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     }
     if args.output.extension().is_some_and(|e| !e.eq_ignore_ascii_case("png")) {
         let png = args.output.with_extension("png");
-        return Err(Failure::usage(format!("pictures are written as PNG: write `-o {}`", png.display())));
+        let pictures = format!("pictures are written as PNG: write `-o {}`", png.display());
+        return Err(Failure::usage(match ends_wrong(&args.output, &["png"]) {
+            Some(words) => format!("{words}; {pictures}"),
+            None => pictures,
+        }));
     }
     let shots: Vec<(f64, PathBuf)> = match &args.frames {
         None => vec![(args.time, args.output.clone())],

@@ -2,7 +2,7 @@
 
 use super::bar::LateBar;
 use super::values::{self, Setting};
-use super::{Exit, Failure, compile_file, print, show_diagnostics};
+use super::{Exit, Failure, compile_file, ends_wrong, print, show_diagnostics};
 use crate::picture::Device;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -45,7 +45,10 @@ fn table(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match path.extension().and_then(|e| e.to_str()) {
         Some("csv" | "ply") => Ok(path),
-        _ => Err("the name ends with .csv or .ply".to_owned()),
+        _ => Err(match ends_wrong(&path, &["csv", "ply"]) {
+            Some(words) => format!("the name ends with .csv or .ply; {words}"),
+            None => "the name ends with .csv or .ply".to_owned(),
+        }),
     }
 }
 
