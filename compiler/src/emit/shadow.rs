@@ -192,11 +192,7 @@ fn passage() -> String {
     while step < most && t <= span.y && !near {
       tolerance = 2e-6 * (size + t);
       free = sf_bound(origin + direction * t);
-      // A ray that goes aside takes the bound for the distance.
-      let past = min(lit, sharpness * free / max(min(t, t_max - t), tolerance));
-      near = select(free <= tolerance || past < lit || step >= 256u, past < least, most < 288u);
-      nearest = select(nearest, t, most < 288u && past < lit);
-      lit = select(lit, past, most < 288u);
+      near = free <= tolerance || sharpness * free < lit * max(min(t, t_max - t), tolerance) || step >= 256u;
       // On by the slope over the last step, but not beyond the end without a look at it; or back.
       let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
       let next = max(t + free, min(t + on, span.y));
@@ -207,7 +203,7 @@ fn passage() -> String {
       radius = select(free, radius, back);
       step += 1u;
     }
-    if near && most == 288u {
+    if near {
       let distance = sf_distance(origin + direction * seen);
       let share = sharpness * distance / max(min(seen, t_max - seen), tolerance);
       nearest = select(nearest, seen, share < lit);

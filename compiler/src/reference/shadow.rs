@@ -5,7 +5,8 @@ use super::area::toward;
 use super::march::{Look, Ray, Scene, at_points, march, sizes};
 use super::vector::{Vec3, along, dot, length, sub};
 use crate::analysis::Box3;
-use crate::emit::shadow::{LEFT, STEP, MET, MET_ASIDE, MOST_ASIDE, RIM, SHARE};
+use crate::emit::shadow::{LEFT, MET, MET_ASIDE, MOST_ASIDE, RIM, SHARE, STEP};
+use crate::graph::interval::Interval;
 use std::cell::Cell;
 
 /// Looks of a shadow's ray at most.
@@ -32,14 +33,21 @@ pub(super) fn shares(scene: &Reference, rays: &[Ray], softness: &[f64], extent: 
     let middles = passages(scene, rays, &sharpness, extent, false);
     let mut lit: Vec<f64> = middles.iter().map(|middle| if middle.lit > 0.0 { share(middle.lit) } else { 0.0 }).collect();
     let sharp = |i: usize| sharpness.get(i).copied().unwrap_or(HARD);
-    let met: Vec<(usize, &Ray, &Passage)> =
-        (0..).zip(rays.iter().zip(&middles)).filter(|(i, (_, middle))| middle.lit <= 0.0 && sharp(*i) < HARD).map(|(i, (ray, middle))| (i, ray, middle)).collect();
+    let met: Vec<(usize, &Ray, &Passage)> = (0..)
+        .zip(rays.iter().zip(&middles))
+        .filter(|(i, (_, middle))| middle.lit <= 0.0 && sharp(*i) < HARD)
+        .map(|(i, (ray, middle))| (i, ray, middle))
+        .collect();
     // What fills the cone hides all of the light.
     let wide = |i: usize, passage: &Passage| 1.1 * passage.t / sharp(i);
     let deeper: Vec<Vec3> = met.iter().map(|(i, ray, middle)| ray.at(middle.t + wide(*i, middle))).collect();
     let mut hidden: Vec<(usize, Ray)> = Vec::new();
     at_points(&scene.rest.bound, &deeper, &[], |i, values| {
-        if let Some((of, ray, _)) = met.get(i).filter(|(i, _, middle)| values.first().is_none_or(|bound| *bound > -(wide(*i, middle) * (1.0 + 1.1 / sharp(*i))))) {
+        let fills = |(i, _, middle): &&(usize, &Ray, &Passage)| {
+            let wide = wide(*i, middle) * (1.0 + 1.1 / sharp(*i));
+            values.first().is_some_and(|bound| *bound <= -wide)
+        };
+        if let Some((of, ray, _)) = met.get(i).filter(|met| !fills(met)) {
             hidden.push((*of, **ray));
         }
     });
@@ -86,9 +94,10 @@ fn share(a: f64) -> f64 {
 
 /// The part of a ray that lies within a box, or so near to it that what is solid can stand in a cone about the ray, as `sf_beside` finds it.
 fn near(ray: &Ray, region: &Box3, sharpness: f64) -> Option<Ray> {
-    let far: Vec3 = std::array::from_fn(|i| region.0.get(i).zip(ray.origin.get(i)).map_or(0.0, |(side, start)| (side.lo - start).abs().max((side.hi - start).abs())));
+    let farther = |(side, start): (&Interval, &f64)| (side.lo - start).abs().max((side.hi - start).abs());
+    let far: Vec3 = std::array::from_fn(|i| region.0.get(i).zip(ray.origin.get(i)).map_or(0.0, farther));
     let margin = length(far) / sharpness;
-    let wider = Box3(region.0.map(|side| crate::graph::interval::Interval { lo: side.lo - margin, hi: side.hi + margin }));
+    let wider = Box3(region.0.map(|side| Interval { lo: side.lo - margin, hi: side.hi + margin }));
     ray.within(&wider)
 }
 
@@ -96,10 +105,10 @@ fn near(ray: &Ray, region: &Box3, sharpness: f64) -> Option<Ray> {
 fn passages(scene: &Reference, rays: &[Ray], sharpness: &[f64], extent: f64, aside: bool) -> Vec<Passage> {
     let sharp = |ray: usize| sharpness.get(ray).copied().unwrap_or(HARD);
     let least = if aside { MET_ASIDE } else { MET };
-    // A ray that goes aside takes the bound for the distance.
-    let by_bound = aside;
     let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
-    let planes = scene.planes.as_ref().map_or_else(|| vec![(f64::INFINITY, 0.0); rays.len()], |planes| planes.passages(&clipped, |ray| (sharp(ray), rays.get(ray).map_or(f64::INFINITY, |ray| 0.5 * ray.t_max))));
+    let half = |ray: usize| rays.get(ray).map_or(f64::INFINITY, |ray| 0.5 * ray.t_max);
+    let passed = |planes: &super::PlanesApart| planes.passages(&clipped, |ray| (sharp(ray), half(ray)));
+    let planes = scene.planes.as_ref().map_or_else(|| vec![(f64::INFINITY, 0.0); rays.len()], passed);
     let starts = planes.iter().map(|&(past, t)| Cell::new(Passage { lit: past.min(1.0), t, ..Passage::START }));
     let states: Vec<Cell<Passage>> = starts.collect();
     let near: Vec<Option<Ray>> = clipped
@@ -119,23 +128,20 @@ fn passages(scene: &Reference, rays: &[Ray], sharpness: &[f64], extent: f64, asi
     let apart = |look: &Look| look.t.min(light(look.ray) - look.t).max(TOUCHED * way(look));
     let is_hard = |look: &Look| sharp(look.ray) >= HARD;
     march(
-        match by_bound || sharpness.iter().all(|sharpness| *sharpness >= HARD) {
+        match sharpness.iter().all(|sharpness| *sharpness >= HARD) {
             true => Scene::Apart(&scene.rest.bound, &scene.rest.distance),
             false => Scene::Both(&scene.rest.both),
         },
         &near,
         |look| {
             // The distance is looked at where the bound says that it can matter.
-            let matters = !is_hard(look) && !by_bound && look.free > TOUCHED * way(look) && sharp(look.ray) * look.free < state(look).lit * apart(look);
+            let matters = !is_hard(look) && look.free > TOUCHED * way(look) && sharp(look.ray) * look.free < state(look).lit * apart(look);
             matters || state(look).is_spent() && !aside
         },
         |look, distance| {
             let ray = near.get(look.ray).copied().flatten()?;
             let mut passage = state(look);
             let past = distance.map(|distance| (sharp(look.ray) * distance / apart(look), distance));
-            if by_bound {
-                passage.lit = passage.lit.min(sharp(look.ray) * look.free / apart(look));
-            }
             let lit = state(look).lit;
             let mut next = passage.turn(look, past, way(look), ray.t_max);
             if passage.lit < least || next.is_some() && aside && passage.steps >= MOST_ASIDE {
