@@ -6,8 +6,6 @@
 //! more go to places near the disc's rim, and tell in the same way how much is seen there. So a shadow has both halves of its penumbra, and only rays
 //! within it cost more.
 //!
-//! How narrow a passage is, is seen from the surface up to half of the way and from the light beyond, so that what a lamp hangs from does not dim it.
-//!
 //! An estimate of the distance may be less than the distance: a face that an intersection cuts away still counts in its formula. Where a scene has
 //! such ([`Ways::loose`]), the narrowest passage of a ray counts if the surface is where the estimate and the gradient say; else the four rays tell.
 
@@ -29,6 +27,9 @@ pub const STEP: f64 = 0.05;
 /// A surface is where an estimate says if there no more than this part of the estimate is left.
 pub const LEFT: f64 = 0.2;
 
+/// What is so far behind a light counts as so many times as much farther from the ray.
+pub const BEHIND: f64 = 4.0;
+
 /// How the share of a disc on one side of a line grows with its distance a from the middle: a (c₀ + a² (c₁ + c₂ a²)), from a half.
 pub const SHARE: [f64; 3] = [0.6365, -0.1016, -0.0349];
 
@@ -45,9 +46,8 @@ pub fn text(ways: Ways) -> String {
   if plane <= span.y - span.x {
     return sf_Passage(0.0, span.x + plane, 0.0);
   }
-  // A plane is passed most narrowly where half of the way to the light is left, or at the ray's end before that.
-  let half = min(span.y, 0.5 * t_max);
-  lit = min(lit, sharpness * sf_planes(origin + direction * half) / max(half, 1e-6));\n";
+  // A plane is passed most narrowly at the ray's end.
+  lit = min(lit, sharpness * sf_planes(origin + direction * span.y) / max(span.y, 1e-6));\n";
     let planes = if ways.planes { planes } else { "" };
     // The bound is the distance.
     let passage = if ways.one { passage.replace("sf_distance(", "sf_bound(") } else { passage };
@@ -144,7 +144,8 @@ fn sf_passage(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, sharpness
 //
 // Rays that come in flat may need more looks than there are: then they go on by guesses, and are dark where one lies inside.
 fn passage_of_one() -> String {
-    "\
+    format!(
+        "\
   var t = span.x;
   // The last sphere known to be empty, and the step from its centre.
   var radius = 1e18;
@@ -152,31 +153,35 @@ fn passage_of_one() -> String {
   var seen = t;
   var free = 0.0;
   var nearest = -1.0;
-  for (var step = 0u; step < most && t <= span.y && lit >= least; step++) {
+  for (var step = 0u; step < most && t <= span.y && lit >= least; step++) {{
     let tolerance = 2e-6 * (size + t);
     free = sf_bound(origin + direction * t);
     // Out of looks it goes on by guesses, until one is inside.
     let spent = step >= 256u;
-    let share = sharpness * free / max(min(t, t_max - t), tolerance);
+    // What the slope over the last step says to be behind the light hides less of it.
+    let behind = max(free * (radius - free) / stride - (t_max - t), 0.0);
+    let share = sharpness * (free + {BEHIND:?} * behind) / max(t, tolerance);
     nearest = select(nearest, t, share < lit);
     lit = select(min(lit, share), 0.0, free <= select(tolerance, 0.0, spent));
-    // On by the slope over the last step, but not beyond the end without a look at it; or back.
+    // On by the slope over the last step, but not beyond the end without a look at it; or back. A light is looked at if something can be near it.
     let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
-    let next = max(t + free, min(t + on, span.y));
+    let lamp = t < t_max && sharpness * (t + free - t_max) < lit * t_max;
+    let next = max(select(t + free, min(t + free, t_max), lamp), min(t + on, span.y));
     let back = stride > radius && free < 0.75 * stride;
     seen = t;
     t = select(select(next, t + radius - stride, back), t + max(free, 2e-3 * (size + t)), spent);
     stride = select(next - seen, radius, back);
     radius = select(free, radius, back);
-  }
+  }}
 "
-    .to_owned()
+    )
 }
 
 // The same with a distance of its own, which is looked at where the bound says that it can matter: outside of the loop over bounds, as in
 // `Tracer::text`.
 fn passage() -> String {
-    "\
+    format!(
+        "\
   var t = span.x;
   var step = 0u;
   // Where it was looked last, and what was found there.
@@ -187,49 +192,53 @@ fn passage() -> String {
   var radius = 1e18;
   var stride = 1.0;
   var nearest = -1.0;
-  while step < most && t <= span.y && lit >= least {
+  while step < most && t <= span.y && lit >= least {{
     var near = false;
-    while step < most && t <= span.y && !near {
+    var behind = 0.0;
+    while step < most && t <= span.y && !near {{
       tolerance = 2e-6 * (size + t);
       free = sf_bound(origin + direction * t);
-      near = free <= tolerance || sharpness * free < lit * max(min(t, t_max - t), tolerance) || step >= 256u;
-      // On by the slope over the last step, but not beyond the end without a look at it; or back.
+      // What the slope over the last step says to be behind the light hides less of it.
+      behind = max(free * (radius - free) / stride - (t_max - t), 0.0);
+      near = free <= tolerance || sharpness * free < lit * max(t, tolerance) || step >= 256u;
+      // On by the slope over the last step, but not beyond the end without a look at it; or back. A light is looked at if something can be near it.
       let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
-      let next = max(t + free, min(t + on, span.y));
+      let lamp = t < t_max && sharpness * (t + free - t_max) < lit * t_max;
+      let next = max(select(t + free, min(t + free, t_max), lamp), min(t + on, span.y));
       let back = stride > radius && free < 0.75 * stride;
       seen = t;
       t = select(next, t + radius - stride, back);
       stride = select(next - seen, radius, back);
       radius = select(free, radius, back);
       step += 1u;
-    }
-    if near {
+    }}
+    if near {{
       let distance = sf_distance(origin + direction * seen);
-      let share = sharpness * distance / max(min(seen, t_max - seen), tolerance);
+      let share = sharpness * (distance + {BEHIND:?} * behind) / max(seen, tolerance);
       nearest = select(nearest, seen, share < lit);
-      if step > 256u {
+      if step > 256u {{
         // Out of looks it goes on by guesses, until one is inside.
         lit = select(min(lit, share), 0.0, free <= 0.0);
         t = seen + max(distance, 2e-3 * (size + seen));
-      } else {
+      }} else {{
         // Where the bound is much less, between two looks so near to each other it is hardly less.
-        if t > seen && share < 1.25 * lit && distance > 1.5 * free {
+        if t > seen && share < 1.25 * lit && distance > 1.5 * free {{
           stride = min(stride, max(0.4 * distance, tolerance));
           t = seen + stride;
-        }
+        }}
         lit = select(min(lit, share), 0.0, free <= tolerance);
-      }
-    }
-  }
+      }}
+    }}
+  }}
 "
-    .to_owned()
+    )
 }
 
 // What comes of a passage. Where it may be of a face that is not there: whether the surface is where the narrowest look says.
 fn end(ways: Ways) -> String {
     let mut text = "  lit = select(lit, 0.0, lit < least || (most < 288u && t <= span.y));\n".to_owned();
     if ways.loose {
-        let plane = if ways.planes { " || sf_planes(at) <= lit * min(nearest, t_max - nearest) / sharpness" } else { "" };
+        let plane = if ways.planes { " || sf_planes(at) <= lit * nearest / sharpness" } else { "" };
         text += &format!(
             "  let at = origin + direction * nearest;
   var known = lit <= 0.0 || nearest < 0.0{plane};

@@ -28,23 +28,16 @@ impl PlanesApart {
     }
 
     /// How narrowly the planes are passed: the angle, in half-angles of the light, 0 where a ray meets one; and where it does. A plane that is not met
-    /// is passed most narrowly where half of the way to the light is left, or at the ray's end before that. `of`: how sharp the light of a ray is by the
-    /// ray's number, and half of the way to it.
-    pub fn passages(&self, rays: &[Option<Ray>], of: impl Fn(usize) -> (f64, f64)) -> Vec<(f64, f64)> {
+    /// is passed most narrowly at the ray's end. `sharpness`: how sharp the light of a ray is, by the ray's number.
+    pub fn passages(&self, rays: &[Option<Ray>], sharpness: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
         let mut passed = vec![(f64::INFINITY, 0.0); rays.len()];
         let ahead = self.ahead(rays);
-        let points: Vec<Vec3> = (0..).zip(rays).map(|(i, ray)| ray.map_or([0.0; 3], |ray| ray.at(ray.t_max.min(of(i).1)))).collect();
+        let points: Vec<Vec3> = rays.iter().map(|ray| ray.map_or([0.0; 3], |ray| ray.at(ray.t_max))).collect();
         at_points(&self.distance, &points, &[], |i, values| {
             let ray = rays.get(i).copied().flatten();
             if let (Some(passed), Some(ray), Some(height)) = (passed.get_mut(i), ray, values.first()) {
                 let met = ahead.get(i).filter(|t| **t <= ray.t_max);
-                *passed = met.map_or_else(
-                    || {
-                        let (sharpness, half) = of(i);
-                        (sharpness * height / ray.t_max.min(half).max(1e-6), 0.0)
-                    },
-                    |t| (0.0, *t),
-                );
+                *passed = met.map_or_else(|| (sharpness(i) * height / ray.t_max.max(1e-6), 0.0), |t| (0.0, *t));
             }
         });
         passed

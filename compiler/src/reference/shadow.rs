@@ -5,7 +5,7 @@ use super::area::toward;
 use super::march::{Look, Ray, Scene, at_points, march, sizes};
 use super::vector::{Vec3, along, dot, length, sub};
 use crate::analysis::Box3;
-use crate::emit::shadow::{LEFT, MET, MET_ASIDE, MOST_ASIDE, RIM, SHARE, STEP};
+use crate::emit::shadow::{BEHIND, LEFT, MET, MET_ASIDE, MOST_ASIDE, RIM, SHARE, STEP};
 use crate::graph::interval::Interval;
 use std::cell::Cell;
 
@@ -106,8 +106,7 @@ fn passages(scene: &Reference, rays: &[Ray], sharpness: &[f64], extent: f64, asi
     let sharp = |ray: usize| sharpness.get(ray).copied().unwrap_or(HARD);
     let least = if aside { MET_ASIDE } else { MET };
     let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
-    let half = |ray: usize| rays.get(ray).map_or(f64::INFINITY, |ray| 0.5 * ray.t_max);
-    let passed = |planes: &super::PlanesApart| planes.passages(&clipped, |ray| (sharp(ray), half(ray)));
+    let passed = |planes: &super::PlanesApart| planes.passages(&clipped, sharp);
     let planes = scene.planes.as_ref().map_or_else(|| vec![(f64::INFINITY, 0.0); rays.len()], passed);
     let starts = planes.iter().map(|&(past, t)| Cell::new(Passage { lit: past.min(1.0), t, ..Passage::START }));
     let states: Vec<Cell<Passage>> = starts.collect();
@@ -123,9 +122,8 @@ fn passages(scene: &Reference, rays: &[Ray], sharpness: &[f64], extent: f64, asi
     let state = |look: &Look| states.get(look.ray).map_or(Passage::START, Cell::get);
     let size = sizes(rays, scene.reads_scene);
     let way = |look: &Look| size(look) + look.t;
-    // How far a look is from the surface or from the light, whichever is nearer.
     let light = |ray: usize| rays.get(ray).map_or(f64::INFINITY, |ray| ray.t_max);
-    let apart = |look: &Look| look.t.min(light(look.ray) - look.t).max(TOUCHED * way(look));
+    let apart = |look: &Look| look.t.max(TOUCHED * way(look));
     let is_hard = |look: &Look| sharp(look.ray) >= HARD;
     march(
         match sharpness.iter().all(|sharpness| *sharpness >= HARD) {
@@ -143,7 +141,7 @@ fn passages(scene: &Reference, rays: &[Ray], sharpness: &[f64], extent: f64, asi
             let mut passage = state(look);
             let past = distance.map(|distance| (sharp(look.ray) * distance / apart(look), distance));
             let lit = state(look).lit;
-            let mut next = passage.turn(look, past, way(look), ray.t_max);
+            let mut next = passage.turn(look, past, way(look), (ray.t_max, light(look.ray), sharp(look.ray)));
             if passage.lit < least || next.is_some() && aside && passage.steps >= MOST_ASIDE {
                 (passage.lit, next) = (0.0, None);
             }
@@ -207,17 +205,20 @@ impl Passage {
     }
 
     /// One look. `past`: the angle and the distance of what it passes, where that can matter; `size`: how large coordinates are there, and the way to
-    /// it; `end`: of the ray. The answer: where to look next.
-    fn turn(&mut self, look: &Look, past: Option<(f64, f64)>, size: f64, end: f64) -> Option<f64> {
+    /// it; `ends`: where the ray ends and where the light is, and how sharp its shadow. The answer: where to look next.
+    fn turn(&mut self, look: &Look, past: Option<(f64, f64)>, size: f64, ends: (f64, f64, f64)) -> Option<f64> {
         let Self { radius, stride, lit, .. } = *self;
         let (t, free) = (look.t, look.free);
+        let (end, light, sharpness) = ends;
         let tolerance = TOUCHED * size;
         let guesses = self.is_spent();
         let back = stride > radius && free < CLOSE * stride;
         self.steps += 1;
         self.t = t;
-        if let Some((share, _)) = past {
-            self.lit = lit.min(share);
+        // What the slope over the last step says to be behind the light hides less of it.
+        let behind = BEHIND * (free * (radius - free) / stride - (light - t)).max(0.0);
+        if let Some((_, distance)) = past {
+            self.lit = lit.min(sharpness * (distance + behind) / t.max(tolerance));
         }
         if free <= if guesses { 0.0 } else { tolerance } || self.lit < MET {
             self.lit = 0.0;
@@ -228,7 +229,8 @@ impl Passage {
             return (next <= end && self.steps < MOST_STEPS + MOST_GUESSES).then_some(next);
         }
         let on = free * stride / (stride + radius - free).min(stride).max(SHORTEST_REST * stride);
-        let mut next = (t + free).max((t + on).min(end));
+        let lamp = t < light && sharpness * (t + free - light) < self.lit * light;
+        let mut next = if lamp { (t + free).min(light) } else { t + free }.max((t + on).min(end));
         if back {
             next = t + radius - stride;
             self.stride = radius;
