@@ -125,7 +125,7 @@ fn entry(sources: &Sources, item: &Item) -> Option<Entry> {
             sourced = true;
         } else if let Some(rest) = line.strip_prefix("Example:") {
             entry.example = rest.trim().to_owned();
-        } else if line.starts_with("Reach:") || line.starts_with("Bounds:") {
+        } else if ["Reach:", "Bounds:", "Flush:"].iter().any(|of| line.starts_with(of)) {
             // For the compiler: the text says it in words.
         } else if let Some(rest) = line.strip_prefix("Requires:") {
             entry.requires.extend(rest.split(',').map(|r| r.trim().to_owned()));

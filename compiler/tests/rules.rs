@@ -276,6 +276,59 @@ fn blends_of_many_are_folded_in_their_order() {
     }
 }
 
+/// A T whose front and back are flush, made in several ways.
+const FLUSH: [&str; 6] = [
+    "(box((2, 1, 1)), box((0.6, 2, 1)).translate(0, 0.8, 0), 0.2)",
+    "(rectangle(2, 1).extrude(1), rectangle(0.6, 2).translate(0, 0.8).extrude(1), 0.2)",
+    "(box((2, 1, 1)).translate(1, 0, 0), box((0.6, 2, 1)).translate(1, 0.8, 0), 0.2).translate(-1, 0, 0)",
+    "(box((1, 2, 1)).rotate(z, 90deg), box((0.6, 2, 1)).translate(0, -0.8, 0).mirror(y), 0.2)",
+    "([box((2, 1, 1)), box((0.6, 2, 1)).translate(0, 0.8, 0), box((0.4, 1, 1)).translate(0.8, 0.1, 0)], 0.2)",
+    "(rounded_box((2, 1, 1), 0.02), rounded_box((0.6, 2, 1), 0.02).translate(0, 0.8, 0), 0.2)",
+];
+
+/// Where faces of both lie in one plane a blend does not bulge over it, and its groove is as it was.
+#[test]
+fn flush_faces_stay_flat() {
+    for (form, in_groove) in [("round", [0.34, 0.54]), ("smooth", [0.31, 0.51]), ("chamfer", [0.36, 0.56]), ("stairs", [0.33, 0.53])] {
+        for given in FLUSH {
+            let text = format!("scene = {form}_union{given}");
+            for i in 0..400 {
+                let (x, y) = (f64::from(i % 20) / 8.0 - 1.2, f64::from(i / 20) / 7.0 - 0.7);
+                assert!(i % 7 > 0 || field(&text, [x, y, 0.5001]) > 0.0 && field(&text, [x, y, -0.5001]) > 0.0, "{text}: {x} {y}");
+            }
+            assert!(field(&text, [in_groove[0], in_groove[1], 0.2]) < 0.0, "{text}");
+            assert!(field(&text, [0.0, 0.4, 0.49]) < 0.0, "{text}");
+        }
+    }
+    // The edges of a drawing are flush too.
+    let drawn = "scene = round_union(rectangle(2, 1), rectangle(0.6, 2).translate(0, 0.5), rectangle(0.4, 1).translate(0.8, 0), 0.2).extrude(2)";
+    assert!(field(drawn, [0.0, -0.5001, 0.0]) > 0.0 && field(drawn, [0.8, -0.5001, 0.0]) > 0.0);
+}
+
+/// What is round there, or stands apart, is blended as ever.
+#[test]
+fn what_is_not_flush_is_not_cut_off() {
+    for (text, point) in [
+        ("smooth_union(sphere(0.5), sphere(0.5).translate(0.2, 0, 0), 0.3)", [0.1, 0.0, 0.55]),
+        ("smooth_union(capsule(0.5, 2), capsule(0.5, 2).translate(0.2, 0, 0), 0.4)", [0.1, 0.0, 0.55]),
+        ("round_union(cylinder(0.5, 1).rotate(x, 90deg), cylinder(0.5, 1).rotate(x, 90deg).translate(0, 0.9, 0.1), 0.2)", [0.0, 0.45, 0.53]),
+        ("round_union(box((2, 1, 1)), box((0.6, 2, 1)).translate(0, 0.8, 0.05), 0.2)", [0.0, 0.2, 0.57]),
+    ] {
+        assert!(field(&format!("scene = {text}"), point) < 0.0, "{text}");
+    }
+}
+
+/// A row of houses on flat ground is one union still.
+#[test]
+fn a_chain_of_flush_blends_is_one_union() {
+    for apart in ["1", "0.4", "0.45"] {
+        let text = format!("scene = for i in 0..200 by smooth_union(0.1) {{ box((0.4, 1 + hash(i), 0.4)).translate({apart} * (i % 20), 0.5 + hash(i) / 2, {apart} * floor(i / 20)) }}");
+        let scene = scene(&text);
+        assert!(!scene.functions.unions.is_empty(), "{text}");
+        assert!(apart == "1" || field(&text, [0.4, -0.0001, 0.4]) > 0.0, "{text}");
+    }
+}
+
 #[test]
 fn formulas_use_shapes_blends_and_warps() {
     for (text, point, expected) in [

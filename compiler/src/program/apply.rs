@@ -179,6 +179,10 @@ impl Elaborator<'_> {
             FunctionKind::Blend if any_shape => {
                 let mut here = env.at(point.clone());
                 let mut numbers = values.clone();
+                let flush = e.flush(item, function, &values);
+                for (number, operand) in numbers.iter_mut().zip(flush.iter().flat_map(|flush| flush.operands)) {
+                    *number = Value::Shape(operand);
+                }
                 for (parameter, value) in function.parameters.iter().zip(numbers.iter_mut()).take(operand_count) {
                     let number = e.to_number(value, span, &here)?;
                     *value = Value::number(number);
@@ -187,7 +191,11 @@ impl Elaborator<'_> {
                 let value = e.expression(&function.body, &here)?;
                 let node = e.to_number(&value, function.body.span, &here)?;
                 let node = e.claimed(node, (item, function), &numbers, &here);
-                Ok(Value::Shape(e.formula_shape(node, dimensions, None, false, span)))
+                let shape = e.formula_shape(node, dimensions, None, false, span);
+                Ok(Value::Shape(match flush {
+                    Some(flush) => e.cut_flush(shape, flush, span),
+                    None => shape,
+                }))
             }
             FunctionKind::Blend => {
                 let here = env.at(point.clone());

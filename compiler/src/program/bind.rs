@@ -2,7 +2,7 @@
 
 use super::apply::is_operand;
 use super::builtin::is_function;
-use super::load::{ItemRef, in_prelude, is_of_prelude, prelude_items};
+use super::load::{ItemRef, Modules, in_prelude, is_of_prelude, prelude_items};
 use super::value::{points, type_words, Value};
 use super::blocks::short;
 use super::{Elaborated, Elaborator, Env, Stop};
@@ -62,6 +62,14 @@ static REACHES: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| listed("Reac
 /// The shapes of which bounds will do for each item of the prelude, from a `Bounds:` line of its documentation: its value grows with theirs, and where
 /// theirs are of the same signs it is too.
 static BOUNDS: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| listed("Bounds:"));
+
+/// The reach of each blend of the prelude that is cut off where faces of both its operands lie in one plane, from a `Flush:` line of its documentation.
+static FLUSH: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| listed("Flush:"));
+
+/// The parameter by which a blend reaches, where it is cut off at planes in which faces of both its operands lie.
+pub(super) fn flush_by(modules: &Modules, item: ItemRef) -> Option<&'static str> {
+    FLUSH.get(item.item).filter(|_| modules.is_prelude(item.module))?.first().copied()
+}
 
 /// The names that a line of each prelude item's documentation lists.
 fn listed(line: &str) -> Vec<Vec<&'static str>> {

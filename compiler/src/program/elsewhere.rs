@@ -298,7 +298,7 @@ mod tests {
             ("let s = 2\nscene = cube(s)\n", "`box(s)`", "let s = 2\nscene = box(s)\n"),
             ("scene = cube((1, 2, 3)).translate(x)\n", "`box((1, 2, 3))`", "scene = box((1, 2, 3)).translate(x)\n"),
             ("scene = cube(1, 2, 3)\n", "`box(1, 2, 3)`", "scene = box(1, 2, 3)\n"),
-            ("scene = cube(size = [1, 2, 3], center = true)\n", "`box((1, 2, 3))`", "scene = box((1, 2, 3))\n"),
+            ("scene = cube(size: [1, 2, 3], center: true)\n", "`box((1, 2, 3))`", "scene = box((1, 2, 3))\n"),
             ("scene = cube()\n", "`box(1)`", "scene = box(1)\n"),
             ("scene = heightfield(cube(p.x)).within(box(2))\n", "`cubed(p.x)`", "scene = heightfield(cubed(p.x)).within(box(2))\n"),
             ("scene = heightfield(p.x.cube()).within(box(2))\n", "`cubed(p.x)`", "scene = heightfield(cubed(p.x)).within(box(2))\n"),

@@ -370,7 +370,7 @@ impl Elaborator<'_> {
                     }
                     let after = self.fold(&fold, &before, &body, env)?;
                     if let (None, Value::Shape(after), Value::Shape(a), Value::Shape(b)) = (unites, &after, &before, &body) {
-                        unites = Some(self.graph.is_union_of(*after, [*a, *b]));
+                        unites = Some(self.graph.is_union_of(self.uncut(*after), [self.uncut(*a), *b]));
                     }
                     total = Some(match present {
                         Some(present) => self.select_folded(present, &after, &before, span, env)?,

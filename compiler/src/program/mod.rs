@@ -13,6 +13,7 @@ mod choice;
 mod elsewhere;
 pub mod expression;
 mod film;
+mod flush;
 mod gaps;
 mod growth;
 pub mod load;
@@ -163,6 +164,8 @@ pub struct Elaborator<'a> {
     outside: Option<Span>,
     /// While a declaration that nothing calls is tried with stand-in arguments: only errors that hold for all arguments are kept.
     trial: bool,
+    /// What is known of the faces of shapes that are blended.
+    faces: FxHashMap<ShapeId, flush::Faces>,
     /// Where `x`, `y` and `z` stand for unit vectors.
     axes: FxHashSet<Span>,
     /// The scene's extent, needed while repetitions are made.
@@ -234,6 +237,7 @@ fn elaborate_reading(
         unfolding: None,
         outside: None,
         trial: false,
+        faces: FxHashMap::default(),
         axes: FxHashSet::default(),
         extent: 100.0,
         capped: Vec::new(),
