@@ -119,6 +119,7 @@ impl Prover<'_> {
             let Some(mut range) = clipped(range, centre, radius) else { continue };
             let mut domain = Domain::new(range, Some((centre, radius)));
             if !guards.is_empty() {
+                self.work += SLOPES * guards.iter().map(|guard| guard.steps() as u64).sum::<u64>();
                 match jumps::within(&mut guards, &domain, &mut self.slots).and_then(|left| clipped(left, centre, radius)) {
                     Some(left) => range = left,
                     None => continue,
@@ -201,10 +202,11 @@ impl Prover<'_> {
             return true;
         }
         let mut flat = true;
-        self.branches.each(code, &self.slots, BRANCHES, |piece| {
+        let looked = self.branches.each(code, &self.slots, BRANCHES, |piece| {
             flat &= !reaches(piece.norm, piece.jump);
             flat
         });
+        self.work += SLOPES * looked;
         flat
     }
 

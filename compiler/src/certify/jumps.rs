@@ -41,6 +41,11 @@ pub(super) enum Side {
 }
 
 impl Guard {
+    /// How many steps it takes to look at it.
+    pub fn steps(&self) -> usize {
+        self.code.steps.len()
+    }
+
     /// How a part of space lies to the piece. `slots` is room.
     pub(super) fn side<const D: usize>(&self, domain: &Domain<D>, slots: &mut Vec<Slot<D>>) -> Side {
         let value = forward::full(&self.code, domain, slots).range;

@@ -44,8 +44,8 @@ pub(super) struct Branches<const D: usize> {
 
 impl<const D: usize> Branches<D> {
     /// Hands over each piece of the code's last step, until `piece` wants no more. `slots`: what is known of the steps over the box. At most
-    /// about `limit` branches are looked at; beyond that the hull of what is left.
-    pub(super) fn each(&mut self, code: &Code, slots: &[Slot<D>], limit: usize, mut piece: impl FnMut(Piece<D>) -> bool) {
+    /// about `limit` branches are looked at; beyond that the hull of what is left. The answer: how many steps were looked at.
+    pub(super) fn each(&mut self, code: &Code, slots: &[Slot<D>], limit: usize, mut piece: impl FnMut(Piece<D>) -> bool) -> u64 {
         if self.levels.is_empty() {
             self.levels.push(Level::default());
         }
@@ -62,6 +62,7 @@ impl<const D: usize> Branches<D> {
         first.chosen.resize(slots.len(), Known::Open);
         let mut left = limit;
         self.descend(code, 0, &mut left, &mut piece);
+        ((limit - left) * code.steps.len()) as u64
     }
 
     /// False where `piece` wants no more.
