@@ -343,3 +343,16 @@ fn what_has_a_live_number_of_corners_is_no_larger_than_its_radius() {
         tape.evaluator().at(&[[0.0, 0.45, 0.0]], &[], |_, values| assert!(values[0] < 0.0, "{drawing}: {}", values[0]));
     }
 }
+
+/// Sectors of a turn, counted by `round` or `floor`: both sides of each seam are proven to agree where what lies in a sector is even.
+#[test]
+fn sectors_that_are_even_have_no_seams() {
+    let cases = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/corpus/cases");
+    for name in ["sector_by_round", "sector_of_a_slider", "sector_by_floor", "sector_of_odd_teeth"] {
+        let text = std::fs::read_to_string(cases.join(format!("{name}.sdf"))).unwrap();
+        let outcome = surefoot_compiler::compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
+        assert!(outcome.diagnostics.is_empty(), "{name}: {:?}", outcome.diagnostics);
+        let factor = outcome.compiled.unwrap().summary.factor;
+        assert!(factor <= 2.1, "{name}: {factor}");
+    }
+}

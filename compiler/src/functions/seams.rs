@@ -70,6 +70,7 @@ impl Builder<'_> {
                         let whole = self.graph.op(Op::Mul, &[over, there]);
                         there = self.canonical(&mut wall, whole, 1.0, 0.0);
                     }
+                    self.turn_wall(&mut wall, of, there);
                     new.insert(of, there);
                 }
                 new.insert(site.node, self.on_lattice(&mut wall, side));
@@ -106,7 +107,9 @@ impl Builder<'_> {
         let mut wall = Wall::new(whole, self.still(&order), true);
         let [before, after] = [0.0, -TAU].map(|more| {
             let mut new = FxHashMap::default();
-            new.insert(angle, self.canonical(&mut wall, here, 1.0, more));
+            let there = self.canonical(&mut wall, here, 1.0, more);
+            self.turn_wall(&mut wall, angle, there);
+            new.insert(angle, there);
             for &(count, stands, in_a_turn, along) in &sectors {
                 let mut counted = stands;
                 if more != 0.0 {
@@ -116,9 +119,14 @@ impl Builder<'_> {
                 new.insert(count, counted);
                 // So many times as wide as a sector is, that is as much of the angle.
                 let Some(over) = along.over else { continue };
-                let wide = self.graph.op(Op::Mul, &[over, count]);
                 let stands = self.graph.op(Op::Mul, &[over, stands]);
-                new.insert(wide, self.canonical(&mut wall, stands, 1.0, along.times * more));
+                let back = self.graph.op(Op::Neg, &[count]);
+                for (count, sign) in [(count, 1.0), (back, -1.0)] {
+                    let there = self.canonical(&mut wall, stands, sign, sign * along.times * more);
+                    for wide in [[over, count], [count, over]].map(|args| self.graph.op(Op::Mul, &args)) {
+                        new.insert(wide, there);
+                    }
+                }
             }
             self.all_on_wall(&mut wall, &order, new).get(&root).copied()
         });
@@ -196,6 +204,15 @@ mod tests {
         assert!(!jumps("", "length(p - 3 * floor(p / 3) - 1.5) - 0.5"));
         assert!(jumps("", "length((p.x - 2 * round(p.x / 2) - 0.3, p.y, p.z)) - 0.5"));
         assert!(jumps("", "length(p - 3 * floor(p / 3) - 1.4) - 0.5"));
+        // Sectors of a turn: what is even across them meets at the seams.
+        for (count, angle, by) in [("24", "p.y, p.x", "-k * a"), ("7", "p.y, p.x", "-a * k"), ("9", "p.x, p.y", "k * a")] {
+            let sector = |f: &str, by: &str| format!("{{ let a = 1turn / {count}; let k = round(atan2({angle}) / a); let q = turn(p.xy, {by}); {f} }}");
+            let even = if by.starts_with('-') { "length((abs(q.y) - 0.1, q.x - 1, p.z)) - 0.2" } else { "length((abs(q.x) - 0.1, q.y - 1, p.z)) - 0.2" };
+            assert!(!jumps("", &sector(even, by)), "{count} {by}");
+            assert!(!jumps("param n: int = 8 in 5..30", &sector(even, by).replace(&format!("1turn / {count}"), "1turn / n")), "{count} {by}");
+            assert!(jumps("", &sector(even, &format!("0.9 * {by}"))), "{count} {by}");
+            assert!(jumps("", &sector(&even.replace("abs", ""), by)), "{count} {by}");
+        }
         assert!(jumps("", "length(p - round(p)) - [0.1, 0.4, 0.25][int(clamp(3 * hash(round(p)), 0, 2))]"));
         assert!(jumps("", "length(p - round(p)) - (if hash(round(p)) < 0.5 { 0.1 } else { 0.4 })"));
     }

@@ -36,6 +36,8 @@ pub(super) struct Wall {
     still: FxHashSet<NodeId>,
     /// So many nodes are in the shapes that were opened.
     opened: usize,
+    /// An angle on this side, by its two arguments.
+    pub angle: Option<([NodeId; 2], NodeId)>,
     /// What stands for what else jumps, by what that jumps by.
     held: FxHashMap<(NodeId, Vec<NodeId>), NodeId>,
 }
@@ -52,7 +54,7 @@ pub(super) struct Along {
 impl Wall {
     /// The wall at which a number is `whole`, of a formula with these nodes that only change where something jumps.
     pub fn new(whole: NodeId, still: FxHashSet<NodeId>, multiplies: bool) -> Self {
-        Self { sums: Sums { multiplies, ..Sums::default() }, whole, still, opened: 0, held: FxHashMap::default() }
+        Self { sums: Sums { multiplies, ..Sums::default() }, whole, still, opened: 0, angle: None, held: FxHashMap::default() }
     }
 }
 
@@ -151,6 +153,13 @@ impl Builder<'_> {
     pub(super) fn is_part(&self, args: &[NodeId]) -> bool {
         let &[of, whole] = args else { return false };
         matches!(self.graph.node(whole), Node::Op(op, args) if op.part().is_some() && args.first() == Some(&of))
+    }
+
+    /// Says what an angle is on this side.
+    pub(super) fn turn_wall(&self, wall: &mut Wall, angle: NodeId, to: NodeId) {
+        if let (Node::Op(Op::Atan2, _), &[across, ahead]) = (self.graph.node(angle), self.graph.arguments(angle)) {
+            wall.angle = Some(([across, ahead], to));
+        }
     }
 
     /// So many times a formula and so much more, written in the one way in which all that come to the same are.
@@ -258,6 +267,30 @@ impl Builder<'_> {
         self.all_on_wall(wall, &order, new).get(&value).copied()
     }
 
+    /// A point that is turned, where its own angle is known: its length times the cosine or the sine of that and of what it is turned by.
+    fn turned_on_wall(&mut self, wall: &mut Wall, op: Op, old: &[NodeId], args: &[NodeId]) -> Option<NodeId> {
+        let ([across, ahead], angle) = wall.angle?;
+        let (&[u, v, _], &[.., by]) = (old, args) else { return None };
+        // u cos t - v sin t and u sin t + v cos t, of u = r cos a and v = r sin a, or the other way round.
+        let is_other = match [u, v] {
+            _ if args.get(..2) != old.get(..2) => return None,
+            uv if uv == [ahead, across] => false,
+            uv if uv == [across, ahead] => true,
+            _ => return None,
+        };
+        let of = match op {
+            Op::TurnU | Op::TurnV => if (op == Op::TurnU) == is_other { Op::Sin } else { Op::Cos },
+            _ => return None,
+        };
+        let sum = self.graph.op(if is_other { Op::Sub } else { Op::Add }, &[angle, by]);
+        let sum = self.canonical(wall, sum, 1.0, 0.0);
+        let (sum, sign) = self.without_sign(wall, sum);
+        let part = self.graph.op(of, &[sum]);
+        let far = self.graph.op(Op::Length2, &[across, ahead]);
+        let made = self.graph.op(Op::Mul, &[far, part]);
+        Some(self.canonical(wall, made, if of == Op::Sin { sign } else { 1.0 }, 0.0))
+    }
+
     /// A node whose arguments are what they are at the wall.
     pub(super) fn on_wall(&mut self, wall: &mut Wall, id: NodeId, new: &FxHashMap<NodeId, NodeId>) -> NodeId {
         let old = self.graph.arguments(id).to_vec();
@@ -274,6 +307,9 @@ impl Builder<'_> {
                     if op != Op::Div || self.graph.as_constant(*args.get(1).unwrap_or(&made)).is_some_and(|c| c != 0.0) {
                         return made;
                     }
+                }
+                if let Some(made) = self.turned_on_wall(wall, op, &old, &args) {
+                    return made;
                 }
                 if matches!(op, Op::Length2 | Op::Length3 | Op::Length4 | Op::Abs | Op::Square | Op::Cos | Op::Sin) {
                     let signed: Vec<(NodeId, f64)> = args.iter().map(|&a| self.without_sign(wall, a)).collect();
