@@ -356,6 +356,8 @@ impl Module {
 
 /// Operations of a field of which the box is not looked for once more.
 const LONG: usize = 5000;
+/// A look that enters more shapes than these takes minutes.
+const MOST_ENTERED: f64 = 2e6;
 
 /// A compiled scene.
 #[derive(Clone, Debug)]
@@ -436,6 +438,11 @@ impl Compiled {
     /// Whether anything in the scene changes with time.
     pub fn reads_time(&self) -> bool {
         (0..self.graph.len()).any(|i| matches!(self.graph.node(NodeId(i as u32)), Node::Leaf(Leaf::Time)))
+    }
+
+    /// Whether one look enters so many shapes that none can be taken.
+    pub(crate) fn is_vast(&self) -> bool {
+        self.graph.entered(self.root) > MOST_ENTERED
     }
 
     /// Time zero and every parameter at its default.

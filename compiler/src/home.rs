@@ -60,14 +60,15 @@ impl Home {
     pub fn of(compiled: &Compiled) -> Self {
         let way = unit(EYE).unwrap_or([0.0, 0.0, 1.0]);
         let usual = Self { target: [0.0; 3], way, about: Vec::new(), room: 1.0 };
+        let is_vast = compiled.is_vast();
         let framed = compiled.functions.ahead.home.filter(|region| region.size() > SMALLEST).map(|region| {
             let rest = compiled.functions.ahead.planes.map(|planes| planes.rest_distance).or(own(compiled, Function::Distance));
-            let distances = |at: &[Vec3]| wherever_it_goes(compiled, rest?, at);
+            let distances = |at: &[Vec3]| wherever_it_goes(compiled, rest.filter(|_| !is_vast)?, at);
             let target = region.0.map(Interval::middle);
             Self { target, about: places(&region, target, distances), ..usual.clone() }
         });
         let mut homes = framed.into_iter().chain([usual.clone()]);
-        let about = About::of(compiled);
+        let about = if is_vast { None } else { About::of(compiled) };
         let home = homes.find_map(|home| home.free(about.as_ref())).unwrap_or(usual);
         Self { room: home.free_times(about.as_ref()), ..home }
     }

@@ -64,6 +64,9 @@ fn leaves(compiled: &Compiled, live: &Live, which: usize) -> Option<Diagnostic> 
 /// What is wrong with what a camera sees at one moment, if anything: that of this name, or the first.
 pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<Diagnostic> {
     let frame = compiled.frame(live);
+    if compiled.is_vast() {
+        return None;
+    }
     let which = frame.cameras.iter().position(|(known, _)| name.is_none_or(|name| name == known))?;
     let (camera, nodes) = (frame.cameras.get(which)?.1, compiled.blocks.cameras.get(which));
     // By the factors that hold where the sliders stand, as a picture goes.

@@ -57,7 +57,20 @@ pub fn compile_remembering(
     finished: &mut dyn FnMut(Stage),
 ) -> Outcome {
     // A program may nest deeper than the caller's thread has room for.
-    stacker::maybe_grow(STACK / 2, STACK, || run(loader, path, options, memory, finished))
+    stacker::maybe_grow(STACK / 2, STACK, || {
+        // What a search may cost depends on what those before it did, which is less where their numbers are remembered: where that
+        // matters all is found anew.
+        if memory.fell_short {
+            memory.forget();
+        }
+        let is_new = memory.is_empty();
+        let outcome = run(loader, path, options, memory, finished);
+        if is_new || !memory.fell_short {
+            return outcome;
+        }
+        memory.forget();
+        run(loader, path, options, memory, finished)
+    })
 }
 
 /// More operations than these in one look, and a picture takes minutes. Of a union of many a look takes an operand or a few.
@@ -91,6 +104,7 @@ fn run(
     if let (Some(root), false) = (elaboration.root, outcome.has_errors()) {
         let mut graph = elaboration.graph;
         let facts = &mut elaboration.facts;
+        facts.open_account(graph.len());
         let root = functions::bind_world(&mut graph, root);
         let entered = graph.entered(root);
         if entered > MOST_ENTERED {
@@ -154,7 +168,9 @@ fn run(
             finished(Stage::Emit);
         }
     }
+    let fell_short = elaboration.facts.fell_short();
     *memory = elaboration.facts.memory;
+    memory.fell_short = fell_short;
     memory.steps += elaboration.facts.ran;
     tidy(&mut outcome.diagnostics);
     outcome

@@ -10,6 +10,9 @@ const MOST: [(&str, u64); 3] = [("chess", 20_000), ("colonnade", 1_200_000), ("g
 /// The same for those that do not stand there.
 const OTHERS: u64 = 250_000;
 
+/// And whatever is compiled, unless it is long.
+const MOST_OF_ALL: u64 = 4_000_000;
+
 /// A folder's scenes, by paths from that folder.
 fn read(folder: &Path, under: &str, loader: MemoryLoader) -> MemoryLoader {
     let files = std::fs::read_dir(folder.join(under)).unwrap().map(|file| file.unwrap().path());
@@ -38,6 +41,27 @@ fn no_example_costs_more_than_it_did() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// What grows without a limit from turn to turn is searched no longer than anything else: all searches draw from one account.
+#[test]
+fn what_folds_again_and_again_keeps_to_the_account() {
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/corpus/cases");
+    let text = |name: &str| std::fs::read_to_string(cases.join(name)).unwrap();
+    let deep = text("apollonian.sdf").replace("n: int = 8", "n: int = 35");
+    let scenes = ["apollonian.sdf", "mandelbox.sdf", "julia.sdf", "pseudo_kleinian.sdf", "turned_folds.sdf"].map(text);
+    for scene in scenes.into_iter().chain([deep]) {
+        let first = scene.lines().next().unwrap_or_default().to_owned();
+        let loader = MemoryLoader::new().with("main.sdf", scene);
+        let mut memory = Memory::default();
+        let mut compile = || compile_remembering(&loader, "main.sdf", &Options::default(), &mut memory, &mut |_| {});
+        let [cold, warm] = [compile(), compile()];
+        println!("{first}: {} steps", memory.steps);
+        assert!(memory.steps > 0 && memory.steps < 2 * MOST_OF_ALL, "{first}: {} steps", memory.steps);
+        let text = |outcome: surefoot_compiler::Outcome| outcome.compiled.map(|compiled| compiled.module.wgsl);
+        // What is remembered changes nothing.
+        assert_eq!(text(cold), text(warm), "{first}");
+    }
 }
 
 /// A shape of which a first look does not say where it ends is looked at closely once, however many copies there are.

@@ -104,7 +104,7 @@ impl Facts {
 
     /// How many boxes a search may still have: one, where a scene has cost too much already.
     fn affordable(&self, budget: usize) -> usize {
-        if self.searched > self.most_searched { budget.min(1) } else { budget }
+        if self.searched > self.most_searched || self.is_spent() { budget.min(1) } else { budget }
     }
 
     /// How fast a node changes with one of its variables at most, whatever the point and all else are within the domain; without end where it jumps.
@@ -126,7 +126,7 @@ impl Facts {
 
     /// Whether searches have cost less than half of what they may.
     pub fn has_leisure(&self) -> bool {
-        self.searched < self.most_searched / 2
+        self.searched < self.most_searched / 2 && !self.is_spent()
     }
 
     /// Of what is a distance from another, a multiple or a sum, over all space: the constants of the terms, each found by itself.
@@ -336,7 +336,8 @@ impl Facts {
         // No search alone may cost much more than what is left for all of them.
         let left = self.most_searched.saturating_sub(self.searched).max(self.steps as u64);
         let end = self.ran.saturating_add(left.min(STEPS_MORE * self.steps as u64));
-        while used < budget && self.ran < end {
+        let least_left = self.left_by_one();
+        while used < budget && self.ran < end && self.left > least_left {
             let Some(worst) = open.pop() else { break };
             // What does not get less steep far away is not searched any longer.
             if endless && used > budget / 2 && worst.norm > 0.99 * first.norm {
@@ -371,6 +372,7 @@ impl Facts {
             }
         }
         self.searched += self.ran - before;
+        self.cut_short |= self.left <= least_left;
         let largest = open.peek().map_or(0.0, |p| p.norm);
         let jumps = first.jumps && open.iter().any(|p| p.jumps);
         Found { constant: Constant { lipschitz: largest.min(first.norm), jumps }, least }

@@ -263,6 +263,7 @@ pub fn run(
 ) -> Option<Vec<Dual>> {
     let algebra = &mut Duals { pinned: facts.pinned.clone() };
     facts.ran += tape.steps.len() as u64;
+    facts.spend_on(tape, true);
     let mut values: Vec<Dual> = Vec::with_capacity(tape.steps.len());
     let mut tight = tape.tight().iter().peekable();
     for (i, step) in tape.steps.iter().enumerate() {

@@ -17,10 +17,12 @@ pub type Agreement = (Option<bool>, u64);
 /// Results of searches, by content, place and budget.
 #[derive(Clone, Debug, Default)]
 pub struct Memory {
-    /// With what the search cost.
-    constants: FxHashMap<Content, (Constant, u64)>,
-    regions: FxHashMap<Content, Box3>,
+    /// With what the search cost of what searches may, and of the account.
+    constants: FxHashMap<Content, (Constant, u64, u64)>,
+    regions: FxHashMap<Content, (Box3, u64)>,
     agreements: FxHashMap<Content, Agreement>,
+    /// Whether searches of the last compilation were cut short.
+    pub(crate) fell_short: bool,
     /// Searches made since the memory began.
     pub searched: u64,
     /// Searches that were not made, because the result was known.
@@ -30,11 +32,21 @@ pub struct Memory {
 }
 
 impl Memory {
+    /// Whether no search is remembered.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.constants.is_empty() && self.regions.is_empty() && self.agreements.is_empty()
+    }
+
+    /// Remembers no search any more.
+    pub(crate) fn forget(&mut self) {
+        self.constants.clear();
+        self.regions.clear();
+        self.agreements.clear();
+    }
+
     fn make_room(&mut self) {
         if self.constants.len() + self.regions.len() + self.agreements.len() > MOST {
-            self.constants.clear();
-            self.regions.clear();
-            self.agreements.clear();
+            self.forget();
         }
     }
 }
@@ -65,31 +77,41 @@ impl Facts {
         }
         let contents: Vec<Content> = nodes.iter().map(|&n| self.content(graph, n)).collect();
         let key = digest(&(contents, self.content_of_domain(graph, domain), budget, self.steps, self.has_leisure()));
-        if let Some(&(known, cost)) = self.memory.constants.get(&key) {
+        if let Some(&(known, cost, spent)) = self.memory.constants.get(&key) {
             self.memory.remembered += 1;
             // As if it had been searched: what is left for others must not depend on what is remembered.
             self.searched += cost;
+            self.spend(spent);
             return known;
         }
-        let before = self.searched;
+        let before = (self.searched, self.left, std::mem::take(&mut self.cut_short));
         let found = search(self);
         self.memory.searched += 1;
-        self.memory.make_room();
-        self.memory.constants.insert(key, (found, self.searched - before));
+        // What was cut short may be found better by another compilation.
+        if !self.cut_short && !self.is_spent() {
+            self.memory.make_room();
+            self.memory.constants.insert(key, (found, self.searched - before.0, before.1 - self.left));
+        }
+        self.cut_short |= before.2;
         found
     }
 
     /// A box within the domain that holds every point at which the node is at most zero; found before, or now.
     pub fn solid_region(&mut self, graph: &Graph, node: NodeId, domain: &Domain) -> Box3 {
         let key = digest(&(self.content(graph, node), self.content_of_domain(graph, domain), domain.narrowed));
-        if let Some(known) = self.memory.regions.get(&key) {
+        if let Some(&(known, spent)) = self.memory.regions.get(&key) {
             self.memory.remembered += 1;
-            return *known;
+            self.spend(spent);
+            return known;
         }
+        let (left, before) = (self.left, std::mem::take(&mut self.cut_short));
         let found = self.region(graph, node, domain, 0.0);
         self.memory.searched += 1;
-        self.memory.make_room();
-        self.memory.regions.insert(key, found);
+        if !self.cut_short && !self.is_spent() {
+            self.memory.make_room();
+            self.memory.regions.insert(key, (found, left - self.left));
+        }
+        self.cut_short |= before;
         found
     }
 

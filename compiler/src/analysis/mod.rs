@@ -2,6 +2,7 @@
 //!
 //! Everything here holds for the whole range of every parameter and for any time.
 
+mod account;
 mod around;
 pub mod atoms;
 mod back;
@@ -121,6 +122,10 @@ pub struct Facts {
     searched_aside: u64,
     /// How many they may cost, and those aside as many.
     most_searched: u64,
+    /// How many steps all of the compilation may still cost, whoever asks for them.
+    left: u64,
+    /// Whether a search ended because of that.
+    cut_short: bool,
     /// Values of the parameters, where these facts hold for those alone.
     pub pinned: Pinned,
 }
@@ -163,6 +168,8 @@ impl Default for Facts {
             searched: 0,
             searched_aside: 0,
             most_searched: MOST_SEARCHED,
+            left: account::ALL,
+            cut_short: false,
             pinned: Rc::new([]),
         }
     }
@@ -299,6 +306,7 @@ impl Facts {
     pub fn ranges_of(&mut self, graph: &Graph, tape: &Tape, domain: &Domain) -> Vec<Interval> {
         self.boxes += 1;
         self.ran += tape.steps.len() as u64;
+        self.spend_on(tape, false);
         let pinned = self.pinned.clone();
         tape.ranges(
             graph,

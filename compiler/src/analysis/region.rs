@@ -78,7 +78,7 @@ impl Facts {
             return region;
         }
         region = self.sift(graph, node, domain, region, level);
-        if self.closer < CLOSER_STEPS && !region.is_empty() && region.is_finite() {
+        if self.closer < CLOSER_STEPS && !self.is_spent() && !region.is_empty() && region.is_finite() {
             let first = self.ran;
             region = self.shave(graph, &tape, domain, region, level);
             self.closer += self.ran - first;
@@ -206,7 +206,7 @@ impl Facts {
     /// the distance to the corners. Only of a box that is hardly smaller than the domain. Domains of all sizes lead to the same box, which is
     /// sifted once.
     fn sift(&mut self, graph: &Graph, node: NodeId, domain: &Domain, region: Box3, level: f64) -> Box3 {
-        if self.closer >= CLOSER_STEPS || !region.is_finite() || region.size() <= 0.5 * domain.point.size() {
+        if self.closer >= CLOSER_STEPS || self.is_spent() || !region.is_finite() || region.size() <= 0.5 * domain.point.size() {
             return region;
         }
         let key = (node, domain.at(region).key(), level.to_bits());
@@ -240,6 +240,7 @@ impl Facts {
         let smallest = region.size() / 128.0;
         let mut left = SIFTED;
         let first = self.ran;
+        let least_left = self.left_by_one();
         // Large parts first: where the budget ends, what is left is around the solid already.
         let mut open = VecDeque::from([region]);
         let mut kept = Box3::EMPTY;
@@ -269,7 +270,8 @@ impl Facts {
                     continue;
                 }
             }
-            if left == 0 || self.ran - first > most {
+            if left == 0 || self.ran - first > most || self.left <= least_left {
+                self.cut_short |= self.left <= least_left;
                 kept = open.iter().fold(kept.hull(&part), |kept, part| kept.hull(part));
                 break;
             }

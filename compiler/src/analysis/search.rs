@@ -32,7 +32,7 @@ impl Search {
 
     /// The constant, looked for with at most `boxes` boxes; for the values of the parameters if there are any, else for their whole ranges.
     pub fn run(&self, graph: &Graph, pinned: Pinned, boxes: usize) -> f64 {
-        let mut facts = Facts { pinned, steps: boxes.saturating_mul(STEPS_A_BOX), most_searched: u64::MAX, ..Facts::default() };
+        let mut facts = Facts { pinned, steps: boxes.saturating_mul(STEPS_A_BOX), most_searched: u64::MAX, left: u64::MAX, ..Facts::default() };
         let nodes = match &self.target {
             Target::Value(node) => std::slice::from_ref(node),
             Target::Map(point) => point.as_slice(),

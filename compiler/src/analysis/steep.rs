@@ -124,9 +124,11 @@ impl Facts {
         let samples = samples.min(MOST_STEPS / self.weight(graph, node).max(1)).max(64);
         let mut slopes: Vec<f64> = Vec::new();
         let end = self.ran + 4 * MOST_STEPS as u64;
+        let least_left = self.left_by_one();
         let mut tried = 0;
         for i in 0..samples {
-            if self.ran > end && tried >= 64 {
+            if (self.ran > end || self.left <= least_left) && tried >= 64 {
+                self.cut_short |= self.left <= least_left;
                 break;
             }
             tried += 1;

@@ -138,6 +138,11 @@ impl Tape {
         }
     }
 
+    /// Whether [`Tape::tight`] was found already.
+    pub(super) fn is_seen(&self) -> bool {
+        self.tight.get().is_some()
+    }
+
     /// What more is known of steps than follows step by step, in order.
     pub(super) fn tight(&self) -> &[(usize, Tight)] {
         self.tight.get_or_init(|| Tight::of(self).into())
