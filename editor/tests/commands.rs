@@ -107,10 +107,14 @@ fn check_tells_a_machine_everything() {
 }
 
 /// Scenes of the corpus, and what `check` says of their boxes: in words, and whether it is an upper limit and leaves planes out.
-const BOXES: [(&str, &str, bool, bool); 3] = [
+const BOXES: [(&str, &str, bool, bool); 7] = [
     ("box_of_a_ball", "from (0.3, 1.3, 2.3) to (1.7, 2.7, 3.7)", false, false),
     ("box_beside_a_plane", "from (-1, 0, -1.5) to (1, 1, 1.5), without the planes", false, true),
     ("box_of_a_slider", "at most from (-2.5, -0.5, -0.5) to (2.5, 0.5, 0.5)", true, false),
+    ("polytopes", "from (-0.6928, -0.6928, -0.6928) to (3.1928, 0.6928, 0.6928)", false, false),
+    ("polytope_octahedron", "from (0, -1, -1) to (2, 1, 1)", false, false),
+    ("polytope_pyramid", "from (-1, 1, -1) to (1, 4, 1)", false, false),
+    ("polytope_wedge", "from (0, -0.5, -0.25) to (1, 0.5, 0.25)", false, false),
 ];
 
 #[test]

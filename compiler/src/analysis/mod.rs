@@ -26,6 +26,7 @@ mod outlines;
 pub mod period;
 mod placed;
 mod polar;
+mod polytope;
 pub(crate) mod products;
 mod radial;
 pub mod region;

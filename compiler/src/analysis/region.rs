@@ -446,6 +446,12 @@ pub(super) struct Walk<'a> {
 }
 
 impl Walk<'_> {
+    /// Counts so many steps.
+    pub(super) fn counted(&mut self, steps: usize) {
+        self.facts.ran += steps as u64;
+        self.facts.spend(steps as u64);
+    }
+
     pub(super) fn range(&self, step: usize) -> Interval {
         self.ranges.get(step).copied().unwrap_or(Interval::ALL)
     }
@@ -496,6 +502,10 @@ impl Walk<'_> {
                     return self.cut_off(value, target, region);
                 }
                 self.step(value, target, region)
+            }
+            Step::Op(Op::Max, args) => {
+                let region = self.operation(Op::Max, args, target, region);
+                if region.is_empty() { region } else { self.in_polytope(step, target.hi, &region).unwrap_or(region) }
             }
             Step::Op(op, args) => self.operation(*op, args, target, region),
             Step::Call(shape, args) => {
