@@ -235,7 +235,7 @@ codes! {
         "A colour whose components go beyond 1, as bytes do. Components of a colour go from 0 to 1, and `#c87828` is read as others write it.",
         "material m { color: (200, 120, 40) }\nscene = sphere(1).material(m)";
     Costly, "costly", Warning,
-        "One evaluation of the scene takes so many operations that a picture may take minutes. Copies that are joined by a `for`, or repeated, are looked at only where they are near.",
+        "One evaluation of the scene takes so many operations that a picture may take minutes, or factors within each other multiply to more steps than a ray has. Copies that are joined by a `for`, or repeated, are looked at only where they are near.",
         "";
     Gaps, "gaps", Warning,
         "Copies of a repetition that are rounded or blended by more than the compiler looks at around each point, so that the gaps between them fill up where the nearest copies are farther away. Round or blend each copy inside the braces, or make the cells larger.",

@@ -4,6 +4,7 @@ use crate::analysis::Box3;
 use crate::analysis::search::{Search, Target};
 use crate::certify::{Steepest, Truth};
 use crate::compiled::{Compiled, Live};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::functions::Functions;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -13,6 +14,8 @@ use rustc_hash::FxHashSet;
 
 /// Up to so many times the steps are few more.
 const FEW: f64 = 1.5;
+/// Factors within each other that multiply to more let no ray get anywhere.
+const MOST_TOGETHER: f64 = 250.0;
 /// Where nothing is known of how large a scene is, it is taken to be of this size.
 const FAR_ENOUGH: f64 = 4.0;
 /// How many samples say how steep a formula is at most places.
@@ -162,6 +165,29 @@ pub fn explain(compiled: &Compiled, sources: &Sources) -> Vec<Explained> {
         explained.push(Explained { depth, product: product * factor.lipschitz, ..one });
     }
     explained
+}
+
+/// What is wrong where factors that stand within each other multiply to more steps than a ray has, though none of them is that large.
+pub(crate) fn too_many_together(graph: &Graph, root: ShapeId, functions: &Functions) -> Option<Diagnostic> {
+    let mut products: Vec<f64> = Vec::new();
+    let mut worst: Option<(f64, &Factor)> = None;
+    for (index, parent) in tree(graph, root, functions) {
+        let factor = graph.factors.get(index as usize);
+        let own = factor.map_or(1.0, |factor| factor.lipschitz.max(1.0));
+        let around = parent.and_then(|p| products.get(p)).copied().unwrap_or(1.0);
+        products.push(own * around);
+        let is_by_both = own.max(around) <= MOST_TOGETHER && own * around > MOST_TOGETHER && !functions.gentle.contains_key(&index);
+        if let (true, Some(factor)) = (is_by_both && worst.is_none_or(|(product, _)| own * around > product), factor) {
+            worst = Some((own * around, factor));
+        }
+    }
+    let (product, factor) = worst?;
+    Some(Diagnostic::new(
+        Code::Costly,
+        factor.span,
+        format!("the factors that stand around this multiply to ×{product:.0} with its own, which costs more steps than a ray has"),
+        "let fewer of the maps that stand within each other stretch space, or let them stretch it less; `surefoot check --factors` shows each",
+    ))
 }
 
 /// The factors in the bound of the scene, each once, with the place of the one that stands around it in the same list.

@@ -126,6 +126,7 @@ fn run(
         let (functions, summary, found) =
             functions::build(&mut graph, facts, root, &elaboration.blocks, options.strict, Vec::new());
         outcome.diagnostics.extend(found);
+        outcome.diagnostics.extend(crate::factors::too_many_together(&graph, root, &functions));
         finished(Stage::Analyse);
         if !outcome.has_errors() {
             let (blocks, parameters) = (&elaboration.blocks, &elaboration.parameters);
