@@ -9,7 +9,7 @@ use crate::emit::tracer::Ways;
 use crate::followed::Followed;
 use crate::functions::{self, Functions, Summary};
 use crate::graph::algebra::Reals;
-use crate::outlook::outlook;
+use crate::outlook;
 use crate::pipeline::tidy;
 pub use crate::home::Home;
 use crate::graph::{multiple_of, Graph, Leaf, Node, NodeId, ShapeId};
@@ -301,9 +301,10 @@ pub struct Module {
     pub operations: (usize, usize),
     /// What was left out of the module, and why.
     pub skipped: Vec<String>,
-    /// The axes along which rounding grows with the distance from the scene's middle. Along the others it grows with that from the module's own origin
-    /// alone: all that is read of the scene's point there are ways from places far out.
-    pub reads_scene: [bool; 3],
+    /// What rounding in 32 bits grows with.
+    pub rounding: Rounding,
+    /// Where large numbers cancel each other, where they make the unit of rounding more than 1 and that is known.
+    pub cancels: Option<NodeId>,
     /// More text, for what draws meshes: a function `sf_mesh_0(p: vec3f, normal: vec3f) -> sf_Surface` and so on for each of
     /// [`Functions::meshes`], and `sf_mesh_layers_0` with its struct for one that is layered. `p` is in the mesh's own space.
     pub meshes: String,
@@ -313,6 +314,22 @@ pub struct Module {
     pub ways: Ways,
     /// The unions of many operands, which are tables; none in most modules.
     pub tables: Option<Arc<ModuleTables>>,
+}
+
+/// What rounding in 32 bits grows with where a module computes the field: with coordinates, the way of a ray, and a length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rounding {
+    /// The axes along which it grows with the distance from the scene's middle. Along the others it grows with that from the module's own origin
+    /// alone: all that is read of the scene's point there are ways from places far out.
+    pub reads_scene: [bool; 3],
+    /// The length, which stands for what else is added in the formulas: 1 for scenes of ordinary size, less where all of a scene is smaller, and more
+    /// where large numbers cancel each other.
+    pub unit: f64,
+}
+
+impl Rounding {
+    /// That of formulas of ordinary size, of which no axis is read as it is.
+    pub const ORDINARY: Self = Self { reads_scene: [false; 3], unit: 1.0 };
 }
 
 impl Module {
@@ -406,14 +423,18 @@ impl Outcome {
     /// What is wrong with what a camera sees at one moment: that of this name, or the first. That nothing is solid says why nothing is seen.
     pub fn outlook(&self, live: &Live, name: Option<&str>) -> Option<Diagnostic> {
         let is_said = self.diagnostics.iter().any(|d| d.code == Code::NothingSolid);
-        outlook(self.compiled.as_ref()?, live, name).filter(|d| !is_said || d.code != Code::NothingSeen)
+        outlook::outlook(self.compiled.as_ref()?, live, name).filter(|d| !is_said || d.code != Code::NothingSeen)
     }
 
-    /// Adds what is wrong with what the camera sees: that takes a look at the scene, and some milliseconds.
+    /// Adds what is wrong with what the cameras see: that takes a look at the scene through each, and some milliseconds.
     pub fn look(&mut self) {
-        let live = self.compiled.as_ref().map(Compiled::live);
-        let found = live.and_then(|live| self.outlook(&live, None));
-        self.diagnostics.extend(found);
+        let Some(compiled) = &self.compiled else { return };
+        let live = compiled.live();
+        let is_said = self.diagnostics.iter().any(|d| d.code == Code::NothingSolid);
+        let cameras = 0..compiled.blocks.cameras.len().max(1);
+        let found: Vec<Diagnostic> = cameras.filter_map(|which| outlook::through(compiled, &live, which)).filter(|d| !is_said || d.code != Code::NothingSeen).collect();
+        let coarse = outlook::few_digits(compiled, &live);
+        self.diagnostics.extend(found.into_iter().chain(coarse));
         tidy(&mut self.diagnostics);
     }
 }

@@ -216,6 +216,12 @@ codes! {
     RaysLost, "rays-lost", Warning,
         "Over a part of the picture rays spend all of their steps before they meet anything: there it shows the sky, or a surface that is none. Say where the shape lies with `.within(box(…))`, or write its formula so that it grows more evenly.",
         "field f = { let r = floor(9 * p.z); p.y - 9 / (1 + abs(floor(9 * p.x + 0.5 * r)) + abs(r)) }\nscene = f";
+    UnderAPixel, "under-a-pixel", Warning,
+        "What is solid is thinner than a pixel where the camera stands that is chosen for a scene without one, so the picture shows next to nothing. Say where a camera stands that is nearer, or make what is solid thicker.",
+        "scene = box((1000, 0.001, 0.001))";
+    FewDigits, "few-digits", Warning,
+        "Two large numbers cancel each other here, and the 24 bits that a graphics adapter computes with leave little of what is seen: surfaces and shadows are off by about a pixel or more. Where a length and a radius cancel, as on the ground of a planet that is only moved and turned, the compiler writes another formula; a warp between them hinders that. Make the scene smaller, or leave the warp away.",
+        "scene = sphere(1e6).twist(y, 1e-7).translate(0, -1e6, 0) | sphere(1)\ncamera { eye: (4, 3, 6), target: (0, 0, 0) }";
     Jump, "jump", Warning,
         "A formula jumps here; rays stop before it and look again, which takes time. Where both sides of the jump are proven to agree, nothing is said.",
         "field f = length(p) - 1 + floor(4 * p.x) / 9\nscene = f";

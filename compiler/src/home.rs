@@ -26,7 +26,7 @@ pub struct Home {
 /// Where a camera stands by which nothing that ends is to be seen, or of which only the target is said.
 pub const EYE: Vec3 = [4.0, 3.0, 6.0];
 /// What is smaller than this is not gone nearer to.
-pub const SMALLEST: f64 = 1e-3;
+pub const SMALLEST: f64 = 1e-9;
 /// A camera's vertical angle of view where none is said.
 pub const FOV: f64 = 40f64.to_radians();
 /// So much of the picture's height is filled.

@@ -8,7 +8,7 @@ use crate::home::{EYE, SMALLEST};
 use crate::reference::camera::Basis;
 use crate::reference::follow::TRACER;
 use crate::reference::march::{Ray, at_points};
-use crate::reference::vector::{Vec3, add, dot, length, scale, sub, unit};
+use crate::reference::vector::{Vec3, add, along, dot, length, scale, sub, unit};
 use crate::reference::{Hit, Reference};
 use crate::source::{FileId, Span};
 
@@ -36,6 +36,20 @@ const NEAR: f64 = 8.0;
 const STILL: f64 = 0.5;
 /// Where no ray of this picture is lost, few are.
 const SMALL: (u32, u32) = (10, 6);
+/// So much of the unit of rounding is lost, where it is more than 1.
+const LOST: f64 = 8.0 / (1 << 23) as f64;
+/// Where so many rays of one of these pictures meet anything, it is not under a pixel.
+const FEW: [((u32, u32), usize); 2] = [((20, 12), 8), ((60, 36), 24)];
+/// Of what is met so many places are looked at.
+const MOST_PLACES: usize = 8;
+/// The height of a picture of which a pixel is meant, and of how many depths up to that one is looked at.
+const COARSE: u32 = 240;
+const DEPTHS: i32 = 40;
+/// So many times as far as it is thick does one stand who sees it well.
+const NEARBY: f64 = 20.0;
+/// So often a place comes nearer to the surface, and so near.
+const MOST_NEARER: usize = 64;
+const CLOSE: f64 = 1e-9;
 /// What helps rays on.
 const EVENLY: &str = "say where the shape lies with `.within(box(…))`, or write its formula so that it grows more evenly";
 /// The seconds after which a camera that moves is looked at.
@@ -63,12 +77,18 @@ fn leaves(compiled: &Compiled, live: &Live, which: usize) -> Option<Diagnostic> 
 
 /// What is wrong with what a camera sees at one moment, if anything: that of this name, or the first.
 pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<Diagnostic> {
+    let cameras = compiled.frame(live).cameras;
+    through(compiled, live, cameras.iter().position(|(known, _)| name.is_none_or(|name| name == known))?)
+}
+
+/// The same of the camera with a number.
+pub fn through(compiled: &Compiled, live: &Live, which: usize) -> Option<Diagnostic> {
     let frame = compiled.frame(live);
     if compiled.is_vast() {
         return None;
     }
-    let which = frame.cameras.iter().position(|(known, _)| name.is_none_or(|name| name == known))?;
     let (camera, nodes) = (frame.cameras.get(which)?.1, compiled.blocks.cameras.get(which));
+    let who = called(compiled, nodes);
     // By the factors that hold where the sliders stand, as a picture goes.
     let mut followed = live.clone();
     compiled.settle(&mut followed);
@@ -85,7 +105,7 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
         cameras.take(MOST_TRIED).find(finds).map(|other| written(nodes, &other))
     };
     if field(camera.eye) < 0.0 && length(camera.eye) < frame.extent {
-        let message = "the camera stands inside the solid, where nothing can be seen rightly";
+        let message = format!("{who} stands inside the solid, where nothing can be seen rightly");
         let help = better().unwrap_or_else(|| "move its `eye` to where the field is above zero".to_owned());
         return Some(Diagnostic::new(Code::InsideSolid, place(compiled, nodes), message, help));
     }
@@ -102,7 +122,17 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
     if has_others {
         return lamp();
     }
-    match sees(compiled, &reference, &camera, &frame, frame.max_distance)? {
+    let sight = sees(compiled, &reference, &camera, &frame, frame.max_distance)?;
+    if matches!(sight, Sight::Solid | Sight::Empty)
+        && nodes.is_none_or(|nodes| nodes.eye.or(nodes.target).is_none())
+        && let Some((thick, near)) = too_thin(&reference, &camera, &frame)
+    {
+        let near = Some(near).filter(|near| sees(compiled, &reference, near, &frame, FAR) == Some(Sight::Solid));
+        let message = format!("what is solid is {} thick, which is less than a pixel from where the camera stands that is chosen for this scene", short(thick));
+        let help = near.map_or_else(|| "say where a camera stands that is nearer, or make it thicker".to_owned(), |near| written(nodes, &near));
+        return Some(Diagnostic::new(Code::UnderAPixel, place(compiled, nodes), message, help));
+    }
+    match sight {
         Sight::Solid => {
             return lamp().or_else(|| {
                 let lost = share_lost(compiled, &reference, &camera, &frame).filter(|lost| *lost > HOLES)?;
@@ -132,7 +162,81 @@ pub fn outlook(compiled: &Compiled, live: &Live, name: Option<&str>) -> Option<D
     } else {
         better().unwrap_or_else(|| "look for an `&` of shapes that do not meet, a `-` that takes all away, or a formula that is nowhere below zero".to_owned())
     };
-    Some(Diagnostic::new(Code::NothingSeen, place(compiled, nodes), "nothing solid is in sight of the camera", help))
+    Some(Diagnostic::new(Code::NothingSeen, place(compiled, nodes), format!("nothing solid is in sight of {who}"), help))
+}
+
+/// Where 32 bits leave too little of what a camera sees, since large numbers cancel each other.
+pub fn few_digits(compiled: &Compiled, live: &Live) -> Option<Diagnostic> {
+    let lost = LOST * compiled.module.rounding.unit;
+    let is_seen = |camera: &Camera| lost > Basis::of(camera).footprint(PIXELS) * length(sub(camera.target, camera.eye));
+    let frame = compiled.frame(live);
+    frame.cameras.iter().find(|(_, camera)| compiled.module.rounding.unit > 1.0 && is_seen(camera))?;
+    let at = compiled.module.cancels.and_then(|node| compiled.graph.location(node)).unwrap_or_else(|| place(compiled, None));
+    let message = format!("large numbers cancel each other here, and the 24 bits that are computed with leave surfaces off by about {}", short(lost));
+    let help = "make the scene smaller; of a radius that is only moved and turned nothing is lost, and of one that is warped it is";
+    Some(Diagnostic::new(Code::FewDigits, at, message, help))
+}
+
+/// Whether what is solid is thinner than a pixel where it is seen, and hardly any ray meets it: how thick it is, and a camera that is nearer.
+fn too_thin(reference: &Reference, camera: &Camera, frame: &Frame) -> Option<(f64, Camera)> {
+    let mut met = Vec::new();
+    for (picture, many) in FEW {
+        let hits = look(reference, camera, frame, frame.max_distance, picture);
+        met = hits.into_iter().filter(|(hit, _)| hit.hit).map(|(hit, ray)| ray.at(hit.t)).collect();
+        if met.len() >= many {
+            return None;
+        }
+    }
+    // What no ray meets is looked for from elsewhere.
+    let around = [0.0, 0.1, 1.0].map(|share| along(camera.target, sub(camera.eye, camera.target), share));
+    let places: Vec<Vec3> = met.into_iter().take(MOST_PLACES).chain(around).collect();
+    let (mut least, mut thin, mut thicker): (Option<(f64, Vec3)>, usize, usize) = (None, 0, 0);
+    for start in places {
+        let Some((place, inward)) = surface_near(reference, start).filter(|(place, _)| length(*place) < frame.extent) else { continue };
+        let pixel = Basis::of(camera).footprint(COARSE) * length(sub(place, camera.eye));
+        let depths: Vec<f64> = (0..DEPTHS).map(|i| pixel * 2f64.powi(i + 1 - DEPTHS)).collect();
+        let fields = fields_at(reference, &depths.iter().map(|depth| add(place, scale(inward, *depth))).collect::<Vec<Vec3>>());
+        // It has to be solid somewhere, and to end again within a pixel: not so from the end of a needle.
+        let mut ways = depths.iter().zip(&fields).skip_while(|(_, field)| **field >= 0.0);
+        let Some(last) = ways.clone().take_while(|(_, field)| **field < 0.0).last() else { continue };
+        let Some(beyond) = ways.find(|(_, field)| **field >= 0.0) else {
+            thicker += 1;
+            continue;
+        };
+        thin += 1;
+        let thick = last.0 + (beyond.0 - last.0) * last.1 / (last.1 - beyond.1);
+        if least.is_none_or(|(known, _)| thick > known) {
+            least = Some((thick, place));
+        }
+    }
+    let (thick, place) = least.filter(|_| thin > thicker)?;
+    let way = unit(EYE)?;
+    let [eye, target] = [add(place, scale(way, NEARBY * thick)), place].map(|place| place.map(rounded));
+    Some((thick, Camera { eye, target, ..*camera }))
+}
+
+/// The nearest place of the surface, about, and the way in.
+fn surface_near(reference: &Reference, start: Vec3) -> Option<(Vec3, Vec3)> {
+    let mut place = start;
+    for _ in 0..MOST_NEARER {
+        let field = field_at(reference, place);
+        let slope = reference.gradients(&[place]).first().copied()?;
+        let inward = unit(scale(slope, -1.0))?;
+        let on = field / length(slope);
+        if on.abs() <= CLOSE * length(place).max(SMALLEST) {
+            return Some((place, inward));
+        }
+        place = add(place, scale(inward, on));
+    }
+    None
+}
+
+/// What a camera is called in a message.
+fn called(compiled: &Compiled, nodes: Option<&CameraNodes>) -> String {
+    match nodes.filter(|nodes| compiled.blocks.cameras.len() > 1 && !nodes.name.is_empty()) {
+        Some(nodes) => format!("the camera `{}`", nodes.name),
+        None => "the camera".to_owned(),
+    }
 }
 
 /// Whether a camera stands inside the solid, or sees nothing of it as far as is soon told.
@@ -262,7 +366,7 @@ fn target(camera: &Camera, region: Option<Box3>) -> Vec3 {
 
 /// The target of an eye that may stand just there.
 fn ahead(eye: Vec3, target: Vec3) -> Vec3 {
-    if length(sub(eye, target)) < 1e-6 { sub(eye, [0.0, 0.0, 1.0]) } else { target }
+    if length(sub(eye, target)) < SMALLEST { sub(eye, [0.0, 0.0, 1.0]) } else { target }
 }
 
 /// With three digits, as one writes it.

@@ -101,3 +101,39 @@ fn gpu_and_cpu_draw_the_same() {
     }
     assert!(wrong.is_empty(), "{}\nSee {}", wrong.join("\n"), pictures().display());
 }
+
+/// Scenes of the corpus that are very small, or of which the ground is part of something very large.
+const SIZES: [&str; 10] = [
+    "tiny_ball", "tiny_ball_micrometre", "tiny_parts", "tiny_scaled", "tiny_table", "planet", "planet_raised", "planet_turned", "planet_slab", "planet_pipe",
+];
+
+#[test]
+fn what_is_tiny_or_huge_is_drawn_as_in_64_bits() {
+    let gpu = gpu();
+    let folder = common::root().join("tests/corpus/cases");
+    let scene = |name: &str| compile_file(folder.join(format!("{name}.sdf")).to_str().unwrap()).unwrap();
+    let mut wrong = Vec::new();
+    for name in SIZES {
+        let compiled = scene(name);
+        let live = compiled.live();
+        let camera = Some(compiled.frame(&live).cameras[0].1);
+        for mode in [ViewMode::Shaded, ViewMode::Normals] {
+            let seen = headless::render(&gpu, &compiled, &live, &Shot { mode, camera, ..Shot::new(SIZE.0, SIZE.1) }).unwrap();
+            let (share, _) = compare(&seen, &reference(&compiled, &live, mode));
+            println!("{name}: {share:.5} {mode:?}");
+            if share > SHARE {
+                wrong.push(format!("{name} {mode:?}: {share}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:?}");
+    // A ball fills the picture as any other does.
+    let normals = |name: &str| {
+        let compiled = scene(name);
+        reference(&compiled, &compiled.live(), ViewMode::Normals)
+    };
+    let usual = normals("ball");
+    for name in ["tiny_ball", "tiny_ball_micrometre"] {
+        assert!(compare(&normals(name), &usual).0 <= SHARE, "{name}");
+    }
+}

@@ -5,7 +5,7 @@
 
 use super::shadow;
 use super::tracer::{Tracer, Ways};
-use crate::compiled::Export;
+use crate::compiled::{Export, Rounding};
 use crate::graph::kernel::Op;
 use std::borrow::Cow;
 use std::sync::OnceLock;
@@ -104,7 +104,7 @@ fn sf_clip(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> vec2f {
 // The part of a span of a ray that lies within the box about all that is solid, but for planes; empty where x > y.
 fn sf_within(origin: vec3f, direction: vec3f, span: vec2f) -> vec2f {
   let start = origin + sf_uniforms.origin;
-  let rounding = vec3f(1e-6 * (length(start) + 1.0));
+  let rounding = vec3f(1e-6 * (length(start) + UNIT));
   let moved = select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
   let one = (sf_region_low - rounding - start) / moved;
   let other = (sf_region_high + rounding - start) / moved;
@@ -119,7 +119,7 @@ fn sf_within(origin: vec3f, direction: vec3f, span: vec2f) -> vec2f {
 fn sf_beside(origin: vec3f, direction: vec3f, span: vec2f, sharpness: f32) -> vec2f {
   let start = origin + sf_uniforms.origin;
   let far = length(max(abs(sf_region_low - start), abs(sf_region_high - start)));
-  let margin = vec3f(far / sharpness + 1e-6 * (length(start) + 1.0));
+  let margin = vec3f(far / sharpness + 1e-6 * (length(start) + UNIT));
   let moved = select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
   let one = (sf_region_low - margin - start) / moved;
   let other = (sf_region_high + margin - start) / moved;
@@ -273,9 +273,11 @@ pub const STRUCTURES: [&str; 4] = ["Hit", "Contact", "Surface", "Passage"];
 /// The texts of `sf_trace` and `sf_shadow` by [`Ways`], each made when it is first asked for.
 static FOLLOW: [OnceLock<[String; 2]>; 16] = [const { OnceLock::new() }; 16];
 
-/// A text in which `COORDINATES` stands for those with which rounding grows, with them ([`crate::compiled::Module::reads_scene`]).
-pub fn with_coordinates(text: &str, reads_scene: [bool; 3]) -> String {
-    text.replace("COORDINATES", &coordinates(reads_scene))
+/// A text in which `COORDINATES` and `UNIT` stand for what rounding grows with, with that in their places.
+pub fn with_rounding(text: &str, rounding: Rounding) -> String {
+    let unit = rounding.unit as f32;
+    let text = if unit == 1.0 { Cow::Owned(text.replace(" * UNIT", "")) } else { Cow::Borrowed(text) };
+    text.replace("COORDINATES", &coordinates(rounding.reads_scene)).replace("UNIT", &format!("{unit:?}"))
 }
 
 /// The coordinates with which rounding grows where a ray starts at `origin`: those of the scene where it is read as it is, else the way from the
@@ -292,12 +294,12 @@ fn coordinates(reads_scene: [bool; 3]) -> Cow<'static, str> {
 }
 
 /// The text of an exported function that is the same for every scene with the same ways.
-pub fn function(export: Export, ways: Ways, reads_scene: [bool; 3]) -> Option<Cow<'static, str>> {
+pub fn function(export: Export, ways: Ways, rounding: Rounding) -> Option<Cow<'static, str>> {
     let place = [ways.one, ways.planes, ways.region, ways.loose].iter().fold(0, |place, way| 2 * place + usize::from(*way));
     match export {
         Export::Trace | Export::Shadow => {
             let [trace, shadow] = FOLLOW.get(place)?.get_or_init(|| [Tracer::DEFAULT.text(ways), shadow::text(ways)]);
-            Some(with_coordinates(if export == Export::Trace { trace } else { shadow }, reads_scene).into())
+            Some(with_rounding(if export == Export::Trace { trace } else { shadow }, rounding).into())
         }
         Export::Collision => Some(COLLISION.into()),
         Export::Occlusion => Some(OCCLUSION.into()),

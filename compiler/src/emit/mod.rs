@@ -29,7 +29,8 @@ pub use formulas::Formulas;
 pub use library::signature;
 pub use translate::{Target, translate, validate};
 
-use crate::compiled::{Export, Live, Module, ModuleTables, Options, Parameter, SceneBlocks, UniformSource};
+use crate::analysis::Box3;
+use crate::compiled::{Export, Live, Module, ModuleTables, Options, Parameter, Rounding, SceneBlocks, UniformSource};
 use crate::functions::Functions;
 use crate::graph::interval::Interval;
 use crate::graph::simplify::Terms;
@@ -151,7 +152,9 @@ pub fn emit(
         helpers: Helpers::default(),
         numbers: FxHashMap::default(),
         room: Room::default(),
-        reads_scene: [false; 3],
+        rounding: Rounding::ORDINARY,
+        sums: (0.0, None),
+        called: FxHashMap::default(),
         tables: &tables,
         facing: "normal",
     };
@@ -159,6 +162,8 @@ pub fn emit(
     let mut body = Body::new(graph.len(), (!options.live_in_shader).then(Formulas::default));
     for &id in &standing {
         shape_function(&mut context, id, &mut body, &mut texts)?;
+        let sums = std::mem::take(&mut context.sums);
+        context.called.insert(id, sums);
     }
     let rest = planes.as_ref().map(|planes| ahead::functions(&mut context, root, planes, &mut body, &mut texts)).transpose()?;
     let ways = Ways {
@@ -167,9 +172,9 @@ pub fn emit(
         region: functions.ahead.region.is_some() && rest.is_some() == functions.ahead.planes.is_some(),
         loose: functions.loose,
     };
-    let roots = Roots { root, targets: &roots, surface: surface.as_ref(), rest, ways };
+    let roots = Roots { root, targets: &roots, surface: surface.as_ref(), rest, ways, solid: functions.ahead.solid };
     let operations = export_functions(&mut context, &exports, &roots, &mut body, &mut texts)?;
-    let reads_scene = context.reads_scene;
+    let (rounding, cancels) = (context.rounding, context.sums.1.filter(|_| context.rounding.unit > 1.0));
     if let Some(plan) = &layers {
         layers_function(&mut context, root, &functions.surface, plan, &mut body, &mut texts)?;
     }
@@ -249,7 +254,8 @@ pub fn emit(
         uniform_size: size,
         operations,
         skipped,
-        reads_scene,
+        rounding,
+        cancels,
         meshes: meshes_text,
         one,
         ways,
@@ -339,7 +345,24 @@ struct Roots<'a> {
     /// What is written of planes and the rest, where rays meet planes apart.
     rest: Option<ahead::Written>,
     ways: Ways,
+    solid: Option<Box3>,
 }
+
+/// So large a part of large numbers counts.
+const PART: f64 = 0.125;
+
+/// The length of [`Rounding`]: what is added is no larger than `sums`, and what is solid lies in a box.
+fn unit(sums: f64, solid: Option<Box3>) -> f64 {
+    if sums > body::LARGE {
+        return PART * sums;
+    }
+    let reach = solid.map_or(1.0, |solid| solid.0.map(Interval::magnitude).into_iter().fold(0.0, f64::hypot));
+    // A power of two, so that not every edit of a number is another one.
+    reach.max(sums).clamp(SMALLEST, 1.0).log2().ceil().exp2()
+}
+
+/// No length of [`Rounding`] is smaller.
+const SMALLEST: f64 = 1e-12;
 
 /// Writes the exports. The answer: operations of the field and of the bound.
 fn export_functions(
@@ -355,7 +378,10 @@ fn export_functions(
     let alike = |target: Option<TargetId>| [Export::Bound, Export::Distance].into_iter().find(|e| target.is_some() && target_of(*e) == target);
     for &export in exports {
         let _ = writeln!(text, "\n// {}", library::purpose(export));
-        if let Some(function) = library::function(export, roots.ways, context.reads_scene) {
+        if matches!(export, Export::Trace | Export::Shadow) {
+            context.rounding.unit = unit(context.sums.0, roots.solid);
+        }
+        if let Some(function) = library::function(export, roots.ways, context.rounding) {
             text.push_str(&prefixed(&function, prefix));
             continue;
         }
@@ -381,11 +407,11 @@ fn export_functions(
                 }
                 (None, None) => body.constant(0.0),
             };
-            let reads_scene = context.reads_scene;
+            let (rounding, sums) = (context.rounding, context.sums);
             let count = write::write(context, body, result, &["p", "q", "normal"], text);
             // What is drawn on a surface does not move it.
             if target.is_none() {
-                context.reads_scene = reads_scene;
+                (context.rounding, context.sums) = (rounding, sums);
             }
             count
         };
@@ -434,7 +460,7 @@ fn declarations(context: &Context, facts: &header::Facts, buffers: bool, wgsl: &
         let _ = write!(wgsl, "\nconst {prefix}region_low = vec3f({low});\nconst {prefix}region_high = vec3f({high});\n");
     }
     for piece in context.helpers.pieces().filter(|p| buffers || p.name != "span") {
-        let _ = write!(wgsl, "\n{}", prefixed(piece.text, prefix));
+        let _ = write!(wgsl, "\n{}", prefixed(&library::with_rounding(piece.text, context.rounding), prefix));
     }
 }
 

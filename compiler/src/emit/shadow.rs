@@ -47,7 +47,7 @@ pub fn text(ways: Ways) -> String {
     return sf_Passage(0.0, span.x + plane, 0.0);
   }
   // A plane is passed most narrowly at the ray's end.
-  lit = min(lit, sharpness * sf_planes(origin + direction * span.y) / max(span.y, 1e-6));\n";
+  lit = min(lit, sharpness * sf_planes(origin + direction * span.y) / max(span.y, 1e-6 * UNIT));\n";
     let planes = if ways.planes { planes } else { "" };
     // The bound is the distance.
     let passage = if ways.one { passage.replace("sf_distance(", "sf_bound(") } else { passage };
@@ -126,7 +126,7 @@ struct sf_Passage {{
 
 fn sf_passage(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, sharpness: f32, least: f32, most: u32) -> sf_Passage {{
   var span = {span};
-  let size = length(COORDINATES) + 1.0;
+  let size = length(COORDINATES) + UNIT;
   var lit = 1.0;
 {planes}{beside}{passage}}}
 ",

@@ -1,6 +1,7 @@
 //! The function that follows a ray: its text, with each of its parts by a number that can be changed or switched off.
 
-use super::library::with_coordinates;
+use super::library::with_rounding;
+use crate::compiled::Rounding;
 
 /// How a ray is followed. [`Tracer::default`] is what modules hold, and what the picture in 64 bits does; others are for measuring what a
 /// part is worth.
@@ -64,9 +65,9 @@ impl Tracer {
     /// The bound counts as falling at least so fast along a ray, so that what is ahead is finite.
     pub const FLATTEST: f64 = 1e-4;
 
-    /// The function `sf_trace` for a scene with these ways, of which the module reads these axes ([`crate::compiled::Module::reads_scene`]).
-    pub fn wgsl(&self, ways: Ways, reads_scene: [bool; 3]) -> String {
-        with_coordinates(&self.text(ways), reads_scene)
+    /// The function `sf_trace` for a scene with these ways, whose module rounds so.
+    pub fn wgsl(&self, ways: Ways, rounding: Rounding) -> String {
+        with_rounding(&self.text(ways), rounding)
     }
 
     /// The function `sf_trace`, which calls `sf_clip`, `sf_bound` and, unless that is the bound itself, `sf_distance`. The distance
@@ -152,7 +153,7 @@ impl Tracer {
             "\
 fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: f32) -> sf_Hit {{
 {head}  // Rounding grows with coordinates, and they are no larger than this and the way.
-  let size = length(COORDINATES) + 1.0;
+  let size = length(COORDINATES) + UNIT;
   var t = span.x;
   var step = 0u;
   var hit = false;

@@ -3,6 +3,7 @@
 mod batch;
 mod compose;
 mod ranges;
+mod sums;
 
 use super::arms::{self, Arm, Arms, BlockId};
 use super::body::{Body, Code, ExprId};
@@ -11,7 +12,8 @@ use super::names::{Scope, identifier, split_axis};
 use super::plan::{Group, Plans, TargetId};
 use super::table::Tables;
 use super::uniforms::Candidates;
-use crate::graph::Graph;
+use crate::compiled::Rounding;
+use crate::graph::{Graph, NodeId};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::simplify::Terms;
@@ -42,8 +44,12 @@ pub struct Context<'a> {
     pub numbers: FxHashMap<u32, String>,
     /// Room that each function is written with.
     pub room: Room,
-    /// The axes of which the point of the scene is read as it is, and not only as the way from a place far out.
-    pub reads_scene: [bool; 3],
+    /// What rounding grows with: so far the axes of which the point of the scene is read as it is, and not only as the way from a place far out.
+    pub rounding: Rounding,
+    /// The largest number that is added to another, as it counts in the result, and the sum's place in the graph.
+    pub sums: (f64, Option<NodeId>),
+    /// The same of each function of a shape that is written.
+    pub called: FxHashMap<TargetId, (f64, Option<NodeId>)>,
     /// The unions that are tables.
     pub tables: &'a Tables,
     /// What the function that is written calls [`crate::graph::Leaf::Normal`].
@@ -171,6 +177,12 @@ pub fn write(
     let (arms, results) = (Arms::default(), Vec::new());
     let mut writer = Writer { context, body, out, scratch, states, ranges, locals, operations: 0, arms, block: 0, depth: 1, results };
     let Seen { scene, extremum, dear } = writer.order(root, &mut order, &mut stack);
+    if writer.body.components(root) == 1 {
+        let sum = writer.largest_sum(&order, root);
+        if sum.0 > writer.context.sums.0 {
+            writer.context.sums = sum;
+        }
+    }
     if divides {
         writer.want_ranges(&order);
     }
@@ -185,7 +197,7 @@ pub fn write(
         }
         for &arg in args {
             let Some((count, order)) = writer.of_scene(arg) else { continue };
-            for (axis, read) in (0..).zip(&mut writer.context.reads_scene) {
+            for (axis, read) in (0..).zip(&mut writer.context.rounding.reads_scene) {
                 *read |= count == 0 || (0..count).any(|i| order >> (4 * i) & 3 == axis);
             }
         }

@@ -28,8 +28,8 @@ impl PlanesApart {
     }
 
     /// How narrowly the planes are passed: the angle, in half-angles of the light, 0 where a ray meets one; and where it does. A plane that is not met
-    /// is passed most narrowly at the ray's end. `sharpness`: how sharp the light of a ray is, by the ray's number.
-    pub fn passages(&self, rays: &[Option<Ray>], sharpness: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
+    /// is passed most narrowly at the ray's end. `sharpness`: how sharp the light of a ray is, by the ray's number; `unit`: that of rounding.
+    pub fn passages(&self, rays: &[Option<Ray>], unit: f64, sharpness: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
         let mut passed = vec![(f64::INFINITY, 0.0); rays.len()];
         let ahead = self.ahead(rays);
         let points: Vec<Vec3> = rays.iter().map(|ray| ray.map_or([0.0; 3], |ray| ray.at(ray.t_max))).collect();
@@ -37,7 +37,7 @@ impl PlanesApart {
             let ray = rays.get(i).copied().flatten();
             if let (Some(passed), Some(ray), Some(height)) = (passed.get_mut(i), ray, values.first()) {
                 let met = ahead.get(i).filter(|t| **t <= ray.t_max);
-                *passed = met.map_or_else(|| (sharpness(i) * height / ray.t_max.max(1e-6), 0.0), |t| (0.0, *t));
+                *passed = met.map_or_else(|| (sharpness(i) * height / ray.t_max.max(1e-6 * unit), 0.0), |t| (0.0, *t));
             }
         });
         passed

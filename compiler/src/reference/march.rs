@@ -5,6 +5,7 @@
 
 use super::vector::{Vec3, along, dot, length, only};
 use crate::analysis::Box3;
+use crate::compiled::Rounding;
 use crate::evaluate::{LANES, Tape, lanes};
 use crate::graph::interval::Interval;
 
@@ -40,9 +41,9 @@ impl Ray {
         (t_min <= t_max).then_some(Ray { t_min, t_max, ..*self })
     }
 
-    /// The part of it that lies within a box, if any does, as `sf_within` finds it.
-    pub fn within(&self, region: &Box3) -> Option<Ray> {
-        let rounding = 1e-6 * (length(self.origin) + 1.0);
+    /// The part of it that lies within a box, if any does, as `sf_within` finds it. `unit`: [`Rounding::unit`].
+    pub fn within(&self, region: &Box3, unit: f64) -> Option<Ray> {
+        let rounding = 1e-6 * (length(self.origin) + unit);
         let (mut t_min, mut t_max) = (self.t_min, self.t_max);
         for ((side, start), direction) in region.0.iter().zip(self.origin).zip(self.direction) {
             let moved = if direction.abs() < 1e-12 { 1e-12 } else { direction };
@@ -67,11 +68,11 @@ pub struct Look {
     pub free: f64,
 }
 
-/// What rounding in 32 bits grows with along each ray, beside the way: coordinates are no larger than both. `reads_scene`: the axes along which they
-/// are not the way itself ([`crate::compiled::Module::reads_scene`]).
-pub fn sizes(rays: &[Ray], reads_scene: [bool; 3]) -> impl Fn(&Look) -> f64 {
-    let sizes: Vec<f64> = rays.iter().map(|r| 1.0 + length(only(r.origin, reads_scene))).collect();
-    move |look| sizes.get(look.ray).copied().unwrap_or(1.0)
+/// What rounding in 32 bits grows with along each ray, beside the way: coordinates are no larger than both.
+pub fn sizes(rays: &[Ray], rounding: Rounding) -> impl Fn(&Look) -> f64 {
+    let Rounding { reads_scene, unit } = rounding;
+    let sizes: Vec<f64> = rays.iter().map(|r| unit + length(only(r.origin, reads_scene))).collect();
+    move |look| sizes.get(look.ray).copied().unwrap_or(unit)
 }
 
 /// Tapes of fewer operations are not worth shortening.

@@ -18,7 +18,7 @@ pub mod tone;
 pub mod vector;
 
 use crate::analysis::Box3;
-use crate::compiled::{Camera, Compiled, Frame, Live};
+use crate::compiled::{Camera, Compiled, Frame, Live, Rounding};
 use crate::evaluate::{Tape, TooLarge};
 use crate::graph::{Function, NodeId};
 use crate::functions::{Planes, Surface};
@@ -107,8 +107,8 @@ pub struct Reference {
     images: Images,
     /// Whether the estimate of the distance may be much less than it ([`crate::emit::tracer::Ways::loose`]).
     loose: bool,
-    /// The axes along which rounding grows with more than the way from the eye ([`crate::compiled::Module::reads_scene`]).
-    reads_scene: [bool; 3],
+    /// What rounding of the module grows with.
+    rounding: Rounding,
 }
 
 impl Reference {
@@ -142,7 +142,7 @@ impl Reference {
                 textures: functions.textures().into_iter().map(|(_, kind)| Arc::new(Texture::missing(kind))).collect(),
             },
             loose: functions.loose,
-            reads_scene: compiled.module.reads_scene,
+            rounding: compiled.module.rounding,
         })
     }
 
@@ -188,8 +188,9 @@ impl Reference {
 
     /// What rounding in 32 bits grows with, at a point so far along a ray.
     fn rounded(&self, point: Vec3, t: f64) -> f64 {
-        let read = length(only(point, self.reads_scene));
-        1.0 + if self.reads_scene == [true; 3] { read } else { read.hypot(t) }
+        let Rounding { reads_scene, unit } = self.rounding;
+        let read = length(only(point, reads_scene));
+        unit + if reads_scene == [true; 3] { read } else { read.hypot(t) }
     }
 
     /// The field's gradients at points that lie close together.
@@ -206,7 +207,7 @@ impl Reference {
         // Where there is no formula: by differences.
         for axis in 0..3 {
             for side in [-1.0, 1.0] {
-                let step = |p: &Vec3| 1e-6 * (1.0 + length(*p));
+                let step = |p: &Vec3| 1e-6 * (self.rounding.unit.min(1.0) + length(*p));
                 let moved: Vec<Vec3> = points
                     .iter()
                     .map(|p| {
@@ -238,7 +239,7 @@ impl Reference {
             .zip(&planes)
             .map(|(ray, &plane)| {
                 let ray = Ray { t_max: ray.as_ref()?.t_max.min(plane), ..(*ray)? };
-                self.region.as_ref().map_or(Some(ray), |region| ray.within(region))
+                self.region.as_ref().map_or(Some(ray), |region| ray.within(region, self.rounding.unit))
             })
             .collect();
         let at_plane = |ray: usize| planes.get(ray).copied().filter(|t| whole.get(ray).copied().flatten().is_some_and(|r| *t <= r.t_max));
@@ -251,7 +252,7 @@ impl Reference {
             .collect();
         let states = vec![Cell::new(Follow::START); rays.len()];
         let state = |look: &Look| states.get(look.ray).map_or(Follow::START, Cell::get);
-        let size = sizes(rays, self.reads_scene);
+        let size = sizes(rays, self.rounding);
         let small = |look: &Look| Small { pixel: footprint * look.t, rounding: 4e-7 * (size(look) + look.t) };
         // Only a hit asks for the distance; where it costs next to nothing it comes along.
         let Rest { bound, distance, both } = &self.rest;

@@ -323,7 +323,7 @@ impl Shading {
     pub fn arriving(&self, lamp: &Lamp, point: Vec3, normal: Vec3) -> Option<Arriving> {
         let arriving = if lamp.position {
             let way = sub(lamp.vector, point);
-            let far = length(way).max(1e-4);
+            let far = length(way).max(1e-9);
             Arriving {
                 direction: scale(way, 1.0 / far),
                 far,

@@ -93,12 +93,12 @@ fn share(a: f64) -> f64 {
 }
 
 /// The part of a ray that lies within a box, or so near to it that what is solid can stand in a cone about the ray, as `sf_beside` finds it.
-fn near(ray: &Ray, region: &Box3, sharpness: f64) -> Option<Ray> {
+fn near(ray: &Ray, region: &Box3, sharpness: f64, unit: f64) -> Option<Ray> {
     let farther = |(side, start): (&Interval, &f64)| (side.lo - start).abs().max((side.hi - start).abs());
     let far: Vec3 = std::array::from_fn(|i| region.0.get(i).zip(ray.origin.get(i)).map_or(0.0, farther));
     let margin = length(far) / sharpness;
     let wider = Box3(region.0.map(|side| Interval { lo: side.lo - margin, hi: side.hi + margin }));
-    ray.within(&wider)
+    ray.within(&wider, unit)
 }
 
 /// How narrowly each ray passes what is solid. `aside`: whether they do not go to the middle of the light.
@@ -106,7 +106,7 @@ fn passages(scene: &Reference, rays: &[Ray], sharpness: &[f64], extent: f64, asi
     let sharp = |ray: usize| sharpness.get(ray).copied().unwrap_or(HARD);
     let least = if aside { MET_ASIDE } else { MET };
     let clipped: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
-    let passed = |planes: &super::PlanesApart| planes.passages(&clipped, sharp);
+    let passed = |planes: &super::PlanesApart| planes.passages(&clipped, scene.rounding.unit, sharp);
     let planes = scene.planes.as_ref().map_or_else(|| vec![(f64::INFINITY, 0.0); rays.len()], passed);
     let starts = planes.iter().map(|&(past, t)| Cell::new(Passage { lit: past.min(1.0), t, ..Passage::START }));
     let states: Vec<Cell<Passage>> = starts.collect();
@@ -116,11 +116,11 @@ fn passages(scene: &Reference, rays: &[Ray], sharpness: &[f64], extent: f64, asi
         .enumerate()
         .map(|(i, (ray, state))| {
             let ray = ray.filter(|_| state.get().lit >= least)?;
-            scene.region.as_ref().map_or(Some(ray), |region| near(&ray, region, sharp(i)))
+            scene.region.as_ref().map_or(Some(ray), |region| near(&ray, region, sharp(i), scene.rounding.unit))
         })
         .collect();
     let state = |look: &Look| states.get(look.ray).map_or(Passage::START, Cell::get);
-    let size = sizes(rays, scene.reads_scene);
+    let size = sizes(rays, scene.rounding);
     let way = |look: &Look| size(look) + look.t;
     let light = |ray: usize| rays.get(ray).map_or(f64::INFINITY, |ray| ray.t_max);
     let apart = |look: &Look| look.t.max(TOUCHED * way(look));

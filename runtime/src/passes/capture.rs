@@ -9,7 +9,7 @@ use crate::film::LINEAR;
 use crate::gpu::{DEPTH, Gpu, PipelineKey};
 use crate::{headless, module};
 use half::f16;
-use surefoot_compiler::compiled::{Compiled, Frame};
+use surefoot_compiler::compiled::{Compiled, Frame, Rounding};
 use surefoot_compiler::mesh::Placed;
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::vector::Vec3;
@@ -57,8 +57,8 @@ pub(crate) struct Moment<'a> {
     pub place: Vec3,
     /// The scene's point at which the module's `p` is zero.
     pub origin: Vec3,
-    /// The axes along which the module loses digits far from the scene's middle.
-    pub reads_scene: [bool; 3],
+    /// What rounding of the module grows with.
+    pub rounding: Rounding,
     /// Group 0: the module's uniforms.
     pub module: &'a wgpu::BindGroup,
     /// Their bytes, the origin zero: what the field depends on.
@@ -160,7 +160,7 @@ impl Capture {
     pub fn update(&mut self, moment: &Moment) -> bool {
         let size = [self.side() as f32; 2];
         let seen = |face: usize, origin: Vec3| {
-            SceneUniforms::seen(moment.frame, moment.place, &face_basis(face), origin, size).rounded_along(moment.reads_scene)
+            SceneUniforms::seen(moment.frame, moment.place, &face_basis(face), origin, size).rounded(moment.rounding)
         };
         let drawn = Drawn {
             // The origin goes with the eye, and changes nothing.

@@ -107,7 +107,7 @@ impl ScenePipeline {
         let View { camera, size, corner, sample } = *view;
         let uniforms = SceneUniforms::new(&frame, &camera, origin, size, corner)
             .of_sample(sample)
-            .rounded_along(compiled.module.reads_scene);
+            .rounded(compiled.module.rounding);
         let module = self.module.write(queue, &compiled.uniform_bytes(live, origin));
         let scene = self.scene.write(queue, &uniforms);
         let placed = if self.meshes.is_some() { compiled.meshes(live) } else { Vec::new() };
@@ -128,7 +128,7 @@ impl ScenePipeline {
                 frame: &frame,
                 place,
                 origin,
-                reads_scene: compiled.module.reads_scene,
+                rounding: compiled.module.rounding,
                 module: self.module.group(),
                 field: compiled.uniform_bytes(live, [0.0; 3]),
                 shadows: self.shadows.as_ref().map(Shadows::group),

@@ -5,7 +5,7 @@ use super::layers::{self, MOST_TEXTURES};
 use crate::film::LINEAR;
 use bytemuck::{Pod, Zeroable};
 use std::borrow::Cow;
-use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, MAX_BOUNCES, Shadow, Tone};
+use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, MAX_BOUNCES, Rounding, Shadow, Tone};
 use surefoot_compiler::reference::area;
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::shade::{self, MAX_LIGHTS};
@@ -305,7 +305,8 @@ uniforms! {
         fog: [f32; 3],
         density: f32,
         lean: [f32; 2],
-        padding: [f32; 2],
+        unit: f32,
+        padding: f32,
         part: [f32; 3],
         spare: f32,
         lights: [SceneLight; MAX_LIGHTS],
@@ -313,11 +314,9 @@ uniforms! {
 }
 
 impl SceneUniforms {
-    /// The same for a module that loses digits far from the scene's middle along these axes only ([`Module::reads_scene`]).
-    ///
-    /// [`Module::reads_scene`]: surefoot_compiler::Module::reads_scene
-    pub fn rounded_along(self, axes: [bool; 3]) -> Self {
-        Self { rounding: axes.map(|read| f32::from(u8::from(read))), ..self }
+    /// The same for a module that rounds so.
+    pub fn rounded(self, rounding: Rounding) -> Self {
+        Self { rounding: rounding.reads_scene.map(|read| f32::from(u8::from(read))), unit: rounding.unit as f32, ..self }
     }
 
     /// The same for the picture of a film with a number ([`area::Part`]).
@@ -378,7 +377,8 @@ impl SceneUniforms {
             fog: narrow(fog.color),
             density: fog.density as f32,
             lean: basis.lean.map(|c| c as f32),
-            padding: [0.0; 2],
+            unit: 1.0,
+            padding: 0.0,
             part: [0.0, 0.0, 1.0],
             spare: 0.0,
             lights,

@@ -53,7 +53,8 @@ pub fn sphere_in(wgsl: &str, radius: f64, (min, max): (f64, f64)) -> Compiled {
         skipped: Vec::new(),
         meshes: String::new(),
         tables: None,
-        reads_scene: [true; 3],
+        rounding: surefoot_compiler::compiled::Rounding { reads_scene: [true; 3], unit: 1.0 },
+        cancels: None,
         one: false,
         ways: Default::default(),
     };

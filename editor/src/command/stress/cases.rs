@@ -68,7 +68,9 @@ pub fn cases() -> Vec<Case> {
         1,
     );
     add("eight octaves", "sphere(1).displace(0.15 * fbm(2 * p, 8))", 4);
-    for size in [1e-4, 1e-2, 1.0, 1e2, 1e4] {
+    add("a planet as ground", "sphere(1e6).translate(0, -1e6, 0) | sphere(0.7).translate(0, 0.5, 0)", 1);
+    add("a hill of a planet", "sphere(2e5).translate(0, -2e5 - 0.4, 0) | smooth_union(sphere(3e6).translate(0, -3e6 - 0.5, 0), sphere(0.7), 0.2)", 1);
+    for size in [1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4] {
         let scene = format!("(box({size}) & sphere({})) - cylinder({}, {})", 0.65 * size, 0.25 * size, 2.0 * size);
         let text = format!(
             "scene = {scene}\n{}render {{ max_distance: {}, extent: {} }}\n",

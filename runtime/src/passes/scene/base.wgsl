@@ -51,7 +51,9 @@ struct SceneUniforms {
     density: f32,
     // How far rays lean for each unit ahead, to the right and up: as a place of the lens has it.
     lean: vec2f,
-    padding: vec2f,
+    // The length that rounding grows with beside coordinates.
+    unit: f32,
+    padding: f32,
     // What this picture of a film looks at of a light's disc: a place, on a disc of radius one; and how many times as sharp, 0 for a sharp edge.
     part: vec3f,
     spare: f32,

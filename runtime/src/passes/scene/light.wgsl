@@ -72,7 +72,7 @@ fn scene_local(p: vec3f, n: vec3f, direction: vec3f, t: f32, answer: SceneAnswer
         // Of a lamp its place is known, of a sun the direction alone.
         let placed = lamp.position > 0u;
         let way = select(lamp.vector, lamp.vector - p, placed);
-        let apart = max(length(way), 1e-4);
+        let apart = max(length(way), 1e-9);
         let l = select(way, way / apart, placed);
         if dot(n, l) > 0.0 {
             let lit = scene_lit(i, p, n, l, off, select(4.0 * scene.extent, apart, placed));
@@ -90,7 +90,7 @@ fn scene_softness(light: u32, far: f32) -> f32 {
 
 // How far off a surface rays start that leave it: half a pixel, or what rounding takes.
 fn scene_off(p: vec3f, t: f32) -> f32 {
-    return max(0.5 * scene.footprint * t, 12e-6 * (length(p - scene.rounding * scene.center) + 1.0));
+    return max(0.5 * scene.footprint * t, 12e-6 * (length(p - scene.rounding * scene.center) + scene.unit));
 }
 
 // How much of a surface is lost in the air: near the ends of the scene it goes over into the sky, so that an endless plane has no rim.

@@ -51,7 +51,7 @@ fn ours(tracer: Tracer, scene: &Compiled) -> String {
 
 /// The same that is told other things of the scene.
 fn with_ways(tracer: Tracer, scene: &Compiled, ways: Ways) -> String {
-    tracer.wgsl(ways, scene.module.reads_scene).replace("fn sf_trace(", "fn traced(")
+    tracer.wgsl(ways, scene.module.rounding).replace("fn sf_trace(", "fn traced(")
 }
 
 /// A method by its name; none where there is no such method, and a reason where the scene has none.
