@@ -1,6 +1,7 @@
 //! A function of the module while it is made: expressions over its arguments, each once, calls opened where that was decided.
 
 mod batch;
+mod height;
 mod share;
 
 use super::EmitError;
@@ -14,6 +15,7 @@ use crate::graph::simplify::{self, Terms};
 use crate::graph::{Graph, Leaf, NodeId};
 use rustc_hash::FxHasher;
 pub use batch::Batch;
+pub(super) use height::LARGE;
 use share::Sharing;
 use smallvec::{SmallVec, smallvec};
 use std::hash::Hasher;
@@ -156,11 +158,6 @@ struct Opening {
     values: Vec<ExprId>,
 }
 
-/// From here on 32 bits lose what is seen of a difference of two numbers that are as large.
-pub(super) const LARGE: f64 = 1e3;
-/// Numbers whose squares differ by no more than this part cancel each other where coordinates are small.
-const NEAR: f64 = 0.5;
-
 /// Some expressions, mostly few.
 pub type Exprs = SmallVec<[ExprId; 12]>;
 
@@ -297,58 +294,6 @@ impl Body {
             }
         }
         self.add(Code::Op(op), &[a, b])
-    }
-
-    /// A number that is moved by a constant, up to its sign, and by how much.
-    fn moved(&self, id: ExprId) -> (ExprId, f64) {
-        let constant = |id: ExprId| self.as_constant(id);
-        match self.operation(id) {
-            Some((Op::Add, &[x, c])) if let Some(c) = constant(c) => (x, c),
-            Some((Op::Add, &[c, x])) if let Some(c) = constant(c) => (x, c),
-            Some((Op::Sub, &[x, c])) if let Some(c) = constant(c) => (x, -c),
-            Some((Op::Sub, &[c, x])) if let Some(c) = constant(c) => (x, -c),
-            _ => (id, 0.0),
-        }
-    }
-
-    /// `a - r` for a large r and what is about as large where coordinates are small, so that 32 bits lose the difference: as a formula in which nothing
-    /// cancels, and all that is constant is computed in 64 bits. Of a length `|x + c| - r = (|x|² + 2 x·c + |c|² - r²) / (|x + c| + r)`, above and below over
-    /// 2 r; of a size `|x + c| - r = max(x + (c - r), -(x + (c + r)))`. None of anything else.
-    fn height(&mut self, a: ExprId, r: f64) -> Option<ExprId> {
-        let is_near = |square: f64| (square - r * r).abs() < NEAR * r * r;
-        if let Some((Op::Abs, &[x])) = self.operation(a) {
-            let (x, c) = self.moved(x);
-            let [near, far] = Some([c - r, c + r]).filter(|_| is_near(c * c))?.map(|c| self.constant(c));
-            let above = self.op(Op::Add, &[x, near]);
-            let below = self.op(Op::Add, &[x, far]);
-            let below = self.op(Op::Neg, &[below]);
-            return Some(self.op(Op::Max, &[above, below]));
-        }
-        let args = self.far_lengths.iter().find(|(length, _)| *length == a)?.1.clone();
-        let moved: SmallVec<[(ExprId, f64); 4]> = args.iter().map(|arg| self.moved(*arg)).collect();
-        let square: f64 = moved.iter().map(|(_, c)| c * c).sum();
-        if !is_near(square) {
-            return None;
-        }
-        let part = self.constant(0.5 / r);
-        let mut sum = self.constant(0.0);
-        for &(x, _) in &moved {
-            let square = self.op(Op::Square, &[x]);
-            sum = self.op(Op::Add, &[sum, square]);
-        }
-        sum = self.op(Op::Mul, &[sum, part]);
-        for &(x, c) in &moved {
-            let along = self.constant(c / r);
-            let along = self.op(Op::Mul, &[along, x]);
-            sum = self.op(Op::Add, &[sum, along]);
-        }
-        let rest = moved.iter().fold(-r * r, |rest, (_, c)| rest + c * c);
-        let rest = self.constant(rest * (0.5 / r));
-        let above = self.op(Op::Add, &[sum, rest]);
-        let below = self.op(Op::Mul, &[a, part]);
-        let half = self.constant(0.5);
-        let below = self.op(Op::Add, &[below, half]);
-        Some(self.op(Op::Div, &[above, below]))
     }
 
     /// `u cos t - v sin t`, or `u sin t + v cos t`. The two of one angle share its cosine and sine.

@@ -49,7 +49,7 @@ use std::sync::Arc;
 use table::Tables;
 use tracer::Ways;
 use uniforms::Candidates;
-use write::{Context, Room};
+use write::{Context, Room, unit};
 
 /// Why there is no module. The compiler itself is at fault, or the prefix.
 #[derive(Clone, Debug, PartialEq)]
@@ -347,22 +347,6 @@ struct Roots<'a> {
     ways: Ways,
     solid: Option<Box3>,
 }
-
-/// So large a part of large numbers counts.
-const PART: f64 = 0.125;
-
-/// The length of [`Rounding`]: what is added is no larger than `sums`, and what is solid lies in a box.
-fn unit(sums: f64, solid: Option<Box3>) -> f64 {
-    if sums > body::LARGE {
-        return PART * sums;
-    }
-    let reach = solid.map_or(1.0, |solid| solid.0.map(Interval::magnitude).into_iter().fold(0.0, f64::hypot));
-    // A power of two, so that not every edit of a number is another one.
-    reach.max(sums).clamp(SMALLEST, 1.0).log2().ceil().exp2()
-}
-
-/// No length of [`Rounding`] is smaller.
-const SMALLEST: f64 = 1e-12;
 
 /// Writes the exports. The answer: operations of the field and of the bound.
 fn export_functions(

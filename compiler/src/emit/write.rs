@@ -18,6 +18,7 @@ use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::simplify::Terms;
 use rustc_hash::FxHashMap;
+pub use sums::unit;
 use std::ops::Range;
 
 /// What writing a function needs to know of the module.

@@ -250,6 +250,7 @@ impl Builder<'_> {
             self.extent_used(shape, node);
         }
         let inside = self.scaled(call, known, node, shape);
+        let inside = if region == domain.point && tube.is_none() { self.in_zones(inside, call, point, &domain.at(region), node, shape) } else { inside };
         self.behind(region, tube, reach, inside)
     }
 

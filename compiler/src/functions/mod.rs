@@ -36,6 +36,7 @@ pub mod turns;
 mod uneven;
 pub mod unions;
 mod wall;
+mod zones;
 
 pub use ahead::{Ahead, Planes, ample_extent};
 pub use ground::{Carry, carry, firm};

@@ -1,11 +1,28 @@
 //! How large the numbers are that are added: what rounding grows with beside coordinates.
 
 use super::Writer;
-use crate::emit::PART;
+use crate::analysis::Box3;
 use crate::emit::body::{Code, ExprId, LARGE, Outside};
 use crate::graph::NodeId;
+use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::simplify::Terms;
+
+/// So large a part of large numbers counts.
+const PART: f64 = 0.125;
+
+/// The length of [`crate::compiled::Rounding`]: what is added is no larger than `sums`, and what is solid lies in a box.
+pub fn unit(sums: f64, solid: Option<Box3>) -> f64 {
+    if sums > LARGE {
+        return PART * sums;
+    }
+    let reach = solid.map_or(1.0, |solid| solid.0.map(Interval::magnitude).into_iter().fold(0.0, f64::hypot));
+    // A power of two, so that not every edit of a number is another one.
+    reach.max(sums).clamp(SMALLEST, 1.0).log2().ceil().exp2()
+}
+
+/// No length of [`crate::compiled::Rounding`] is smaller.
+const SMALLEST: f64 = 1e-12;
 
 impl Writer<'_, '_> {
     /// The largest number that is added to another, as it counts in the result: what makes a formula smaller afterwards makes its rounding smaller. Numbers
