@@ -612,6 +612,10 @@ fn written(name: &str, parameters: &[Parameter], hidden: usize, by_components: b
 /// How something that joins two shapes is called, and with more of them.
 fn of_many(name: &str, parameters: &[Parameter]) -> String {
     let rest: String = parameters.iter().skip(2).map(|p| format!(", {}", p.name.text)).collect();
+    let folded = match rest.strip_prefix(", ") {
+        Some(rest) => format!(" or `for s in [a, b, c] by {name}({rest}) {{ s }}`"),
+        None => String::new(),
+    };
     let sign = match name {
         "union" => " or `a | b | c`",
         "intersection" => " or `a & b & c`",
@@ -619,7 +623,7 @@ fn of_many(name: &str, parameters: &[Parameter]) -> String {
         "mix" => return format!("write `{name}(a, b{rest})`"),
         _ => "",
     };
-    format!("write `{name}(a, b{rest})`; of more, `{name}(a, b, c{rest})`{sign}")
+    format!("write `{name}(a, b{rest})`; of more, `{name}(a, b, c{rest})`{folded}{sign}")
 }
 
 /// The number that an expression is, where it is one without a unit.
