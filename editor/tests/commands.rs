@@ -173,6 +173,16 @@ fn cases_are_told_what_they_are_owed() {
     }
 }
 
+/// A second scene is one too many, and what it reads is read all the same.
+#[test]
+fn what_a_second_scene_reads_is_not_called_unused() {
+    let folder = folder("second");
+    fs::write(folder.join("two.sdf"), "param a = 1 in 0..2\nparam b = 1 in 0..2\nparam c = 1 in 0..2\nscene = sphere(a)\nscene = box(b)\n").unwrap();
+    let (code, out, _) = run(&folder, &["check", "two.sdf"]);
+    assert_eq!(code, 1, "{out}");
+    assert!(out.contains("reads `c`") && !out.contains("reads `a`") && !out.contains("reads `b`"), "{out}");
+}
+
 /// Each kind of file is written by one command; another says which.
 #[test]
 fn files_that_a_command_does_not_write_are_refused() {

@@ -254,15 +254,15 @@ fn elaborate_reading(
     }
     let blocks = e.blocks(main);
     let mut root = None;
-    let mut scenes = 0;
+    let mut scenes = Vec::new();
     for (_, item) in modules.items(main) {
         if let ItemKind::Scene(expr) = &item.kind {
-            scenes += 1;
             let value = e.expression(expr, &Env::top(main));
             root = value.and_then(|v| e.to_shape(&v, 3, expr.span)).ok();
+            scenes.push(root);
         }
     }
-    if scenes == 0 && !modules.broken {
+    if scenes.is_empty() && !modules.broken {
         let span = modules.head(main);
         e.report(Diagnostic::new(
             Code::NoScene,
@@ -274,7 +274,7 @@ fn elaborate_reading(
     let read = root.map_or_else(FxHashMap::default, |root| e.read_in_gaps(root));
     let unused = e.uncalled(main);
     e.try_uncalled(main);
-    e.unused_parameters(&blocks, root);
+    e.unused_parameters(&blocks, &scenes);
     let elaboration = Elaboration {
         graph: e.graph,
         facts: e.facts,
@@ -532,10 +532,12 @@ impl Elaborator<'_> {
     }
 
     /// Warns of parameters that nothing reads.
-    fn unused_parameters(&mut self, blocks: &SceneBlocks, root: Option<ShapeId>) {
-        let Some(root) = root else { return };
+    fn unused_parameters(&mut self, blocks: &SceneBlocks, scenes: &[Option<ShapeId>]) {
+        let Some((root, others)) = scenes.iter().copied().collect::<Option<Vec<_>>>().and_then(|all| all.split_first().map(|(r, o)| (*r, o.to_vec()))) else {
+            return;
+        };
         let mut read = self.graph.parameters_read(root, &blocks.nodes());
-        read.extend(self.alternatives.iter().flat_map(|shape| self.graph.parameters_read(*shape, &[])));
+        read.extend(self.alternatives.iter().chain(&others).flat_map(|shape| self.graph.parameters_read(*shape, &[])));
         let modules = self.modules;
         let main_file = modules.file(modules.main);
         // A choice among names is no number that a formula could read; but some text says its name.
