@@ -95,13 +95,12 @@ impl Builder<'_> {
     /// The slope that such a share of places of a domain do not exceed, by differences.
     pub(super) fn slope_by_differences(&mut self, node: NodeId, at: &Domain, share: f64) -> Option<f64> {
         let lives = self.lives(node);
-        let most = self.facts.numbers();
         let mut slopes = Vec::new();
         for life in 0..lives {
             let tape = self.tape_of(at, &[node], life)?;
             let by = Slopes::of(&tape, at);
             let mut random = Random(life as u64);
-            let turns = by.turns(most)? / lives;
+            let turns = by.turns()? / lives;
             self.facts.spend_on_numbers((turns * by.cost()) as u64);
             for turn in 0..turns {
                 slopes.extend(by.at(&places(at, turn, &mut random)).into_iter().filter(|slope| slope.is_finite()));
@@ -115,14 +114,13 @@ impl Builder<'_> {
     fn steepest(&mut self, node: NodeId, at: &Domain) -> Option<f64> {
         let size = size_of(at);
         let lives = self.lives(node);
-        let most = self.facts.numbers();
         let mut steepest: f64 = 0.0;
         for life in 0..lives {
             let tape = self.tape_of(at, &[node], life)?;
             let slopes = Slopes::of(&tape, at);
             let mut random = Random(life as u64);
             let mut best = (0.0, [0.0; 3]);
-            let turns = slopes.turns(most)? / lives;
+            let turns = slopes.turns()? / lives;
             self.facts.spend_on_numbers((turns * slopes.cost()) as u64);
             for turn in 0..turns {
                 let [here, there] = [0, 1].map(|_| places(at, turn, &mut random));
@@ -171,9 +169,9 @@ impl<'a> Slopes<'a> {
         (weight(self.tape) * LANES * (HALVINGS + 2 * 4 + 1)).max(1)
     }
 
-    /// How often it is looked at in each lane, for so many additions at most. None where that takes too long.
-    fn turns(&self, most: u64) -> Option<usize> {
-        let turns = MOST.min(most as usize) / self.cost();
+    /// How often it is looked at in each lane. None where that takes too long.
+    fn turns(&self) -> Option<usize> {
+        let turns = MOST / self.cost();
         (turns >= FEWEST).then_some(turns.min(TURNS))
     }
 

@@ -120,8 +120,8 @@ impl Builder<'_> {
                 // So many times as wide as a sector is, that is as much of the angle.
                 let Some(over) = along.over else { continue };
                 let stands = self.graph.op(Op::Mul, &[over, stands]);
-                let back = self.graph.op(Op::Neg, &[count]);
-                for (count, sign) in [(count, 1.0), (back, -1.0)] {
+                let [count_back, over_back] = [count, over].map(|node| self.graph.op(Op::Neg, &[node]));
+                for (over, count, sign) in [(over, count, 1.0), (over, count_back, -1.0), (over_back, count, -1.0)] {
                     let there = self.canonical(&mut wall, stands, sign, sign * along.times * more);
                     for wide in [[over, count], [count, over]].map(|args| self.graph.op(Op::Mul, &args)) {
                         new.insert(wide, there);
