@@ -160,7 +160,7 @@ impl Painter {
 /// What is wrong with the meshes of a scene, at its places in the text. Nothing is known where the program is built without graphics.
 pub fn broken_meshes(compiled: &Compiled) -> Vec<Diagnostic> {
     #[cfg(feature = "gpu")]
-    return surefoot_runtime::mesh::Assets::new().load(&files::FileLoader, compiled, &|_, _, _| {});
+    return surefoot_runtime::mesh::Assets::checking().load(&files::FileLoader, compiled, &|_, _, _| {});
     #[cfg(not(feature = "gpu"))]
     {
         let _ = compiled;

@@ -39,12 +39,19 @@ pub struct Gallery {
     environment: Option<(u64, Arc<Cube>)>,
     /// By the file and what is made of it: the hash of its bytes when it was good, and what was made of them.
     textures: HashMap<(String, TextureKind), (u64, Arc<Texture>)>,
+    /// Whether it is only asked what is wrong.
+    checks: bool,
 }
 
 impl Gallery {
     /// Nothing is kept yet.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// For who only asks what is wrong: skies are read and left dark, as what is made of them takes long.
+    pub fn checking() -> Self {
+        Self { checks: true, ..Self::default() }
     }
 
     /// The images of a scene. A large sky takes seconds the first time: not on a window's thread.
@@ -137,14 +144,20 @@ impl Gallery {
                     let (width, height) = (face.width, face.height);
                     return Err(vec![bad(format!("`{path}` is {width} by {height}, and all faces are squares of the first one's {side}"))]);
                 }
-                Cube::from_faces(&faces)
+                if self.checks { dark() } else { Cube::from_faces(&faces) }
             }
+            Err(_) if self.checks => dark(),
             Err(one) => Cube::from_equirect(&one[0]),
         };
         let cube = Arc::new(cube);
         self.environment = Some((hash, cube.clone()));
         Ok(cube)
     }
+}
+
+/// A sky without light.
+fn dark() -> Cube {
+    Cube::of_directions(8, |_| [0.0; 3])
 }
 
 /// The files of a cubemap's faces with their names, or what is missing.

@@ -64,6 +64,11 @@ impl Assets {
         Self::default()
     }
 
+    /// For who only asks what is wrong, as [`Gallery::checking`].
+    pub fn checking() -> Self {
+        Self { gallery: Gallery::checking(), ..Self::default() }
+    }
+
     /// Reads the meshes of a scene whose files are not as they were, and forgets those that it has no more. Answers with what is wrong,
     /// at the places where the text names the files. Where a file was good before and is not now, the mesh of before stays. `begun` is
     /// told of each file before it is read: its name, which one it is, and of how many.
