@@ -356,3 +356,16 @@ fn sectors_that_are_even_have_no_seams() {
         assert!(factor <= 2.1, "{name}: {factor}");
     }
 }
+
+/// The two sides of a choice that meet: it is proven, and nothing is said.
+#[test]
+fn choices_whose_sides_meet_are_continuous() {
+    let cases = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/corpus/cases");
+    for (name, most) in [("continuous_if", 1.15), ("continuous_bowl", 1.06), ("continuous_ramp", 1.15), ("continuous_tangent", 5.0)] {
+        let text = std::fs::read_to_string(cases.join(format!("{name}.sdf"))).unwrap();
+        let outcome = surefoot_compiler::compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
+        assert!(outcome.diagnostics.is_empty(), "{name}: {:?}", outcome.diagnostics);
+        let factor = outcome.compiled.unwrap().summary.factor;
+        assert!(factor <= most, "{name}: {factor}");
+    }
+}

@@ -4,6 +4,7 @@
 
 use surefoot_compiler::compiled::{Camera, Compiled, MemoryLoader};
 use surefoot_compiler::evaluate::lanes;
+use surefoot_compiler::reference::area::{on_disc, toward};
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
 use surefoot_compiler::reference::shade::Seen;
@@ -243,23 +244,32 @@ fn shadows_and_occlusion_are_those_of_simple_bodies() {
 }
 
 #[test]
-fn what_a_lamp_hangs_from_does_not_dim_it() {
+fn what_a_lamp_hangs_from_hides_what_rays_to_its_disc_say() {
     let lamp = [0.0, 0.8, 0.0];
-    let toward = |floor: f64, x: f64| {
+    let softness = 8.0;
+    let toward_lamp = |floor: f64, x: f64| {
         let way = [lamp[0] - x, lamp[1] - floor, lamp[2]];
         let far = (way[0] * way[0] + way[1] * way[1]).sqrt();
         Ray { origin: [x, floor, 0.0], direction: way.map(|c| c / far), t_min: 1e-3, t_max: far }
     };
     for floor in ["plane(y, -1)", "box(20, 1, 20).translate(0, -1.5, 0)"] {
-        let compiled = scene(&format!("scene = {floor} | box(2, 0.1, 2).translate(0, 1, 0)"));
-        let rays: Vec<Ray> = (0..60).map(|i| toward(-1.0 + 1e-3, 0.05 * f64::from(i))).collect();
-        let lit = reference(&compiled).shadow(&rays, 8.0, 100.0);
-        // At a softness of 8 light is whole where it comes from higher than an eighth.
-        assert!(lit.iter().all(|lit| *lit > 0.99), "{lit:?}");
-        // A ball in the midst of the way still has a penumbra.
-        let compiled = scene(&format!("scene = {floor} | sphere(0.2).translate(0, -0.1, 0)"));
-        let lit = reference(&compiled).shadow(&rays, 8.0, 100.0);
-        assert!(lit[0] == 0.0 && lit.iter().any(|lit| (0.2..0.8).contains(lit)) && lit[59] > 0.99, "{lit:?}");
+        let rays: Vec<Ray> = (0..60).map(|i| toward_lamp(-1.0 + 1e-3, 0.05 * f64::from(i))).collect();
+        // The board over it, and a ball in the midst of the way.
+        for body in ["box(2, 0.1, 2).translate(0, 1, 0)", "sphere(0.2).translate(0, -0.1, 0)"] {
+            let compiled = scene(&format!("scene = {floor} | {body}"));
+            let reference = reference(&compiled);
+            let lit = reference.shadow(&rays, softness, 100.0);
+            let mut truth = vec![0.0; rays.len()];
+            for sample in 1..=256 {
+                let place = on_disc(sample);
+                let longer = (1.0 + (place[0].powi(2) + place[1].powi(2)) / softness.powi(2)).sqrt();
+                let aimed = |ray: &Ray| Ray { direction: toward(ray.direction, 1.0 / softness, place), t_max: ray.t_max * longer, ..*ray };
+                let seen = reference.shadow(&rays.iter().map(aimed).collect::<Vec<_>>(), 0.0, 100.0);
+                truth.iter_mut().zip(seen).for_each(|(truth, seen)| *truth += seen / 256.0);
+            }
+            let apart = lit.iter().zip(&truth).map(|(a, b)| (a - b).abs());
+            assert!(apart.clone().sum::<f64>() < 0.06 * 60.0 && apart.fold(0.0, f64::max) < 0.15, "{floor}, {body}: {lit:?} {truth:?}");
+        }
     }
 }
 

@@ -163,10 +163,13 @@ fn passage_of_one() -> String {
     let share = sharpness * (free + {BEHIND:?} * behind) / max(t, tolerance);
     nearest = select(nearest, t, share < lit);
     lit = select(min(lit, share), 0.0, free <= select(tolerance, 0.0, spent));
-    // On by the slope over the last step, but not beyond the end without a look at it; or back. A light is looked at if something can be near it.
+    // On by the slope over the last step, but not beyond the end without a look at it; or back. A light near which something can be is
+    // looked at, and half of its radius and the whole before it.
     let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
-    let lamp = t < t_max && sharpness * (t + free - t_max) < lit * t_max;
-    let next = max(select(t + free, min(t + free, t_max), lamp), min(t + on, span.y));
+    let left = (t_max - t) * sharpness / t_max;
+    let stop = t_max * (1.0 - 0.5 * clamp(ceil(2.0 * left - 0.01) - 1.0, 0.0, 2.0) / sharpness);
+    let lamp = t < t_max && free * sharpness / t_max - left < lit;
+    let next = max(select(t + free, min(t + free, stop), lamp), min(t + on, select(span.y, min(span.y, stop), lamp)));
     let back = stride > radius && free < 0.75 * stride;
     seen = t;
     t = select(select(next, t + radius - stride, back), t + max(free, 2e-3 * (size + t)), spent);
@@ -201,10 +204,13 @@ fn passage() -> String {
       // What the slope over the last step says to be behind the light hides less of it.
       behind = max(free * (radius - free) / stride - (t_max - t), 0.0);
       near = free <= tolerance || sharpness * free < lit * max(t, tolerance) || step >= 256u;
-      // On by the slope over the last step, but not beyond the end without a look at it; or back. A light is looked at if something can be near it.
+      // On by the slope over the last step, but not beyond the end without a look at it; or back. A light near which something can be is
+    // looked at, and half of its radius and the whole before it.
       let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
-      let lamp = t < t_max && sharpness * (t + free - t_max) < lit * t_max;
-      let next = max(select(t + free, min(t + free, t_max), lamp), min(t + on, span.y));
+      let left = (t_max - t) * sharpness / t_max;
+      let stop = t_max * (1.0 - 0.5 * clamp(ceil(2.0 * left - 0.01) - 1.0, 0.0, 2.0) / sharpness);
+      let lamp = t < t_max && free * sharpness / t_max - left < lit;
+      let next = max(select(t + free, min(t + free, stop), lamp), min(t + on, select(span.y, min(span.y, stop), lamp)));
       let back = stride > radius && free < 0.75 * stride;
       seen = t;
       t = select(next, t + radius - stride, back);

@@ -17,7 +17,13 @@ impl Graph {
         self.reachable_among(roots, |_| true)
     }
 
-    /// The same without the arguments that are not `wanted`, and what only they need.
+    /// The same where it is a few nodes, in time that does not depend on how large the graph is.
+    pub fn reachable_few(&self, roots: &[NodeId]) -> Option<Vec<NodeId>> {
+        let mut found = Vec::new();
+        self.few(roots, |id| self.arguments(id), |_| true, &mut found).then_some(found)
+    }
+
+    /// Every node without the arguments that are not `wanted`, and what only they need.
     pub fn reachable_among(&self, roots: &[NodeId], wanted: impl Fn(NodeId) -> bool) -> Vec<NodeId> {
         self.needed(roots, |id| self.arguments(id), wanted)
     }

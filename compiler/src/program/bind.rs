@@ -6,10 +6,9 @@ use super::load::{ItemRef, Modules, in_prelude, is_of_prelude, prelude_items};
 use super::value::{points, type_words, Value};
 use super::blocks::short;
 use super::{Elaborated, Elaborator, Env, Stop};
-use crate::compiled::Live;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::Code;
 use crate::graph::kernel::Op;
-use crate::graph::{Leaf, Node, NodeId, ShapeId};
+use crate::graph::{NodeId, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast::{self, Argument, Expr, ExprKind, FunctionKind, ItemKind, Parameter, Type, UnaryOp};
 use crate::syntax::words::nearest;
@@ -19,14 +18,14 @@ use std::sync::LazyLock;
 /// A condition on an argument, from a `Requires:` line of its documentation.
 #[derive(Clone, Debug)]
 pub struct Requirement {
-    parameter: String,
+    pub(super) parameter: String,
     relation: String,
     bound: f64,
 }
 
 impl Requirement {
     /// Whether a number meets it.
-    fn holds(&self, c: f64) -> bool {
+    pub(super) fn holds(&self, c: f64) -> bool {
         match self.relation.as_str() {
             ">=" => c >= self.bound,
             ">" => c > self.bound,
@@ -38,7 +37,7 @@ impl Requirement {
     }
 
     /// `at least 0`.
-    fn words(&self) -> String {
+    pub(super) fn words(&self) -> String {
         let relation = match self.relation.as_str() {
             ">=" => "at least",
             ">" => "greater than",
@@ -464,53 +463,6 @@ impl Elaborator<'_> {
             }
         }
         Ok(kept)
-    }
-
-    /// Warns where a slider at an end of its range, and all others at their defaults, makes a number that is ruled out.
-    fn warn_of_reach(&mut self, name: &str, requirement: &Requirement, nodes: &[NodeId], at: Span) {
-        let start = Live::start(&self.graph);
-        for id in self.graph.reachable(nodes) {
-            let Node::Leaf(Leaf::Parameter(component)) = *self.graph.node(id) else { continue };
-            let Some(known) = self.graph.parameters.get(component as usize) else { continue };
-            let ends = [known.min, known.max];
-            let Some((parameter, span)) = self.written_range(component) else { continue };
-            if nodes.iter().any(|n| !self.reads_parameters_alone(*n)) || self.is_known(Code::RangeReach, span) {
-                continue;
-            }
-            for end in ends {
-                let mut live = start.clone();
-                live.components.iter_mut().skip(component as usize).take(1).for_each(|c| *c = end);
-                let Some(bad) = live.values(&self.graph, nodes).into_iter().find(|c| !requirement.holds(*c)) else { continue };
-                let (of, words) = (&requirement.parameter, requirement.words());
-                let warning = Diagnostic::new(
-                    Code::RangeReach,
-                    span,
-                    format!("the range of `{parameter}` reaches {}, where the `{of}` of `{name}` is {}", short(end), short(bad)),
-                    format!("let the range end where the `{of}` is {words}; beyond that it is kept there"),
-                );
-                self.report(warning.label(at, format!("the `{of}` of `{name}`")));
-                break;
-            }
-        }
-    }
-
-    /// The name of the parameter that has a component, and where its range is written, if it is.
-    fn written_range(&self, component: u32) -> Option<(String, Span)> {
-        let parameter = self.parameters.iter().find(|p| p.components().contains(&component))?;
-        let modules = self.modules;
-        modules.with_parameters().into_iter().flat_map(|module| modules.items(module)).find_map(|(_, item)| match &item.kind {
-            ItemKind::Param { name, domain: Some(range), .. } if name.span == parameter.span => Some((parameter.name.clone(), range.span)),
-            _ => None,
-        })
-    }
-
-    /// Whether a number depends on parameters and time and nothing else.
-    fn reads_parameters_alone(&self, node: NodeId) -> bool {
-        self.graph.reachable(&[node]).into_iter().all(|id| match self.graph.node(id) {
-            Node::Leaf(leaf) => matches!(leaf, Leaf::Parameter(_) | Leaf::Time),
-            Node::Call(..) => false,
-            _ => true,
-        })
     }
 
     /// Whether a shape is what a person declared as a formula: such a one may stand where a number is wanted that varies.

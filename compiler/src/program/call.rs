@@ -1,6 +1,7 @@
 //! Calls: what is called, by a name, through an import or after a dot.
 
-use super::bind::{is_of_two, written_out};
+use super::bind::written_out;
+use super::many::joins_two;
 use super::builtin::is_function;
 use super::elsewhere::{color, instead, ours};
 use super::load::{is_of_prelude, ItemRef, Resolution};
@@ -203,48 +204,6 @@ impl Elaborator<'_> {
         match self.modules.resolve(env.module, name) {
             Resolution::Items(items) => items.iter().any(is_function),
             _ => super::builtin::is_function(name),
-        }
-    }
-
-    /// What to write instead of a call that other tools know, with its arguments filled in.
-    fn filled_in(&self, name: &str, known: &[(Value, Span)], args: &[Argument], env: &Env) -> Option<String> {
-        let text = |span: Span| self.sources.text(span);
-        let first = known.first().map(|(_, at)| *at).or(args.first().map(|a| a.value.span));
-        match name.to_ascii_lowercase().as_str() {
-            "cube" => {
-                // A list stands for a vector; `center` and what else is named is left out.
-                let sizes = args.iter().filter(|a| a.name.as_ref().is_none_or(|n| &*n.text == "size")).map(|a| match &a.value.kind {
-                    ExprKind::List(_) => format!("({})", text(a.value.span).trim_matches(['[', ']'])),
-                    _ => text(a.value.span).to_owned(),
-                });
-                let given: Vec<String> = known.iter().map(|(_, at)| text(*at).to_owned()).chain(sizes).filter(|size| size != "true" && size != "false").collect();
-                let given = if given.is_empty() { "1".to_owned() } else { given.join(", ") };
-                Some(match env.point {
-                    Some(_) => format!("the third power is `cubed({given})`; a shape is `box({given})`"),
-                    None => format!("write `box({given})`"),
-                })
-            }
-            "fillet" | "chamfer" | "bevel" => {
-                let rounds = name.eq_ignore_ascii_case("fillet");
-                let by = args.last().filter(|_| known.len() + args.len() > 1).map_or("0.1", |a| text(a.value.span));
-                let (boxes, drawings, amount) = if rounds { ("rounded_box", "rounded_rectangle", "radius") } else { ("chamfered_box", "", "chamfer") };
-                let shape = first.map_or("", text);
-                let of = |theirs: &str, ours: &str| {
-                    let sizes = inside_parentheses(shape.strip_prefix(theirs)?)?;
-                    let amount = if sizes.contains(':') { format!("{amount}: ") } else { String::new() };
-                    Some(format!("write `{ours}({sizes}, {amount}{by})`, which is as large as `{theirs}({sizes})`"))
-                };
-                let instead = of("box", boxes).or_else(|| of("rectangle", drawings).filter(|_| rounds));
-                let kind = if rounds { "round" } else { "chamfer" };
-                Some(instead.unwrap_or_else(|| {
-                    let whole = match rounds {
-                        true => format!("a cylinder is `rounded_rectangle((2 * radius, height), {by}).revolve()`"),
-                        false => format!("of a drawing it is `.extrude(height, {by})`"),
-                    };
-                    format!("a box is `{boxes}(size, {by})`, {whole}; where two shapes meet write `{kind}_union(a, b, {by})` or `{kind}_intersection(a, b, {by})`")
-                }))
-            }
-            _ => None,
         }
     }
 
@@ -513,59 +472,7 @@ impl Elaborator<'_> {
         }
     }
 
-    /// A blend of two that is given more of them, or a list: they are joined in their order, as `for s in [a, b, c] by name(k) { s }` joins them.
-    fn join_all(
-        &mut self,
-        item: ItemRef,
-        function: &ast::Function,
-        mut given: Vec<(Value, Span)>,
-        mut args: &[Argument],
-        span: Span,
-        env: &Env,
-    ) -> Elaborated<Value> {
-        let is_named = |name: &Name| args.iter().filter_map(|a| a.name.as_ref()).any(|n| n.text == name.text);
-        let others: Vec<bool> = function.parameters.iter().skip(2).filter(|p| !is_named(&p.name)).map(|p| p.default.is_none()).collect();
-        let positional = given.len() + args.iter().filter(|a| a.name.is_none()).count();
-        // Numbers do not say which of them are distances: what is one too many is.
-        let numbers = positional.saturating_sub(others.len());
-        let shapes = positional.saturating_sub(others.iter().filter(|needed| **needed).count());
-        let mut operands = Vec::new();
-        let mut rest = Vec::new();
-        for at in 0..shapes {
-            if at == given.len() {
-                match args.split_first() {
-                    Some((arg, after)) if arg.name.is_none() => {
-                        given.push((self.expression(&arg.value, env)?, arg.value.span));
-                        args = after;
-                    }
-                    _ => break,
-                }
-            }
-            match given.get(at) {
-                Some((Value::List(items), at)) => operands.extend(items.iter().map(|item| (item.clone(), *at))),
-                Some(one @ (Value::Shape(_) | Value::Nothing, _)) => operands.push(one.clone()),
-                Some(one) if at < numbers.max(2) && (at < 2 || env.point.is_some()) => operands.push(one.clone()),
-                other => {
-                    rest.extend(other.cloned());
-                    break;
-                }
-            }
-        }
-        let is_list = given.iter().any(|(value, _)| matches!(value, Value::List(_)));
-        if operands.len() < 3 && !is_list {
-            return self.call_function(item, function, given, args, span, env);
-        }
-        let mut operands = operands.into_iter();
-        let Some(mut total) = operands.next() else { return Ok(Value::Nothing) };
-        for next in operands {
-            self.step(span)?;
-            let known: Vec<_> = [total, next].into_iter().chain(rest.iter().cloned()).collect();
-            total = (self.call_function(item, function, known, args, span, env)?, span);
-        }
-        Ok(total.0)
-    }
-
-    fn call_function(
+    pub(super) fn call_function(
         &mut self,
         item: ItemRef,
         function: &ast::Function,
@@ -677,23 +584,4 @@ impl Elaborator<'_> {
 
 fn declared_name(item: &ast::Item) -> String {
     super::load::item_name(item).map(|n| n.text.to_string()).unwrap_or_default()
-}
-
-/// What stands in the parentheses with which a text begins.
-fn inside_parentheses(text: &str) -> Option<&str> {
-    let mut depth = 0;
-    let end = text.find(|c| {
-        depth += match c {
-            '(' => 1,
-            ')' => -1,
-            _ => 0,
-        };
-        depth <= 0
-    })?;
-    text.get(..end)?.strip_prefix('(')
-}
-
-/// Whether it is a blend of two that is one of many too. A mix is between two.
-fn joins_two(function: &ast::Function) -> bool {
-    function.kind == FunctionKind::Blend && is_of_two(&function.parameters) && &*function.name.text != "mix"
 }

@@ -1,6 +1,9 @@
 //! What is called otherwise in other tools: whoever writes such a name is told ours.
 
-use crate::syntax::ast::BlockKind;
+use super::value::Value;
+use super::{Elaborator, Env};
+use crate::source::Span;
+use crate::syntax::ast::{Argument, BlockKind, ExprKind};
 use crate::syntax::words::{self, nearest};
 
 /// A name of another tool, and ours. Those that begin like Quilez' (`sd`, `op`) stand without that beginning, in small letters.
@@ -199,6 +202,64 @@ pub fn instead(word: &str) -> Option<&'static str> {
 /// Whether a name is one of Quilez' distances, which take the point first.
 pub fn is_of_point(name: &str) -> bool {
     name.strip_prefix("sd").is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_uppercase()))
+}
+
+impl Elaborator<'_> {
+    /// What to write instead of a call that other tools know, with its arguments filled in.
+    pub(super) fn filled_in(&self, name: &str, known: &[(Value, Span)], args: &[Argument], env: &Env) -> Option<String> {
+        let text = |span: Span| self.sources.text(span);
+        let first = known.first().map(|(_, at)| *at).or(args.first().map(|a| a.value.span));
+        match name.to_ascii_lowercase().as_str() {
+            "cube" => {
+                // A list stands for a vector; `center` and what else is named is left out.
+                let sizes = args.iter().filter(|a| a.name.as_ref().is_none_or(|n| &*n.text == "size")).map(|a| match &a.value.kind {
+                    ExprKind::List(_) => format!("({})", text(a.value.span).trim_matches(['[', ']'])),
+                    _ => text(a.value.span).to_owned(),
+                });
+                let given: Vec<String> = known.iter().map(|(_, at)| text(*at).to_owned()).chain(sizes).filter(|size| size != "true" && size != "false").collect();
+                let given = if given.is_empty() { "1".to_owned() } else { given.join(", ") };
+                Some(match env.point {
+                    Some(_) => format!("the third power is `cubed({given})`; a shape is `box({given})`"),
+                    None => format!("write `box({given})`"),
+                })
+            }
+            "fillet" | "chamfer" | "bevel" => {
+                let rounds = name.eq_ignore_ascii_case("fillet");
+                let by = args.last().filter(|_| known.len() + args.len() > 1).map_or("0.1", |a| text(a.value.span));
+                let (boxes, drawings, amount) = if rounds { ("rounded_box", "rounded_rectangle", "radius") } else { ("chamfered_box", "", "chamfer") };
+                let shape = first.map_or("", text);
+                let of = |theirs: &str, ours: &str| {
+                    let sizes = inside_parentheses(shape.strip_prefix(theirs)?)?;
+                    let amount = if sizes.contains(':') { format!("{amount}: ") } else { String::new() };
+                    Some(format!("write `{ours}({sizes}, {amount}{by})`, which is as large as `{theirs}({sizes})`"))
+                };
+                let instead = of("box", boxes).or_else(|| of("rectangle", drawings).filter(|_| rounds));
+                let kind = if rounds { "round" } else { "chamfer" };
+                Some(instead.unwrap_or_else(|| {
+                    let whole = match rounds {
+                        true => format!("a cylinder is `rounded_rectangle((2 * radius, height), {by}).revolve()`"),
+                        false => format!("of a drawing it is `.extrude(height, {by})`"),
+                    };
+                    format!("a box is `{boxes}(size, {by})`, {whole}; where two shapes meet write `{kind}_union(a, b, {by})` or `{kind}_intersection(a, b, {by})`")
+                }))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// What stands in the parentheses with which a text begins.
+fn inside_parentheses(text: &str) -> Option<&str> {
+    let mut depth = 0;
+    let end = text.find(|c| {
+        depth += match c {
+            '(' => 1,
+            ')' => -1,
+            _ => 0,
+        };
+        depth <= 0
+    })?;
+    text.get(..end)?.strip_prefix('(')
 }
 
 #[cfg(test)]

@@ -229,8 +229,11 @@ impl Passage {
             return (next <= end && self.steps < MOST_STEPS + MOST_GUESSES).then_some(next);
         }
         let on = free * stride / (stride + radius - free).min(stride).max(SHORTEST_REST * stride);
-        let lamp = t < light && sharpness * (t + free - light) < self.lit * light;
-        let mut next = if lamp { (t + free).min(light) } else { t + free }.max((t + on).min(end));
+        let left = (light - t) * sharpness / light;
+        let stop = light * (1.0 - 0.5 * ((2.0 * left - 0.01).ceil() - 1.0).clamp(0.0, 2.0) / sharpness);
+        let is_near = t < light && free * sharpness / light - left < self.lit;
+        let stop = if is_near { stop } else { f64::INFINITY };
+        let mut next = (t + free).min(stop).max((t + on).min(end).min(stop));
         if back {
             next = t + radius - stride;
             self.stride = radius;

@@ -79,7 +79,7 @@ const SHAPE: &[&str] = &[
     "sphere(<size>)",
     "sphere(<size>)",
     "box(<sizes>)",
-    "box(<sizes>)",
+    "chamfered_box(<sizes>, <small>)",
     "ellipsoid(<sizes>)",
     "plane(<axis>, <number>)",
     "rounded_box(<sizes>, <small>)",

@@ -9,6 +9,13 @@ use super::Parser;
 /// What a light is called that is declared without its word.
 const LIGHTS: [&str; 8] = ["sun", "moon", "lamp", "bulb", "spot", "spotlight", "point_light", "directional_light"];
 
+/// What OpenSCAD writes before a shape.
+const MOVES: [&str; 9] = ["translate", "rotate", "scale", "mirror", "resize", "color", "linear_extrude", "rotate_extrude", "offset"];
+
+/// What it writes before a block of them, and ours.
+const JOINS: [(&str, &str); 5] =
+    [("union", "(a | b)"), ("difference", "(a - b)"), ("intersection", "(a & b)"), ("hull", "smooth_union(a, b, 0.5)"), ("minkowski", "a.round(0.1)")];
+
 impl Parser<'_> {
     /// What stands at the top of the file and is no declaration: says what was probably meant, and reads it as that.
     pub(super) fn not_a_declaration(&mut self, loose: &mut Option<Item>) -> Option<ItemKind> {
@@ -321,8 +328,91 @@ impl Parser<'_> {
         self.last_report = Some(self.at);
         true
     }
+
+    /// Whether what is called stands before the shape that it moves or joins, as OpenSCAD has it: `translate([1, 2, 3]) sphere(1)`.
+    pub(super) fn is_before_its_shape(&self, name: &str) -> bool {
+        let is_call = self.is(TokenKind::Name) && self.peek_next().kind == TokenKind::ParenOpen;
+        !self.is_on_new_line() && (is_call && MOVES.contains(&name) || self.is(TokenKind::BraceOpen) && (MOVES.contains(&name) || JOINS.iter().any(|j| j.0 == name)))
+    }
+
+    /// Says how it is written here, and reads it as nothing.
+    pub(super) fn before_its_shape(&mut self, start: u32) -> Expr {
+        let mut calls = vec![self.call_since(start)];
+        let span = self.span_from(start);
+        let mut joined = self.is(TokenKind::BraceOpen);
+        while !joined && self.is(TokenKind::Name) && self.peek_next().kind == TokenKind::ParenOpen && !self.is_on_new_line() {
+            let from = self.bump().start;
+            self.arguments();
+            calls.push(self.call_since(from));
+            joined = self.is(TokenKind::BraceOpen) && !self.is_on_new_line();
+        }
+        // A block holds what is joined.
+        let mut depth = 0;
+        while joined && !self.is(TokenKind::End) {
+            match self.bump().kind {
+                TokenKind::BraceOpen => depth += 1,
+                TokenKind::BraceClose => depth -= 1,
+                _ => {}
+            }
+            joined = depth > 0;
+        }
+        let last = calls.pop().unwrap_or_default();
+        let shape = match JOINS.iter().find(|(name, _)| *name == last.0) {
+            Some((_, shape)) => (*shape).to_owned(),
+            None if MOVES.contains(&last.0.as_str()) => format!("shape.{}", moved(&last)),
+            None => {
+                let ours = match last.0.as_str() {
+                    "cube" => "box",
+                    "square" => "rectangle",
+                    same => same,
+                };
+                format!("{ours}({})", last.1.replace('[', "(").replace(']', ")"))
+            }
+        };
+        let written: String = calls.iter().rev().map(|call| format!(".{}", moved(call))).collect();
+        let help = match last.0 == "hull" && calls.is_empty() {
+            true => "there is no convex hull; write a `capsule`, a `rounded_cone` or `smooth_union(a, b, 0.5)`".to_owned(),
+            false => {
+                let is_alone = self.text.get(..start as usize).is_none_or(|before| before.is_empty() || before.ends_with('\n'));
+                format!("write `{}{shape}{written}`", if is_alone { "scene = " } else { "" })
+            }
+        };
+        // What is wrong within it is written anew.
+        self.diagnostics.retain(|d| d.span.start < start);
+        self.report(Code::Unexpected, span, "what is moved or joined stands first, and what is done to it behind a dot", help);
+        Expr { kind: ExprKind::Hole, span: self.span_from(start) }
+    }
+
+    /// The name and what is given in a call that has just been read.
+    fn call_since(&self, start: u32) -> (String, String) {
+        let text = self.text.get(start as usize..self.end() as usize).unwrap_or("");
+        let (name, given) = text.split_once('(').unwrap_or((text, ""));
+        (name.trim().to_owned(), given.strip_suffix(')').unwrap_or(given).trim().to_owned())
+    }
 }
 
 fn declaration_help() -> String {
     format!("a declaration starts with {}", words::DECLARATIONS.join(", "))
+}
+
+/// A call of OpenSCAD's as one of ours, which stands behind a dot.
+fn moved((name, given): &(String, String)) -> String {
+    let numbers = given.trim_matches(['[', ']']);
+    match name.as_str() {
+        "rotate" => match numbers.split(',').map(str::trim).collect::<Vec<_>>()[..] {
+            [angle, "0", "0"] => format!("rotate(x, {angle}deg)"),
+            ["0", angle, "0"] => format!("rotate(y, {angle}deg)"),
+            ["0", "0", angle] | [angle] => format!("rotate(z, {angle}deg)"),
+            _ => "rotate(y, 45deg)".to_owned(),
+        },
+        "scale" if given.starts_with('[') => format!("stretch({numbers})"),
+        "resize" => "stretch(1, 2, 1)".to_owned(),
+        "color" => "material(swatch(#ff0000))".to_owned(),
+        "linear_extrude" => {
+            let height = given.split(',').next().and_then(|first| first.rsplit('=').next()).map(str::trim).filter(|height| !height.is_empty());
+            format!("extrude({})", height.unwrap_or("1"))
+        }
+        "rotate_extrude" => "revolve()".to_owned(),
+        _ => format!("{name}({numbers})"),
+    }
 }
