@@ -83,7 +83,7 @@ pub fn run(scenes: &[String], page: Option<&Path>) -> Result<Exit, Failure> {
                 row.certified.0,
                 row.certified.1
             );
-            if let Some(page) = page.filter(|_| path.contains("corpus/")) {
+            if let Some(page) = page.filter(|_| path.contains("corpus/light/")) {
                 let folder = page.with_file_name("light");
                 std::fs::create_dir_all(&folder).map_err(|e| Failure::usage(e.to_string()))?;
                 let (width, bytes) = beside(&pictures);
@@ -127,7 +127,8 @@ pub fn run(scenes: &[String], page: Option<&Path>) -> Result<Exit, Failure> {
 /// The section of a page.
 fn text(table: &str, corners: &str) -> String {
     format!(
-        "# Light beside the truth\n\n`surefoot bench --light examples/*.sdf tests/corpus/light/*.sdf --page docs/accuracy.md` writes this page.\n\n\
+        "# Light beside the truth\n\n`surefoot bench --light examples/*.sdf tests/corpus/light/*.sdf tests/corpus/cases/emission.sdf \
+         tests/corpus/cases/steep_neighbour.sdf --page docs/accuracy.md`\nwrites this page.\n\n\
          A light of `soft(k)` is a disc that is seen under the half-angle atan(1/k). The truth is the share of its points that are seen: {POINTS} rays from each\n\
          of {} × {} pixels, in 64 bits; one of {CERTIFIED} is followed by certified tracing too. *Live* is the picture's estimate, *still* the mean of {STILL}\n\
          pictures, each of which looks at a place of its own. *Ripple* is the root mean square of the difference less its mean over 9 × 9 pixels. Of places\n\
