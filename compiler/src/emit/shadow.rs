@@ -205,7 +205,7 @@ fn passage() -> String {
       behind = max(free * (radius - free) / stride - (t_max - t), 0.0);
       near = free <= tolerance || sharpness * free < lit * max(t, tolerance) || step >= 256u;
       // On by the slope over the last step, but not beyond the end without a look at it; or back. A light near which something can be is
-    // looked at, and half of its radius and the whole before it.
+      // looked at, and half of its radius and the whole before it.
       let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
       let left = (t_max - t) * sharpness / t_max;
       let stop = t_max * (1.0 - 0.5 * clamp(ceil(2.0 * left - 0.01) - 1.0, 0.0, 2.0) / sharpness);
