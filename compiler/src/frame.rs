@@ -245,6 +245,11 @@ pub struct SceneBlocks {
 }
 
 impl SceneBlocks {
+    /// Whether a light has a place.
+    pub fn has_lamps(&self) -> bool {
+        self.lights.iter().any(|light| light.position)
+    }
+
     /// Whether a camera stands where what is solid is well seen: one of which the text says neither eye nor target.
     pub fn is_framed(&self) -> bool {
         self.cameras.is_empty() || self.cameras.iter().any(|camera| camera.eye.or(camera.target).is_none())

@@ -256,7 +256,7 @@ fn what_a_lamp_hangs_from_hides_what_rays_to_its_disc_say() {
         let rays: Vec<Ray> = (0..60).map(|i| toward_lamp(-1.0 + 1e-3, 0.05 * f64::from(i))).collect();
         // The board over it, and a ball in the midst of the way.
         for body in ["box(2, 0.1, 2).translate(0, 1, 0)", "sphere(0.2).translate(0, -0.1, 0)"] {
-            let compiled = scene(&format!("scene = {floor} | {body}"));
+            let compiled = scene(&format!("scene = {floor} | {body}\nlight lamp {{ position: (0, 0.8, 0) }}"));
             let reference = reference(&compiled);
             let lit = reference.shadow(&rays, softness, 100.0);
             let mut truth = vec![0.0; rays.len()];

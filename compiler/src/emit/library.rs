@@ -271,7 +271,7 @@ struct sf_Surface {
 pub const STRUCTURES: [&str; 4] = ["Hit", "Contact", "Surface", "Passage"];
 
 /// The texts of `sf_trace` and `sf_shadow` by [`Ways`], each made when it is first asked for.
-static FOLLOW: [OnceLock<[String; 2]>; 16] = [const { OnceLock::new() }; 16];
+static FOLLOW: [OnceLock<[String; 2]>; 32] = [const { OnceLock::new() }; 32];
 
 /// A text in which `COORDINATES` and `UNIT` stand for what rounding grows with, with that in their places.
 pub fn with_rounding(text: &str, rounding: Rounding) -> String {
@@ -295,7 +295,7 @@ fn coordinates(reads_scene: [bool; 3]) -> Cow<'static, str> {
 
 /// The text of an exported function that is the same for every scene with the same ways.
 pub fn function(export: Export, ways: Ways, rounding: Rounding) -> Option<Cow<'static, str>> {
-    let place = [ways.one, ways.planes, ways.region, ways.loose].iter().fold(0, |place, way| 2 * place + usize::from(*way));
+    let place = [ways.one, ways.planes, ways.region, ways.loose, ways.lamps].iter().fold(0, |place, way| 2 * place + usize::from(*way));
     match export {
         Export::Trace | Export::Shadow => {
             let [trace, shadow] = FOLLOW.get(place)?.get_or_init(|| [Tracer::DEFAULT.text(ways), shadow::text(ways)]);

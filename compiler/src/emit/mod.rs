@@ -171,6 +171,7 @@ pub fn emit(
         planes: rest.is_some(),
         region: functions.ahead.region.is_some() && rest.is_some() == functions.ahead.planes.is_some(),
         loose: functions.loose,
+        lamps: blocks.has_lamps(),
     };
     let roots = Roots { root, targets: &roots, surface: surface.as_ref(), rest, ways, solid: functions.ahead.solid };
     let operations = export_functions(&mut context, &exports, &roots, &mut body, &mut texts)?;

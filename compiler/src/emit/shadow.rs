@@ -36,6 +36,7 @@ pub const SHARE: [f64; 3] = [0.6365, -0.1016, -0.0349];
 /// The function `sf_shadow` and what it calls.
 pub fn text(ways: Ways) -> String {
     let passage = if ways.one { passage_of_one() } else { passage() };
+    let passage = if ways.lamps { passage } else { without_lamps(&passage) };
     let passage = passage + &end(ways);
     let span = "sf_clip(origin, direction, t_min, t_max)";
     let beside = if ways.region { "  span = sf_beside(origin, direction, span, sharpness);\n" } else { "" };
@@ -238,6 +239,21 @@ fn passage() -> String {
   }}
 "
     )
+}
+
+// Of a light without a place nothing stands at a ray's end, and behind it.
+fn without_lamps(passage: &str) -> String {
+    let of_lamps = ["What the slope over the last step says", "behind = ", "let left", "let stop", "let lamp"];
+    let lines = passage.split_inclusive('\n').filter(|line| !of_lamps.iter().any(|word| line.contains(word)));
+    lines
+        .collect::<String>()
+        .replace("max(select(t + free, min(t + free, stop), lamp), min(t + on, select(span.y, min(span.y, stop), lamp)))", "max(t + free, min(t + on, span.y))")
+        .replace(&format!("(free + {BEHIND:?} * behind)"), "free")
+        .replace(&format!("(distance + {BEHIND:?} * behind)"), "distance")
+        .replace("; or back. A light near which something can be is\n", "; or back.\n")
+        .split_inclusive('\n')
+        .filter(|line| !line.contains("// looked at, and half of its radius"))
+        .collect()
 }
 
 // What comes of a passage. Where it may be of a face that is not there: whether the surface is where the narrowest look says.

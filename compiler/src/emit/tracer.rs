@@ -35,6 +35,8 @@ pub struct Ways {
     /// Whether the estimate of the distance may be much less than it: beside a face that an intersection cuts away, or where it is the field over its
     /// gradient.
     pub loose: bool,
+    /// Whether a light has a place: a shadow's ray may end near something.
+    pub lamps: bool,
 }
 
 impl Default for Tracer {

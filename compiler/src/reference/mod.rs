@@ -107,6 +107,8 @@ pub struct Reference {
     images: Images,
     /// Whether the estimate of the distance may be much less than it ([`crate::emit::tracer::Ways::loose`]).
     loose: bool,
+    /// Whether a light has a place ([`crate::emit::tracer::Ways::lamps`]).
+    lamps: bool,
     /// What rounding of the module grows with.
     rounding: Rounding,
 }
@@ -142,6 +144,7 @@ impl Reference {
                 textures: functions.textures().into_iter().map(|(_, kind)| Arc::new(Texture::missing(kind))).collect(),
             },
             loose: functions.loose,
+            lamps: compiled.blocks.has_lamps(),
             rounding: compiled.module.rounding,
         })
     }

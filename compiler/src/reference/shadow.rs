@@ -122,7 +122,7 @@ fn passages(scene: &Reference, rays: &[Ray], sharpness: &[f64], extent: f64, asi
     let state = |look: &Look| states.get(look.ray).map_or(Passage::START, Cell::get);
     let size = sizes(rays, scene.rounding);
     let way = |look: &Look| size(look) + look.t;
-    let light = |ray: usize| rays.get(ray).map_or(f64::INFINITY, |ray| ray.t_max);
+    let light = |ray: usize| rays.get(ray).filter(|_| scene.lamps).map_or(f64::INFINITY, |ray| ray.t_max);
     let apart = |look: &Look| look.t.max(TOUCHED * way(look));
     let is_hard = |look: &Look| sharp(look.ray) >= HARD;
     march(
