@@ -35,8 +35,7 @@ pub const SHARE: [f64; 3] = [0.6365, -0.1016, -0.0349];
 
 /// The function `sf_shadow` and what it calls.
 pub fn text(ways: Ways) -> String {
-    let passage = if ways.one { passage_of_one() } else { passage() };
-    let passage = if ways.lamps { passage } else { without_lamps(&passage) };
+    let passage = if ways.one { passage_of_one(ways.lamps) } else { passage(ways.lamps) };
     let passage = passage + &end(ways);
     let span = "sf_clip(origin, direction, t_min, t_max)";
     let beside = if ways.region { "  span = sf_beside(origin, direction, span, sharpness);\n" } else { "" };
@@ -144,10 +143,10 @@ fn sf_passage(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, sharpness
 // expected, the ray goes back to the end of the first sphere.
 //
 // Rays that come in flat may need more looks than there are: then they go on by guesses, and are dark where one lies inside.
-fn passage_of_one() -> String {
+fn passage_of_one(lamps: bool) -> String {
+    let (behind, free, next) = (behind("    let ", lamps), farther("free", lamps), next("    ", lamps));
     format!(
-        "\
-  var t = span.x;
+        "  var t = span.x;
   // The last sphere known to be empty, and the step from its centre.
   var radius = 1e18;
   var stride = 1.0;
@@ -159,19 +158,10 @@ fn passage_of_one() -> String {
     free = sf_bound(origin + direction * t);
     // Out of looks it goes on by guesses, until one is inside.
     let spent = step >= 256u;
-    // What the slope over the last step says to be behind the light hides less of it.
-    let behind = max(free * (radius - free) / stride - (t_max - t), 0.0);
-    let share = sharpness * (free + {BEHIND:?} * behind) / max(t, tolerance);
+{behind}    let share = sharpness * {free} / max(t, tolerance);
     nearest = select(nearest, t, share < lit);
     lit = select(min(lit, share), 0.0, free <= select(tolerance, 0.0, spent));
-    // On by the slope over the last step, but not beyond the end without a look at it; or back. A light near which something can be is
-    // looked at, and half of its radius and the whole before it.
-    let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
-    let left = (t_max - t) * sharpness / t_max;
-    let stop = t_max * (1.0 - 0.5 * clamp(ceil(2.0 * left - 0.01) - 1.0, 0.0, 2.0) / sharpness);
-    let lamp = t < t_max && free * sharpness / t_max - left < lit;
-    let next = max(select(t + free, min(t + free, stop), lamp), min(t + on, select(span.y, min(span.y, stop), lamp)));
-    let back = stride > radius && free < 0.75 * stride;
+{next}    let back = stride > radius && free < 0.75 * stride;
     seen = t;
     t = select(select(next, t + radius - stride, back), t + max(free, 2e-3 * (size + t)), spent);
     stride = select(next - seen, radius, back);
@@ -183,10 +173,11 @@ fn passage_of_one() -> String {
 
 // The same with a distance of its own, which is looked at where the bound says that it can matter: outside of the loop over bounds, as in
 // `Tracer::text`.
-fn passage() -> String {
+fn passage(lamps: bool) -> String {
+    let (declared, behind) = (if lamps { "    var behind = 0.0;\n" } else { "" }, behind("      ", lamps));
+    let (distance, next) = (farther("distance", lamps), next("      ", lamps));
     format!(
-        "\
-  var t = span.x;
+        "  var t = span.x;
   var step = 0u;
   // Where it was looked last, and what was found there.
   var seen = t;
@@ -198,21 +189,11 @@ fn passage() -> String {
   var nearest = -1.0;
   while step < most && t <= span.y && lit >= least {{
     var near = false;
-    var behind = 0.0;
-    while step < most && t <= span.y && !near {{
+{declared}    while step < most && t <= span.y && !near {{
       tolerance = 2e-6 * (size + t);
       free = sf_bound(origin + direction * t);
-      // What the slope over the last step says to be behind the light hides less of it.
-      behind = max(free * (radius - free) / stride - (t_max - t), 0.0);
-      near = free <= tolerance || sharpness * free < lit * max(t, tolerance) || step >= 256u;
-      // On by the slope over the last step, but not beyond the end without a look at it; or back. A light near which something can be is
-      // looked at, and half of its radius and the whole before it.
-      let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);
-      let left = (t_max - t) * sharpness / t_max;
-      let stop = t_max * (1.0 - 0.5 * clamp(ceil(2.0 * left - 0.01) - 1.0, 0.0, 2.0) / sharpness);
-      let lamp = t < t_max && free * sharpness / t_max - left < lit;
-      let next = max(select(t + free, min(t + free, stop), lamp), min(t + on, select(span.y, min(span.y, stop), lamp)));
-      let back = stride > radius && free < 0.75 * stride;
+{behind}      near = free <= tolerance || sharpness * free < lit * max(t, tolerance) || step >= 256u;
+{next}      let back = stride > radius && free < 0.75 * stride;
       seen = t;
       t = select(next, t + radius - stride, back);
       stride = select(next - seen, radius, back);
@@ -221,7 +202,7 @@ fn passage() -> String {
     }}
     if near {{
       let distance = sf_distance(origin + direction * seen);
-      let share = sharpness * (distance + {BEHIND:?} * behind) / max(seen, tolerance);
+      let share = sharpness * {distance} / max(seen, tolerance);
       nearest = select(nearest, seen, share < lit);
       if step > 256u {{
         // Out of looks it goes on by guesses, until one is inside.
@@ -241,19 +222,39 @@ fn passage() -> String {
     )
 }
 
-// Of a light without a place nothing stands at a ray's end, and behind it.
-fn without_lamps(passage: &str) -> String {
-    let of_lamps = ["What the slope over the last step says", "behind = ", "let left", "let stop", "let lamp"];
-    let lines = passage.split_inclusive('\n').filter(|line| !of_lamps.iter().any(|word| line.contains(word)));
-    lines
-        .collect::<String>()
-        .replace("max(select(t + free, min(t + free, stop), lamp), min(t + on, select(span.y, min(span.y, stop), lamp)))", "max(t + free, min(t + on, span.y))")
-        .replace(&format!("(free + {BEHIND:?} * behind)"), "free")
-        .replace(&format!("(distance + {BEHIND:?} * behind)"), "distance")
-        .replace("; or back. A light near which something can be is\n", "; or back.\n")
-        .split_inclusive('\n')
-        .filter(|line| !line.contains("// looked at, and half of its radius"))
-        .collect()
+// How far behind the light is what the last step came nearer to. Of a light without a place nothing is.
+fn behind(indent: &str, lamps: bool) -> String {
+    let comment = indent.trim_end_matches("let ");
+    match lamps {
+        true => format!(
+            "{comment}// What the slope over the last step says to be behind the light hides less of it.
+{indent}behind = max(free * (radius - free) / stride - (t_max - t), 0.0);\n"
+        ),
+        false => String::new(),
+    }
+}
+
+// A distance, larger where it is of something behind the light.
+fn farther(distance: &str, lamps: bool) -> String {
+    if lamps { format!("({distance} + {BEHIND:?} * behind)") } else { distance.to_owned() }
+}
+
+// Where to look next.
+fn next(indent: &str, lamps: bool) -> String {
+    let by_slope = "// On by the slope over the last step, but not beyond the end without a look at it; or back.";
+    let on = "let on = free * stride / clamp(stride + radius - free, 0.25 * stride, stride);";
+    match lamps {
+        true => format!(
+            "{indent}{by_slope} A light near which something can be is
+{indent}// looked at, and half of its radius and the whole before it.
+{indent}{on}
+{indent}let left = (t_max - t) * sharpness / t_max;
+{indent}let stop = t_max * (1.0 - 0.5 * clamp(ceil(2.0 * left - 0.01) - 1.0, 0.0, 2.0) / sharpness);
+{indent}let lamp = t < t_max && free * sharpness / t_max - left < lit;
+{indent}let next = max(select(t + free, min(t + free, stop), lamp), min(t + on, select(span.y, min(span.y, stop), lamp)));\n"
+        ),
+        false => format!("{indent}{by_slope}\n{indent}{on}\n{indent}let next = max(t + free, min(t + on, span.y));\n"),
+    }
 }
 
 // What comes of a passage. Where it may be of a face that is not there: whether the surface is where the narrowest look says.
