@@ -33,27 +33,6 @@ fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Files of more than 600 lines of which it was asked whether they are two rooms, and why they are one.
-const LONG: &[(&str, &str)] = &[
-    ("compiler/src/program/blocks.rs", "one function for each key of each block"),
-];
-
-#[test]
-fn a_long_file_has_a_reason() {
-    let mut wrong = Vec::new();
-    for (name, text) in texts().iter().filter(|(name, _)| name.ends_with(".rs")) {
-        let lines = text.lines().count();
-        let known = LONG.iter().any(|(long, _)| long == name);
-        if lines > 600 && !known {
-            wrong.push(format!("{name} has {lines} lines: is it two rooms? If not, say why in tests/tests/house.rs"));
-        }
-        if lines <= 600 && known {
-            wrong.push(format!("{name} has only {lines} lines and needs no reason any more in tests/tests/house.rs"));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-}
-
 #[test]
 fn every_dependency_says_what_it_is_for() {
     let mut wrong = Vec::new();
