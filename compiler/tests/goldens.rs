@@ -4,8 +4,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing)]
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use surefoot_compiler::{Memory, MemoryLoader, Options, compile_remembering, factors};
 
 /// Folders of scenes, from the top of the repository.
@@ -71,7 +74,16 @@ fn goldens() -> String {
             parts.push((loader.clone(), name.clone(), format!("{folder}/{name}")));
         }
     }
-    parts.iter().map(|(loader, path, name)| golden(loader, path, name)).collect()
+    let next = AtomicUsize::new(0);
+    let made = Mutex::new(BTreeMap::new());
+    let work = || {
+        while let Some((i, (loader, path, name))) = Some(next.fetch_add(1, Relaxed)).and_then(|i| parts.get(i).map(|part| (i, part))) {
+            let text = golden(loader, path, name);
+            made.lock().unwrap().insert(i, text);
+        }
+    };
+    std::thread::scope(|scope| (0..std::thread::available_parallelism().map_or(1, usize::from)).for_each(|_| drop(scope.spawn(work))));
+    made.into_inner().unwrap().into_values().collect()
 }
 
 /// The number of a line of steps.
