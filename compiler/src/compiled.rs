@@ -15,7 +15,7 @@ pub use crate::home::Home;
 use crate::graph::{multiple_of, Graph, Leaf, Node, NodeId, ShapeId};
 pub use crate::loader::{Loader, MemoryLoader};
 use crate::source::{Sources, Span};
-use crate::reference::shade::{decode, encode};
+use crate::srgb::{decode, encode};
 use crate::syntax::ast::Type;
 use crate::syntax::revise::Written;
 use std::ops::Range;

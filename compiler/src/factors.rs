@@ -338,7 +338,7 @@ fn form(
 
 /// What the prelude claims of an operation, as it is written there.
 fn claim(sources: &Sources, operation: &str) -> Option<String> {
-    let prelude = sources.iter().filter(|(id, _)| crate::program::load::in_prelude(Span::new(*id, 0, 0)));
+    let prelude = sources.iter().filter(|(id, _)| crate::prelude::in_prelude(Span::new(*id, 0, 0)));
     for (_, file) in prelude {
         for kind in ["blend", "field", "field2"] {
             let Some(start) = file.text.find(&format!("\n{kind} {operation}(")) else { continue };

@@ -9,7 +9,7 @@ use crate::reference::shade;
 use crate::home::{EYE, FOV};
 use crate::reference::camera::Basis;
 use crate::reference::film::lens_offset;
-use crate::reference::vector::{Vec3, add, length, scale, sub};
+use crate::vector::{Vec3, add, length, scale, sub};
 use crate::source::Span;
 
 /// A point and direction of view.

@@ -7,7 +7,7 @@ use crate::graph::interval::Interval;
 use crate::graph::{Function, NodeId};
 use crate::reference::camera::Basis;
 use crate::reference::march::at_points;
-use crate::reference::vector::{Vec3, add, dot, length, mul, scale, sub, unit};
+use crate::vector::{Vec3, add, dot, length, mul, scale, sub, unit};
 use std::f64::consts::TAU;
 
 /// Where such a camera stands, and what it shows.
@@ -214,7 +214,7 @@ mod tests {
     use crate::reference::Reference;
     use crate::reference::camera::Basis;
     use crate::reference::march::Ray;
-    use crate::reference::vector::{length, sub};
+    use crate::vector::{length, sub};
     use crate::{MemoryLoader, Options, compile};
 
     fn scene(text: &str) -> Compiled {

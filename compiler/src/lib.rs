@@ -20,13 +20,17 @@ pub mod outlook;
 pub mod physics;
 pub mod pipeline;
 pub mod program;
+pub mod prelude;
+pub mod random;
 pub mod reference;
 pub mod reference_text;
 pub mod skipped;
 pub mod solid;
 pub mod source;
 mod spread;
+pub mod srgb;
 pub mod syntax;
+pub mod vector;
 pub mod verify;
 
 pub use compiled::{Compiled, Export, Frame, Live, Loader, MemoryLoader, Module, Options, Outcome};

@@ -4,7 +4,7 @@ use crate::compiled::{Compiled, Live};
 use crate::graph::kernel::Op;
 use crate::graph::{Graph, MaterialId, NodeId};
 use crate::physics::{DEFAULT_LOOK, values};
-use crate::reference::vector::{Vec3, scale as by};
+use crate::vector::{Vec3, scale as by};
 use crate::source::Span;
 
 /// The entries of a block `mesh`, as nodes over parameters and time.

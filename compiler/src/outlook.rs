@@ -8,7 +8,7 @@ use crate::home::{EYE, SMALLEST};
 use crate::reference::camera::Basis;
 use crate::reference::follow::TRACER;
 use crate::reference::march::{Ray, at_points};
-use crate::reference::vector::{Vec3, add, along, dot, length, scale, sub, unit};
+use crate::vector::{Vec3, add, along, dot, length, scale, sub, unit};
 use crate::reference::{Hit, Reference};
 use crate::source::{FileId, Span};
 

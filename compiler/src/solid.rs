@@ -5,7 +5,7 @@ use crate::compiled::Compiled;
 use crate::evaluate::{Evaluator, Tape};
 use crate::graph::Function;
 use crate::graph::interval::Interval;
-use crate::verify::Random;
+use crate::random::Random;
 
 /// A solid that comes this near to a face, as a part of the box's side across it, reaches it.
 const NEAR: f64 = 0.01;

@@ -5,7 +5,8 @@
 use surefoot_compiler::certify::Truth;
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
-use surefoot_compiler::verify::{Random, Settings, WORK, verify};
+use surefoot_compiler::random::Random;
+use surefoot_compiler::verify::{Settings, WORK, verify};
 use surefoot_compiler::{Compiled, MemoryLoader, Options, compile};
 
 fn scene(text: &str) -> Compiled {

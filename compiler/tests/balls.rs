@@ -1,7 +1,7 @@
 //! The step of balls in 64 bits, held against closed forms.
 
 use surefoot_compiler::physics::{Ball, Field, Ground, Law, State, Touch, World, spawn};
-use surefoot_compiler::reference::vector::{add, cross, dot, length, scale, sub};
+use surefoot_compiler::vector::{add, cross, dot, length, scale, sub};
 use surefoot_compiler::{Compiled, Live, MemoryLoader, Options, compile, diagnostic};
 
 const STEP: f64 = 1.0 / 60.0;

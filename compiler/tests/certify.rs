@@ -8,7 +8,7 @@ use surefoot_compiler::graph::Function;
 use surefoot_compiler::graph::interval::Interval;
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference_text::{CHAPTERS, entries};
-use surefoot_compiler::verify::Random;
+use surefoot_compiler::random::Random;
 use surefoot_compiler::{Compiled, Loader, MemoryLoader, Options, compile};
 
 struct Disk;

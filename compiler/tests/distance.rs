@@ -8,7 +8,7 @@
 use surefoot_compiler::certify::{Hit, Prover, Truth};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
-use surefoot_compiler::verify::Random;
+use surefoot_compiler::random::Random;
 use surefoot_compiler::{Compiled, Loader, MemoryLoader, Options, compile};
 
 struct Disk;

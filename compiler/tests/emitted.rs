@@ -7,7 +7,7 @@ mod wgsl;
 
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::{Function, kernel};
-use surefoot_compiler::program::load::PRELUDE;
+use surefoot_compiler::prelude::PRELUDE;
 use surefoot_compiler::reference::{Reference, march::Ray};
 use surefoot_compiler::{Compiled, Loader, MemoryLoader, Options, compile, emit};
 use wgsl::{Machine, Value};

@@ -5,7 +5,7 @@
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::functions::bounds;
 use surefoot_compiler::graph::{Function, Proof};
-use surefoot_compiler::verify::Random;
+use surefoot_compiler::random::Random;
 use surefoot_compiler::{Compiled, Loader, Memory, MemoryLoader, Options, compile, compile_remembering};
 
 /// Formulas of which the edit's factor is over a fifth above the samples of this test, and why.

@@ -77,7 +77,7 @@ const WALL: &str = "material wall { color: #000, emission: (0.25, 0.5, 1) }
 
 fn wall(entries: &str) -> [f64; 3] {
     let [r, g, b, _] = at(&picture(&WALL.replace("ENTRIES", entries)), 60, 40);
-    [r, g, b].map(|c| surefoot_compiler::reference::shade::decode(c.into()))
+    [r, g, b].map(|c| surefoot_compiler::srgb::decode(c.into()))
 }
 
 #[test]
@@ -98,7 +98,7 @@ fn fog_takes_light_by_its_way_and_gives_its_colour() {
     let sky = |density: f64| {
         let text = format!("scene = sphere(0.01)\nenvironment {{ sky: #00f }}\nrender {{ tone: none, max_distance: 50, fog: (#f00, {density}) }}");
         let [r, _, b, _] = at(&picture(&text), 0, 0);
-        [r, b].map(|c| surefoot_compiler::reference::shade::decode(c.into()))
+        [r, b].map(|c| surefoot_compiler::srgb::decode(c.into()))
     };
     let [r, b] = sky(0.02);
     assert!((b - (-1.0f64).exp()).abs() < 2e-3 && (r - (1.0 - (-1.0f64).exp())).abs() < 2e-3, "{r} {b}");
@@ -114,7 +114,7 @@ fn a_mirror_shows_the_fog_behind_the_eye() {
              environment {{ sky: #000 }}\nrender {{ ambient_occlusion: (0, 0), tone: none, reflections: 1, {entries} }}"
         ))
     };
-    let blue = |picture: Vec<[f32; 4]>| surefoot_compiler::reference::shade::decode(at(&picture, 60, 40)[2].into());
+    let blue = |picture: Vec<[f32; 4]>| surefoot_compiler::srgb::decode(at(&picture, 60, 40)[2].into());
     let (clear, foggy) = (blue(mirror("")), blue(mirror("fog: (#000, 0.05)")));
     // 9.95 to the mirror and 19.9 from there to the wall.
     assert!((foggy / clear - (-0.05f64 * 29.85).exp()).abs() < 3e-3, "{clear} {foggy}");
@@ -147,7 +147,7 @@ fn before_a_wall(body: &str, material: &str, entries: &str) -> Vec<[f32; 4]> {
 
 fn linear(pixel: [f32; 4]) -> [f64; 3] {
     let [r, g, b, _] = pixel;
-    [r, g, b].map(|c| surefoot_compiler::reference::shade::decode(c.into()))
+    [r, g, b].map(|c| surefoot_compiler::srgb::decode(c.into()))
 }
 
 #[test]

@@ -5,7 +5,7 @@
 use surefoot_compiler::diagnostic::render;
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function as GraphFunction;
-use surefoot_compiler::verify::Random;
+use surefoot_compiler::random::Random;
 use surefoot_compiler::reference_text::{CHAPTERS, Entry, entries, language_reference};
 use surefoot_compiler::source::Sources;
 use surefoot_compiler::syntax::parse;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 use surefoot_compiler::reference_text::{CHAPTERS, entries};
-use surefoot_compiler::verify::Random;
+use surefoot_compiler::random::Random;
 use surefoot_compiler::{MemoryLoader, Options, compile};
 
 fn fade(t: f64) -> f64 {

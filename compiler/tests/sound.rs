@@ -8,8 +8,8 @@
 use surefoot_compiler::certify::{Claim, falsify};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
-use surefoot_compiler::verify::Random;
-use surefoot_compiler::program::load::PRELUDE;
+use surefoot_compiler::random::Random;
+use surefoot_compiler::prelude::PRELUDE;
 use surefoot_compiler::{compile, Compiled, Loader, MemoryLoader, Options};
 
 struct Disk;

@@ -312,7 +312,7 @@ mod cpu {
     use std::sync::atomic::{AtomicUsize, Ordering};
     use surefoot_compiler::images::Images;
     use surefoot_compiler::reference::film::{bloom, develop, dither, level};
-    use surefoot_compiler::reference::shade::{decode, encode};
+    use surefoot_compiler::srgb::{decode, encode};
     use surefoot_compiler::reference::{Area, Reference, View};
 
     /// Side of the squares that the cores take one after another.

@@ -6,7 +6,7 @@ mod common;
 use common::gpu;
 use surefoot_compiler::compiled::{Compiled, Live};
 use surefoot_compiler::physics::{Ball, Field, Ground, Law, State, World, spawn};
-use surefoot_compiler::reference::vector::{add, length, scale, sub};
+use surefoot_compiler::vector::{add, length, scale, sub};
 use surefoot_compiler::{MemoryLoader, Options, compile, diagnostic};
 use surefoot_runtime::physics::{Contact, Physics};
 

@@ -9,7 +9,7 @@ use surefoot_compiler::compiled::{Camera, Tone};
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::film::develop;
 use surefoot_compiler::reference::shade::Shading;
-use surefoot_compiler::reference::vector::{Vec3, add, dot, sub};
+use surefoot_compiler::vector::{Vec3, add, dot, sub};
 use surefoot_runtime::frame::PassKind;
 use surefoot_runtime::headless::{self, Shot};
 use surefoot_runtime::passes::scene::Features;

@@ -17,7 +17,7 @@ const FLOORS: [(&str, &[&str]); 3] = [
     (
         "compiler",
         &[
-            "source spread loader",
+            "loader prelude random source spread srgb vector",
             "diagnostic",
             "graph syntax",
             "evaluate",

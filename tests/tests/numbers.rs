@@ -6,7 +6,7 @@ use common::{compile_file, examples, gpu, prelude};
 use surefoot_compiler::compiled::{Compiled, Export, Live};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
-use surefoot_compiler::verify::Random;
+use surefoot_compiler::random::Random;
 use surefoot_runtime::{Gpu, evaluate};
 
 /// Points of each scene.

@@ -9,7 +9,7 @@ use std::time::Duration;
 use surefoot_compiler::diagnostic::Code;
 use surefoot_compiler::graph::Function;
 use surefoot_compiler::graph::kernel::KERNEL;
-use surefoot_compiler::program::load::PRELUDE;
+use surefoot_compiler::prelude::PRELUDE;
 use surefoot_compiler::{MemoryLoader, Options, compile};
 use surefoot_tests::scenes::check::{Care, FaultKind, Verdict, check, try_bound};
 use surefoot_tests::scenes::shrink::shrink;

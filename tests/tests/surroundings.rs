@@ -9,7 +9,7 @@ use surefoot_compiler::compiled::{Camera, Tone};
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::film::develop;
 use surefoot_compiler::reference::shade::Shading;
-use surefoot_compiler::reference::vector::{Vec3, add, along, dot, scale, sub, unit};
+use surefoot_compiler::vector::{Vec3, add, along, dot, scale, sub, unit};
 use surefoot_runtime::Gpu;
 use surefoot_runtime::headless::Shot;
 use surefoot_tests::solids::sphere;

@@ -10,7 +10,7 @@ use super::tape::{Step, Tape};
 use crate::graph::Leaf;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::reference::vector::{Vec3, cross, dot, length, scale, sub};
+use crate::vector::{Vec3, cross, dot, length, scale, sub};
 
 /// More planes are not looked at, nor formulas of more operations within each other.
 const MOST: usize = 16;

@@ -315,7 +315,7 @@ fn product(p: &[Interval], q: &[Interval]) -> Option<Polynomial> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verify::Random;
+    use crate::random::Random;
 
     /// Of a polynomial over an interval: every value is in the image, and of a step that only rises the image is hardly more than them.
     #[test]

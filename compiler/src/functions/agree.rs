@@ -10,8 +10,8 @@ use crate::analysis::Domain;
 use crate::evaluate::{LANES, Lanes, Tape};
 use crate::graph::{Node, NodeId};
 use crate::graph::kernel::Op;
-use crate::reference::vector::{Vec3, length, mix, sub};
-use crate::verify::Random;
+use crate::vector::{Vec3, length, mix, sub};
+use crate::random::Random;
 use std::array::from_fn;
 
 /// At so many places both sides must agree, and at more where that costs less than so many operations.

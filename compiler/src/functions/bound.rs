@@ -8,7 +8,7 @@ use crate::analysis::{Box3, Constant, Domain, has_cells};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Factor, Function, Leaf, Node, NodeId, Proof, ShapeId, FAR};
-use crate::program::load::in_prelude;
+use crate::prelude::in_prelude;
 
 /// No formula may be steeper than this, though it is gentle at its surface: 32 bits can't hold what its bound is made of.
 const STEEPEST_OF_ALL: f64 = 1e7;

@@ -9,8 +9,8 @@ use crate::analysis::search::{Search, Target};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluate::{LANES, Lanes, Tape};
 use crate::graph::{NodeId, Proof, ShapeId};
-use crate::reference::vector::{Vec3, add, length, scale};
-use crate::verify::Random;
+use crate::vector::{Vec3, add, length, scale};
+use crate::random::Random;
 use std::array::from_fn;
 
 /// A proven constant above this may be such a one.

@@ -327,8 +327,8 @@ impl Builder<'_> {
 mod tests {
     use crate::evaluate::Tape;
     use crate::graph::Function;
-    use crate::reference::vector::length;
-    use crate::verify::Random;
+    use crate::vector::length;
+    use crate::random::Random;
     use crate::{MemoryLoader, Options, compile};
     use std::array::from_fn;
 

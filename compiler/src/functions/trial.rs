@@ -7,8 +7,8 @@ use crate::evaluate::{Evaluator, LANES, Lanes, Tape, lanes};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Leaf, Node, NodeId};
-use crate::reference::vector::{Vec3, mix};
-use crate::verify::Random;
+use crate::vector::{Vec3, mix};
+use crate::random::Random;
 use std::array::from_fn;
 
 /// So many sets of values of parameters, time and variables are tried.

@@ -18,7 +18,7 @@ use crate::analysis::search::{ROUNDING, Search, Target};
 use crate::graph::kernel::Op;
 use crate::evaluate::LANES;
 use crate::graph::NodeId;
-use crate::verify::Random;
+use crate::random::Random;
 use std::rc::Rc;
 
 /// Such a formula is so many times as steep somewhere as it is in most places.

@@ -4,7 +4,7 @@
 //! its `t` down, seen from within with the eye along z, x to the right and y up.
 
 use super::{Bitmap, blend, mean4};
-use crate::reference::vector::{Vec3, add, cross, dot, scale, sub, unit};
+use crate::vector::{Vec3, add, cross, dot, scale, sub, unit};
 use std::f64::consts::PI;
 
 /// The names of the faces, in their order.

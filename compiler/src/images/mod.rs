@@ -6,7 +6,7 @@ mod texture;
 pub use cube::{Cube, FACES};
 pub use texture::{Texture, TextureKind, sides};
 
-use crate::reference::vector::Vec3;
+use crate::vector::Vec3;
 use crate::source::Span;
 use std::sync::Arc;
 
@@ -102,7 +102,7 @@ fn mean4(four: [[f32; 3]; 4]) -> [f32; 3] {
 
 /// From one colour to another.
 fn blend(a: Vec3, b: Vec3, part: f64) -> Vec3 {
-    crate::reference::vector::mix(a, b, part)
+    crate::vector::mix(a, b, part)
 }
 
 /// What the host read of a scene's images.

@@ -2,7 +2,7 @@
 
 use super::{Bitmap, blend};
 use crate::graph::Slot;
-use crate::reference::vector::{Vec3, add, cross, dot, scale};
+use crate::vector::{Vec3, add, cross, dot, scale};
 
 /// The longest side of a texture; larger images are made smaller.
 const LARGEST: usize = 2048;

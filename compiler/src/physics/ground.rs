@@ -5,7 +5,7 @@ use crate::compiled::{Compiled, Live};
 use crate::evaluate::{Tape, TooLarge, lanes};
 use crate::functions::Functions;
 use crate::graph::{Function, NodeId};
-use crate::reference::vector::{Vec3, along, cross, dot, length, scale, sub};
+use crate::vector::{Vec3, along, cross, dot, length, scale, sub};
 
 /// The surface as balls meet it.
 pub trait Ground {

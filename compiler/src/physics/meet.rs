@@ -3,7 +3,7 @@
 
 use super::travel::wake;
 use super::{Ball, Law, NEAR_BALLS, NEIGHBOURS, State};
-use crate::reference::vector::{Vec3, add, along, cross, dot, length, scale, sub};
+use crate::vector::{Vec3, add, along, cross, dot, length, scale, sub};
 use rustc_hash::FxHashMap;
 
 /// A ball with so many neighbours lies in a heap.

@@ -13,7 +13,7 @@ pub use world::World;
 
 use crate::compiled::{Compiled, Live};
 use crate::graph::{Graph, Leaf, NodeId, algebra::Reals};
-use crate::reference::vector::{Vec3, length};
+use crate::vector::{Vec3, length};
 
 /// The most balls of a scene.
 pub const MOST_BALLS: u32 = 1 << 20;

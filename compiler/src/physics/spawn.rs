@@ -1,7 +1,7 @@
 //! Where balls begin: in the cells of a box, shaken by chance, so that none begins within another while there is room.
 
 use super::{Ball, Group};
-use crate::reference::vector::Vec3;
+use crate::vector::Vec3;
 
 /// Cells of a box for balls up to some radius, along each axis.
 fn cells(low: Vec3, high: Vec3, radius: f64) -> [f64; 3] {

@@ -2,7 +2,7 @@
 
 use super::ground::near;
 use super::{Ball, Ground, LOOKS, Law, PATIENCE, PLACE, SETTLES, State, Touch};
-use crate::reference::vector::{Vec3, add, along, cross, dot, length, scale, sub};
+use crate::vector::{Vec3, add, along, cross, dot, length, scale, sub};
 
 /// A wall that a hand puts elsewhere, by a slider or another text, moves where it goes no farther in one part of a step than this part of the
 /// radius of a ball; farther, it jumps.

@@ -3,7 +3,7 @@
 use super::{Ball, Field, Ground, Law, MEETINGS, meet, travel};
 use crate::compiled::{Compiled, Live};
 use crate::evaluate::TooLarge;
-use crate::reference::vector::{Vec3, dot, scale};
+use crate::vector::{Vec3, dot, scale};
 
 /// Balls, and the time that passed for them.
 #[derive(Clone, Debug, Default)]

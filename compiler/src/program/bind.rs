@@ -2,10 +2,11 @@
 
 use super::apply::is_operand;
 use super::builtin::is_function;
-use super::load::{ItemRef, Modules, in_prelude, is_of_prelude, prelude_items};
+use super::load::{ItemRef, Modules, is_of_prelude, prelude_items};
 use super::value::{points, type_words, Value};
 use super::blocks::short;
 use super::{Elaborated, Elaborator, Env, Stop};
+use crate::prelude::in_prelude;
 use crate::diagnostic::Code;
 use crate::graph::kernel::Op;
 use crate::graph::{NodeId, ShapeId};

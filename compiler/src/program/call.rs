@@ -573,7 +573,7 @@ impl Elaborator<'_> {
         let before = self.outside;
         if !self.modules.is_prelude(item.module) {
             self.outside = None;
-        } else if !super::load::in_prelude(call) {
+        } else if !crate::prelude::in_prelude(call) {
             self.outside = Some(call);
         }
         let result = inside(self);

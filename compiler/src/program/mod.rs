@@ -336,7 +336,7 @@ impl Elaborator<'_> {
     /// Where a person should look: the place itself, and for one in the prelude the user's call that came to it.
     pub fn place(&self, span: Span) -> Span {
         match self.outside {
-            Some(call) if load::in_prelude(span) => call,
+            Some(call) if crate::prelude::in_prelude(span) => call,
             _ => span,
         }
     }

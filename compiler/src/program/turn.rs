@@ -5,7 +5,7 @@ use super::{Elaborated, Elaborator};
 use crate::diagnostic::Code;
 use crate::graph::NodeId;
 use crate::graph::kernel::Op;
-use crate::reference::vector::{add, cross, scale, unit};
+use crate::vector::{add, cross, scale, unit};
 use crate::source::Span;
 
 impl Elaborator<'_> {

@@ -1,7 +1,7 @@
 //! Planes that rays meet apart from everything else, as `sf_ahead` and `sf_planes` of the module do.
 
 use super::march::{Ray, at_points};
-use super::vector::Vec3;
+use crate::vector::Vec3;
 use crate::evaluate::Tape;
 
 /// The distance to the planes that are met apart, and the way to them.

@@ -1,7 +1,7 @@
 //! Lights that have a size. A light of softness k is a disc that is seen under the half-angle atan(1/k), square to the way to it; how much of it arrives
 //! is the share of its points that are seen.
 
-use super::vector::{Vec3, add, cross, scale, unit};
+use crate::vector::{Vec3, add, cross, scale, unit};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Where on a disc of radius one the sample of a number looks. The first looks at the middle; any number of them cover the disc evenly: the points of

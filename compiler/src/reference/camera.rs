@@ -1,6 +1,6 @@
 //! Rays through the pixels of a picture.
 
-use super::vector::{Vec3, add, cross, dot, length, scale, sub, unit};
+use crate::vector::{Vec3, add, cross, dot, length, scale, sub, unit};
 use crate::compiled::{Camera, Projection};
 
 /// A camera's own axes. The picture is seen along `forward`.

@@ -1,8 +1,8 @@
 //! The film: where the samples of a picture look, how light becomes a screen's colour, and what of that eight bits hold.
 
-use super::shade::encode;
+use crate::srgb::encode;
 use super::tone::toned;
-use super::vector::{Vec3, add, mix, scale};
+use crate::vector::{Vec3, add, mix, scale};
 use super::{Area, View};
 use crate::compiled::Tone;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};

@@ -2,7 +2,7 @@
 
 use super::march::{Ray, at_points};
 use super::shade::{Seen, shadow_offset};
-use super::vector::{Vec3, add, along, dot, scale, sub};
+use crate::vector::{Vec3, add, along, dot, scale, sub};
 use super::Reference;
 use crate::compiled::Frame;
 

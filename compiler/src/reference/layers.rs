@@ -2,7 +2,7 @@
 
 use super::march::at_points;
 use super::shade::{Seen, SurfaceValues};
-use super::vector::{Vec3, add, dot, length, mul, scale, sub, unit};
+use crate::vector::{Vec3, add, dot, length, mul, scale, sub, unit};
 use crate::evaluate::Tape;
 use crate::functions::Surface;
 use crate::graph::Slot;

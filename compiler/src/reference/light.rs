@@ -5,7 +5,7 @@ use super::glass::{Through, fresnel};
 use super::area::{Part, toward};
 use super::march::{Ray, at_points};
 use super::shade::{self, Lamp, Leaving, Seen, Shading, SurfaceValues};
-use super::vector::{Vec3, add, along, dot, mul, scale, sub};
+use crate::vector::{Vec3, add, along, dot, mul, scale, sub};
 use super::{Reference, numbered};
 use crate::compiled::Frame;
 

@@ -3,7 +3,7 @@
 //!
 //! What a ray meets does not depend on the others: slabs say only when its turn comes and which tape serves it.
 
-use super::vector::{Vec3, along, dot, length, only};
+use crate::vector::{Vec3, along, dot, length, only};
 use crate::analysis::Box3;
 use crate::compiled::Rounding;
 use crate::evaluate::{LANES, Tape, lanes};

@@ -15,7 +15,6 @@ pub mod march;
 pub mod shade;
 mod shadow;
 pub mod tone;
-pub mod vector;
 
 use crate::analysis::Box3;
 use crate::compiled::{Camera, Compiled, Frame, Live, Rounding};
@@ -31,7 +30,7 @@ use march::{Look, Ray, Scene, at_points, march, sizes};
 use shade::{Seen, Shading, SurfaceValues};
 use std::cell::Cell;
 use std::sync::Arc;
-use vector::{Vec3, along, length, only, scale, unit};
+use crate::vector::{Vec3, along, length, only, scale, unit};
 
 pub use film::{rgb8, sample_offset};
 

@@ -9,7 +9,7 @@
 //! ground; the film is a tone curve ([`super::tone`]).
 
 use super::area::Part;
-use super::vector::{Vec3, add, cross, dot, length, mix, mul, scale, smooth, sub, unit};
+use crate::vector::{Vec3, add, cross, dot, length, mix, mul, scale, smooth, sub, unit};
 use crate::compiled::{Fog, Frame, Light, LightKind, Shadow, Sky};
 use super::glass::fresnel;
 use crate::images::Cube;
@@ -386,18 +386,6 @@ impl Shading {
     pub fn exposed(&self, light: Vec3) -> Vec3 {
         light.map(|c| c.max(0.0) * self.exposure)
     }
-}
-
-/// Linear to sRGB (IEC 61966-2-1), 0 to 1.
-pub fn encode(linear: f64) -> f64 {
-    let c = linear.clamp(0.0, 1.0);
-    if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
-}
-
-/// sRGB to linear, 0 to 1: undoes [`encode`].
-pub fn decode(encoded: f64) -> f64 {
-    let c = encoded.clamp(0.0, 1.0);
-    if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
 /// How much of what a surface mirrors is followed: all of a polished one's, nothing of a rough one's or where too little arrives to be

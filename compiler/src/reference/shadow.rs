@@ -3,7 +3,7 @@
 use super::Reference;
 use super::area::toward;
 use super::march::{Look, Ray, Scene, at_points, march, sizes};
-use super::vector::{Vec3, along, dot, length, sub};
+use crate::vector::{Vec3, along, dot, length, sub};
 use crate::analysis::Box3;
 use crate::emit::shadow::{BEHIND, LEFT, MET, MET_ASIDE, MOST_ASIDE, RIM, SHARE, STEP};
 use crate::graph::interval::Interval;

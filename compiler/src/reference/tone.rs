@@ -1,6 +1,6 @@
 //! Tone curves: what of linear light a screen shows, as linear shares of its white. The twins are `runtime/src/passes/scene/tone_*.wgsl`.
 
-use super::vector::{Vec3, add, mix, scale};
+use crate::vector::{Vec3, add, mix, scale};
 use crate::compiled::Tone;
 
 /// Light as a screen shows it, each component 0 to 1, linear.

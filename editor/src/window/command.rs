@@ -17,7 +17,7 @@ use surefoot_compiler::physics::{Ball, State};
 use surefoot_compiler::reference::Reference;
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
-use surefoot_compiler::reference::vector::{add, dot, length, scale, sub};
+use surefoot_compiler::vector::{add, dot, length, scale, sub};
 use surefoot_compiler::source::FileId;
 use surefoot_compiler::syntax::{self, revise};
 use surefoot_runtime::{Physics, ViewMode};

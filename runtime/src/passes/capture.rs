@@ -12,7 +12,7 @@ use half::f16;
 use surefoot_compiler::compiled::{Compiled, Frame, Rounding};
 use surefoot_compiler::mesh::Placed;
 use surefoot_compiler::reference::camera::Basis;
-use surefoot_compiler::reference::vector::Vec3;
+use surefoot_compiler::vector::Vec3;
 
 const LABEL: &str = "surefoot capture";
 /// Sides of the most blurred level, as in `capture/levels.wgsl`.

@@ -9,7 +9,7 @@ use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 use surefoot_compiler::compiled::Compiled;
 use surefoot_compiler::mesh::Placed;
-use surefoot_compiler::reference::vector::sub;
+use surefoot_compiler::vector::sub;
 use wgpu::util::DeviceExt;
 
 const LABEL: &str = "surefoot meshes";

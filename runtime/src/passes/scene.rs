@@ -9,7 +9,7 @@ use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, MAX_BOUNCES, 
 use surefoot_compiler::reference::area;
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::shade::{self, MAX_LIGHTS};
-use surefoot_compiler::reference::vector::{scale, sub};
+use surefoot_compiler::vector::{scale, sub};
 
 pub use surefoot_compiler::reference::View as ViewMode;
 

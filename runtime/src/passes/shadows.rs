@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 use surefoot_compiler::compiled::{Compiled, Frame, Shadow};
 use surefoot_compiler::mesh::Placed;
 use surefoot_compiler::reference::shade::{self, Lamp, MAX_LIGHTS};
-use surefoot_compiler::reference::vector::{Vec3, add, cross, dot, length, scale, sub, unit};
+use surefoot_compiler::vector::{Vec3, add, cross, dot, length, scale, sub, unit};
 
 /// The maps of a scene, and what draws them.
 #[derive(Debug)]

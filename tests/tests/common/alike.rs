@@ -4,7 +4,7 @@ use image::{ColorType, ImageEncoder};
 use rayon::prelude::*;
 use surefoot_compiler::compiled::{Compiled, Options};
 use surefoot_compiler::images::Images;
-use surefoot_compiler::reference::shade::{decode, encode};
+use surefoot_compiler::srgb::{decode, encode};
 use surefoot_compiler::reference::{Area, Reference, View, film, rgb8};
 use surefoot_compiler::{MemoryLoader, compile, diagnostic};
 use surefoot_runtime::headless::{self, FORMAT, Pixels, Shot};

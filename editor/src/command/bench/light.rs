@@ -17,7 +17,7 @@ use surefoot_compiler::reference::area::{Part, on_disc, toward};
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
 use surefoot_compiler::reference::shade::{Lamp, Seen, Shading};
-use surefoot_compiler::reference::vector::{add, scale};
+use surefoot_compiler::vector::{add, scale};
 
 /// Width and height of the pictures.
 const SIZE: (u32, u32) = (128, 72);

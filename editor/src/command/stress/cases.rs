@@ -1,6 +1,6 @@
 //! What is hard for a field and for the rays through it.
 
-use surefoot_compiler::reference::vector::Vec3;
+use surefoot_compiler::vector::Vec3;
 
 /// Something hard.
 pub struct Case {

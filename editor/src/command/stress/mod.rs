@@ -15,7 +15,7 @@ use surefoot_compiler::emit::tracer::Tracer;
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::functions::Kind;
 use surefoot_compiler::reference::march::Ray;
-use surefoot_compiler::reference::vector::{Vec3, along, unit};
+use surefoot_compiler::vector::{Vec3, along, unit};
 use surefoot_compiler::reference::{Area, Reference, View as Shows};
 use surefoot_compiler::{Export, MemoryLoader, Options, compile};
 use surefoot_runtime::headless::{self, Shot};

@@ -114,7 +114,7 @@ fn where_the_camera_stands_is_written_into_the_text() {
     harness.get_by_label("Keep view").click();
     until(&mut harness, |app| app.session.look.orbit.is_none());
     let (text, kept) = (text(harness.state()).to_owned(), harness.state().session.camera().unwrap());
-    let off = surefoot_compiler::reference::vector::length(surefoot_compiler::reference::vector::sub(kept.eye, moved.eye));
+    let off = surefoot_compiler::vector::length(surefoot_compiler::vector::sub(kept.eye, moved.eye));
     assert!(text != SCENE && text.contains("fov: 40deg") && off < 0.02, "{text}");
 }
 

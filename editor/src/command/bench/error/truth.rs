@@ -8,7 +8,7 @@ use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::reference::{self, Reference};
 use surefoot_compiler::reference::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
-use surefoot_compiler::reference::vector::{Vec3, add, along, dot, length, sub};
+use surefoot_compiler::vector::{Vec3, add, along, dot, length, sub};
 use surefoot_runtime::passes::rays::{FUNCTIONS, GpuRay, RayPicture, Traced};
 
 /// Boxes that one ray may cost.
