@@ -8,8 +8,8 @@
 //! Of a fold that is no union a list leaves out what changes nothing: of the least or the greatest of many what surely is neither, and of a sum or a product what is nought or one all over the
 //! cell, by intervals.
 
-use crate::emit::table::{Action, CLASS_SHIFT, Class, Grid, HEAD, Number, PUSH, Table, Tables, narrow};
-use crate::graph::ANY_TIME;
+use crate::emit::table::{Action, CLASS_SHIFT, Class, Grid, HEAD, ModuleTables, Number, PUSH, Table, Tables};
+use crate::graph::{ANY_TIME, narrow};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
 use crate::spread::spread;
@@ -27,6 +27,20 @@ const SLABS: usize = 8;
 const PLACES: usize = 64;
 /// What 32 bits may lose of a value, for each unit of the coordinates.
 const ROUNDING: f64 = 4e-6;
+
+impl ModuleTables {
+    /// The same without cells: whole lists count everywhere. What the cells are worth is measured against it.
+    pub fn whole(&self) -> Self {
+        let lists = self::lists(&self.tables, false);
+        Self { tables: self.tables.clone(), code: self.code.clone(), lists: lists.into() }
+    }
+
+    /// What the second buffer holds: near a point only what matters there is looked at. Found when it is first asked for, which may take a
+    /// tenth of a second.
+    pub fn lists(&self) -> &[u32] {
+        self.lists.get_or_init(|| self::lists(&self.tables, true))
+    }
+}
 
 /// What a module's `sf_lists` holds: for each table a head, the whole list, and the lists of its cells. `cells`: whether there are cells; without
 /// them the whole lists count everywhere.

@@ -313,3 +313,12 @@ fn to_codespan(diagnostic: &Diagnostic) -> codespan::Diagnostic<usize> {
     }
     shown
 }
+
+/// In the order of their places, each once, errors before warnings of one place.
+pub(crate) fn tidy(diagnostics: &mut Vec<Diagnostic>) {
+    diagnostics.sort_by_key(|d| (d.span.file, d.span.start, d.severity != Severity::Error, d.code));
+    diagnostics.dedup_by(|a, b| a.code == b.code && a.span == b.span);
+    // How a named argument is written is said by what names it might have.
+    let unknown: Vec<Span> = diagnostics.iter().filter(|d| d.code == Code::UnknownArgument).map(|d| d.span).collect();
+    diagnostics.retain(|d| d.code != Code::Unexpected || !unknown.contains(&d.span));
+}

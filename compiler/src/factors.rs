@@ -3,7 +3,8 @@
 use crate::analysis::Box3;
 use crate::analysis::search::{Search, Target};
 use crate::certify::{Steepest, Truth};
-use crate::compiled::{Compiled, Live};
+use crate::compiled::Compiled;
+use crate::live::Live;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::functions::Functions;
 use crate::graph::interval::Interval;
@@ -286,7 +287,7 @@ fn called(text: &str) -> Option<&str> {
 }
 
 fn uniform(compiled: &Compiled, index: u32) -> Option<String> {
-    let source = crate::compiled::UniformSource::Factor(index);
+    let source = crate::interface::UniformSource::Factor(index);
     compiled.module.uniforms.iter().find(|u| u.source == source).map(|u| u.name.clone())
 }
 
@@ -295,7 +296,7 @@ fn parameters(compiled: &Compiled, components: &[u32]) -> Vec<Ranged> {
     let mut found: Vec<Ranged> = Vec::new();
     for &component in components {
         let Some(known) = compiled.graph.parameters.get(component as usize) else { continue };
-        let holds = |p: &&crate::compiled::Parameter| p.components().contains(&component);
+        let holds = |p: &&crate::interface::Parameter| p.components().contains(&component);
         let Some(parameter) = compiled.parameters.iter().find(holds) else { continue };
         if !found.iter().any(|known| known.name == parameter.name) {
             found.push(Ranged { name: parameter.name.clone(), range: [known.min, known.max], degrees: parameter.degrees });

@@ -1,8 +1,9 @@
 //! Lipschitz factors for where the parameters stand: no larger than those for their whole ranges, and proven in the same way.
 
 use crate::analysis::search::Search;
-use crate::compiled::{Compiled, Live};
-use crate::graph::{Graph, Proof};
+use crate::compiled::Compiled;
+use crate::live::{Followed, Live};
+use crate::graph::Proof;
 use std::rc::Rc;
 
 /// A factor above this is worth a longer look.
@@ -10,37 +11,6 @@ const STEEP: f64 = 4.0;
 /// So many boxes each of these may cost, and so many of them are looked at.
 const SETTLED: usize = 2_048;
 const MOST_SETTLED: usize = 16;
-
-/// Lipschitz factors for some values of the parameters, found by [`Compiled::follow`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct Followed {
-    components: Vec<f64>,
-    factors: Vec<f64>,
-    /// Whether a longer look was taken at those that are steep.
-    settled: bool,
-}
-
-impl Live {
-    /// Takes factors that were found for the values at hand; those for others are left.
-    pub fn take(&mut self, followed: Followed) {
-        if followed.components == self.components {
-            self.followed = Some(followed);
-        }
-    }
-
-    /// A factor for the values at hand where it was found, else for the whole ranges.
-    pub fn factor(&self, graph: &Graph, index: u32) -> f64 {
-        let index = index as usize;
-        let first = graph.factors.get(index).map_or(1.0, |f| f.lipschitz);
-        let whole = self.tightened.get(index).map_or(first, |f| f.min(first));
-        match &self.followed {
-            Some(followed) if followed.components == self.components => {
-                followed.factors.get(index).map_or(whole, |f| f.min(whole))
-            }
-            _ => whole,
-        }
-    }
-}
 
 impl Compiled {
     /// Boxes for [`Compiled::follow`] that take no longer than a frame.

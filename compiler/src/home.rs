@@ -1,38 +1,16 @@
 //! Where a camera stands of which the text says nothing: what is solid and ends fills most of the picture, and the eye is free.
 
 use crate::analysis::Box3;
-use crate::compiled::{Camera, Compiled, Live};
+use crate::camera::{EYE, FOV, Home, SMALLEST};
+use crate::compiled::Compiled;
+use crate::live::Live;
 use crate::evaluate::Tape;
 use crate::graph::interval::Interval;
 use crate::graph::{Function, NodeId};
-use crate::reference::camera::Basis;
 use crate::reference::march::at_points;
-use crate::vector::{Vec3, add, dot, length, mul, scale, sub, unit};
+use crate::vector::{Vec3, add, length, mul, scale, sub, unit};
 use std::f64::consts::TAU;
 
-/// Where such a camera stands, and what it shows.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Home {
-    /// What it looks at.
-    target: Vec3,
-    /// The way from there to the eye; of length one, but where it stands nearer or farther than what is to be seen asks for.
-    way: Vec3,
-    /// Places about what is solid and ends, from the target; none where nothing does.
-    about: Vec<Vec3>,
-    /// How many times as far away the eye is free as well.
-    room: f64,
-}
-
-/// Where a camera stands by which nothing that ends is to be seen, or of which only the target is said.
-pub const EYE: Vec3 = [4.0, 3.0, 6.0];
-/// What is smaller than this is not gone nearer to.
-pub const SMALLEST: f64 = 1e-9;
-/// A camera's vertical angle of view where none is said.
-pub const FOV: f64 = 40f64.to_radians();
-/// So much of the picture's height is filled.
-const SHARE: f64 = 0.66;
-/// So wide a picture is taken to be, for its height, if it is not narrower.
-const WIDE: f64 = 1.3;
 /// So many times farther away may the eye stand for one that is.
 const FARTHER: [f64; 8] = [1.2, 1.4, 1.7, 2.0, 2.5, 3.2, 4.0, 5.0];
 /// What moves is looked at so many times, the second time after so many seconds…
@@ -100,24 +78,6 @@ impl Home {
         let free = FARTHER.iter().zip(found).take_while(|(times, room)| *room >= FREE * **times * length(from));
         free.map(|(times, _)| *times).last().unwrap_or(1.0)
     }
-
-    /// The camera, of some angle of view.
-    pub fn camera(&self, fov: f64) -> Camera {
-        self.camera_in(fov, WIDE)
-    }
-
-    /// The same for a picture that is so wide for its height.
-    pub fn camera_in(&self, fov: f64, wide: f64) -> Camera {
-        let wide = wide.clamp(WIDE / self.room, WIDE);
-        let basis = Basis::of(&Camera { eye: self.way, target: [0.0; 3], fov, ..Camera::PLAIN });
-        // So far away a place is as high in the picture as it may be, or as far to a side.
-        let needed = |place: &Vec3| {
-            let height = dot(*place, basis.up).abs().max(dot(*place, basis.right).abs() / wide);
-            height / (SHARE * basis.tan_half_fov) - dot(*place, basis.forward)
-        };
-        let far = if self.about.is_empty() { length(EYE) } else { self.about.iter().map(needed).fold(0.0, f64::max) };
-        Camera { eye: add(self.target, scale(self.way, far)), target: self.target, fov, ..Camera::PLAIN }
-    }
 }
 
 /// The way turned about the vertical, and as steep as that, in degrees.
@@ -146,7 +106,7 @@ fn wherever_it_goes(compiled: &Compiled, distance: NodeId, at: &[Vec3]) -> Optio
     let times = std::iter::successors(Some(0.0), |time| Some(LATER * time + SOON));
     for time in times.take(looks as usize) {
         let live = Live { time, ..compiled.live() };
-        let tape = Tape::new(&compiled.graph, &compiled.functions, &[distance], &live, LIMIT).ok()?;
+        let tape = Tape::new(&compiled.graph, &compiled.functions.formulas, &[distance], &live, LIMIT).ok()?;
         if looks > 1 && tape.operations() * at.len() * looks as usize > MOST {
             return None;
         }
@@ -168,7 +128,7 @@ impl About {
     fn of(compiled: &Compiled) -> Option<Self> {
         let all = [Function::Field, Function::Gradient(0), Function::Gradient(1), Function::Gradient(2)].map(|function| own(compiled, function));
         let all: Vec<NodeId> = all.into_iter().collect::<Option<_>>()?;
-        let tape = Tape::new(&compiled.graph, &compiled.functions, &all, &compiled.live(), LIMIT).ok()?;
+        let tape = Tape::new(&compiled.graph, &compiled.functions.formulas, &all, &compiled.live(), LIMIT).ok()?;
         let ahead = &compiled.functions.ahead;
         Some(Self { tape, region: if ahead.planes.is_none() { ahead.home } else { None } })
     }
@@ -208,11 +168,12 @@ fn values(tape: &Tape, at: &[Vec3]) -> Vec<[f64; 4]> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 mod tests {
-    use super::{FOV, SHARE, WIDE};
-    use crate::compiled::{Camera, Compiled};
+    use crate::camera::{FOV, SHARE, WIDE};
+    use crate::camera::Camera;
+    use crate::compiled::Compiled;
     use crate::diagnostic::Code;
     use crate::reference::Reference;
-    use crate::reference::camera::Basis;
+    use crate::camera::Basis;
     use crate::reference::march::Ray;
     use crate::vector::{length, sub};
     use crate::{MemoryLoader, Options, compile};

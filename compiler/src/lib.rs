@@ -1,6 +1,8 @@
 //! From the text of a signed distance field to proven WGSL.
 
 pub mod analysis;
+pub mod blocks;
+pub mod camera;
 pub mod cells;
 pub mod certify;
 pub mod compiled;
@@ -9,11 +11,13 @@ pub mod emit;
 pub mod evaluate;
 pub mod factors;
 pub mod followed;
-mod frame;
+pub mod frame;
 pub mod functions;
 pub mod graph;
 mod home;
 pub mod images;
+pub mod interface;
+pub mod live;
 pub mod loader;
 pub mod mesh;
 pub mod outlook;

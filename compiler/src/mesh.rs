@@ -1,61 +1,11 @@
 //! Meshes of a scene: what the text says of them, and where they stand at one moment. Their files are read by whoever draws.
 
-use crate::compiled::{Compiled, Live};
-use crate::graph::kernel::Op;
-use crate::graph::{Graph, MaterialId, NodeId};
+use crate::compiled::Compiled;
+use crate::live::Live;
+use crate::blocks::MeshNodes;
+use crate::graph::NodeId;
 use crate::physics::{DEFAULT_LOOK, values};
 use crate::vector::{Vec3, scale as by};
-use crate::source::Span;
-
-/// The entries of a block `mesh`, as nodes over parameters and time.
-#[derive(Clone, Debug)]
-pub struct MeshNodes {
-    /// Its name.
-    pub name: String,
-    /// Its file, as a loader is asked for it.
-    pub file: String,
-    /// Where the text names the file.
-    pub span: Span,
-    /// Where its origin stands.
-    pub translate: [NodeId; 3],
-    /// Angles in radians about x, then y, then z.
-    pub rotate: [NodeId; 3],
-    /// How much larger it is than in its file, along its own axes.
-    pub scale: [NodeId; 3],
-    /// What it is made of.
-    pub material: Option<MaterialId>,
-    /// The material's colour, emission, roughness, metallic, reflectivity.
-    pub look: Option<[NodeId; 9]>,
-}
-
-impl MeshNodes {
-    /// Every node of the block.
-    pub fn nodes(&self) -> Vec<NodeId> {
-        let mut nodes: Vec<NodeId> = [self.translate, self.rotate, self.scale].into_iter().flatten().collect();
-        nodes.extend(self.look.iter().flatten());
-        nodes
-    }
-
-    /// Where a point of its own space stands in the scene, as nodes.
-    pub(crate) fn world(&self, graph: &mut Graph, point: [NodeId; 3]) -> [NodeId; 3] {
-        let [x, y, z] = self.rotate.map(|angle| (graph.op(Op::Cos, &[angle]), graph.op(Op::Sin, &[angle])));
-        let scaled: Vec<NodeId> = point.iter().zip(self.scale).map(|(p, k)| graph.op(Op::Mul, &[*p, k])).collect();
-        let &[px, py, pz] = scaled.as_slice() else { return point };
-        // Turned in a plane: the first coordinate toward the second.
-        let mut turn = |(c, s): (NodeId, NodeId), a: NodeId, b: NodeId| {
-            let [ca, sb, sa, cb] = [(c, a), (s, b), (s, a), (c, b)].map(|(k, v)| graph.op(Op::Mul, &[k, v]));
-            (graph.op(Op::Sub, &[ca, sb]), graph.op(Op::Add, &[sa, cb]))
-        };
-        let (py, pz) = turn(x, py, pz);
-        let (pz, px) = turn(y, pz, px);
-        let (px, py) = turn(z, px, py);
-        let mut at = [px, py, pz];
-        for (c, origin) in at.iter_mut().zip(self.translate) {
-            *c = graph.op(Op::Add, &[*c, origin]);
-        }
-        at
-    }
-}
 
 /// A mesh at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,11 +1,15 @@
 //! What a scene's camera sees before anything is drawn: of a picture that would be black or empty a person is told why.
 
 use crate::analysis::Box3;
-use crate::compiled::{Camera, CameraNodes, Compiled, Frame, LightKind, Live, Shadow};
-use crate::diagnostic::{Code, Diagnostic};
+use crate::blocks::{CameraNodes, Shadow};
+use crate::camera::Camera;
+use crate::compiled::{Compiled, Outcome};
+use crate::frame::{Frame, LightKind};
+use crate::live::Live;
+use crate::diagnostic::{Code, Diagnostic, tidy};
 use crate::graph::FAR;
-use crate::home::{EYE, SMALLEST};
-use crate::reference::camera::Basis;
+use crate::camera::{EYE, SMALLEST};
+use crate::camera::Basis;
 use crate::reference::follow::TRACER;
 use crate::reference::march::{Ray, at_points};
 use crate::vector::{Vec3, add, along, dot, length, scale, sub, unit};
@@ -386,6 +390,26 @@ fn written(nodes: Option<&CameraNodes>, camera: &Camera) -> String {
     match nodes {
         Some(_) => format!("write `{entries}` in it, or other places from where something is seen"),
         None => format!("write `camera {{ {entries} }}`, or other places from where something is seen"),
+    }
+}
+
+impl Outcome {
+    /// What is wrong with what a camera sees at one moment: that of this name, or the first. That nothing is solid says why nothing is seen.
+    pub fn outlook(&self, live: &Live, name: Option<&str>) -> Option<Diagnostic> {
+        let is_said = self.diagnostics.iter().any(|d| d.code == Code::NothingSolid);
+        outlook(self.compiled.as_ref()?, live, name).filter(|d| !is_said || d.code != Code::NothingSeen)
+    }
+
+    /// Adds what is wrong with what the cameras see: that takes a look at the scene through each, and some milliseconds.
+    pub fn look(&mut self) {
+        let Some(compiled) = &self.compiled else { return };
+        let live = compiled.live();
+        let is_said = self.diagnostics.iter().any(|d| d.code == Code::NothingSolid);
+        let cameras = 0..compiled.blocks.cameras.len().max(1);
+        let found: Vec<Diagnostic> = cameras.filter_map(|which| through(compiled, &live, which)).filter(|d| !is_said || d.code != Code::NothingSeen).collect();
+        let coarse = few_digits(compiled, &live);
+        self.diagnostics.extend(found.into_iter().chain(coarse));
+        tidy(&mut self.diagnostics);
     }
 }
 

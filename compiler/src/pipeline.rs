@@ -2,10 +2,12 @@
 
 use crate::analysis::Facts;
 use crate::analysis::memory::Memory;
-use crate::compiled::{Compiled, Export, Loader, Options, Outcome};
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::home::Home;
-use crate::source::{Sources, Span};
+use crate::compiled::{Compiled, Outcome};
+use crate::interface::{Export, Options};
+use crate::loader::Loader;
+use crate::diagnostic::{Code, Diagnostic, tidy};
+use crate::camera::Home;
+use crate::source::Sources;
 use crate::{emit, functions, program};
 
 /// A stage of the pipeline, in their order.
@@ -201,13 +203,4 @@ fn ground(seen: &Compiled, facts: &mut Facts, options: &Options, sources: &Sourc
     // What can't be written is met as it is seen.
     let module = emit::emit(&graph, root, &functions, &blocks, &parameters, &options, sources).ok()?;
     Some(Compiled { graph, root, functions, summary, parameters, blocks, module, unused: Vec::new(), home: None, apart: None })
-}
-
-/// In the order of their places, each once, errors before warnings of one place.
-pub(crate) fn tidy(diagnostics: &mut Vec<Diagnostic>) {
-    diagnostics.sort_by_key(|d| (d.span.file, d.span.start, d.severity != Severity::Error, d.code));
-    diagnostics.dedup_by(|a, b| a.code == b.code && a.span == b.span);
-    // How a named argument is written is said by what names it might have.
-    let unknown: Vec<Span> = diagnostics.iter().filter(|d| d.code == Code::UnknownArgument).map(|d| d.span).collect();
-    diagnostics.retain(|d| d.code != Code::Unexpected || !unknown.contains(&d.span));
 }

@@ -2,7 +2,9 @@
 
 mod absorbed;
 
-use crate::compiled::{Compiled, Projection, Shadow};
+use crate::blocks::Shadow;
+use crate::camera::Projection;
+use crate::compiled::Compiled;
 use crate::graph::{Function, Leaf, Node, Shape};
 use crate::reference::shade;
 use crate::source::{Sources, Span};

@@ -71,7 +71,7 @@ impl Compiled {
     fn reaches_all_faces(&self, solid: &Box3) -> Option<bool> {
         let field = self.functions.formulas.get(&(self.root, Function::Field)).copied();
         let root = self.functions.ahead.planes.map_or(field, |planes| Some(planes.rest_bound))?;
-        let tape = Tape::new(&self.graph, &self.functions, &[root], &self.live(), LONGEST).ok()?;
+        let tape = Tape::new(&self.graph, &self.functions.formulas, &[root], &self.live(), LONGEST).ok()?;
         let points = (WORK / (6 * (ROUNDS as usize + 1) * tape.operations().max(1))).min(POINTS);
         if points < crate::evaluate::LANES {
             return None;

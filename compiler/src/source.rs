@@ -92,3 +92,12 @@ impl Sources {
             .unwrap_or("")
     }
 }
+
+/// A file that the scene's text names.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct ImageFile {
+    /// Relative to the working directory, or absolute; a folder's name may end in `/`.
+    pub path: String,
+    /// Where the text names it.
+    pub span: Span,
+}

@@ -2,7 +2,8 @@
 //! answers for the emitted module, the module's own numbers against the same.
 
 use crate::certify::{Ball, Claim, Prover, Truth, falsify};
-use crate::compiled::{Compiled, Live};
+use crate::compiled::Compiled;
+use crate::live::Live;
 use crate::evaluate::{Evaluator, Tape};
 use crate::functions::LONGEST_HAIR;
 use crate::graph::interval::Interval;
@@ -260,7 +261,7 @@ impl Trial<'_> {
         let moment = report.moments.len();
         let formula = |f| compiled.functions.formulas.get(&(compiled.root, f)).copied().ok_or("the scene has no bound");
         let roots = [formula(Function::Field)?, formula(Function::Bound)?];
-        let tape = Tape::new(&compiled.graph, &compiled.functions, &roots, live, LARGEST).map_err(|e| e.to_string())?;
+        let tape = Tape::new(&compiled.graph, &compiled.functions.formulas, &roots, live, LARGEST).map_err(|e| e.to_string())?;
         let truth = Truth::new(compiled, live, LARGEST).map_err(|e| e.to_string())?;
         let operations = tape.operations().max(1) as u64;
         let opened = LAID_OPEN * operations;

@@ -17,7 +17,7 @@ fn scene(text: &str) -> Compiled {
 /// What a function of the scene costs, calls opened.
 fn steps(scene: &Compiled, function: Function) -> usize {
     let root = scene.functions.formulas[&(scene.root, function)];
-    Tape::new(&scene.graph, &scene.functions, &[root], &scene.live(), 100_000).unwrap().operations()
+    Tape::new(&scene.graph, &scene.functions.formulas, &[root], &scene.live(), 100_000).unwrap().operations()
 }
 
 /// With something that cuts nothing off, and without it.

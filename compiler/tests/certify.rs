@@ -6,7 +6,7 @@ use surefoot_compiler::certify::{Ball, Box3, Claim, Hit, Truth, falsify};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
 use surefoot_compiler::graph::interval::Interval;
-use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::camera::Basis;
 use surefoot_compiler::reference_text::{CHAPTERS, entries};
 use surefoot_compiler::random::Random;
 use surefoot_compiler::{Compiled, Loader, MemoryLoader, Options, compile};
@@ -417,7 +417,7 @@ fn a_distance_does_not_depend_on_how_far_is_looked() {
 fn a_wrong_bound_is_falsified_and_a_right_one_is_not() {
     let scene = scene("scene = sphere(1)");
     let field = scene.functions.formulas[&(scene.root, Function::Field)];
-    let tape = Tape::new(&scene.graph, &scene.functions, &[field], &scene.live(), 1000).unwrap();
+    let tape = Tape::new(&scene.graph, &scene.functions.formulas, &[field], &scene.live(), 1000).unwrap();
     let claim = |radius| [Claim { point: [2.0, 0.0, 0.0], radius, field: 1.0 }];
     let look = |radius| falsify(&mut tape.evaluator(), &claim(radius), || [-1.0, 0.0, 0.0], 1, &[0.5, 0.999], 10.0);
     assert!(look(1.0).is_empty());

@@ -123,7 +123,7 @@ fn the_estimate_is_hardly_over_the_distance() {
     let mut wrong = Vec::new();
     for (name, scene) in scenes.into_iter().filter(|(name, _)| only.as_ref().is_none_or(|only| only == name)) {
         let root = [Function::Distance, Function::Field].map(|f| scene.functions.formulas[&(scene.root, f)]);
-        let tape = Tape::new(&scene.graph, &scene.functions, &root, &scene.live(), 4_000_000).unwrap();
+        let tape = Tape::new(&scene.graph, &scene.functions.formulas, &root, &scene.live(), 4_000_000).unwrap();
         let truth = Truth::new(&scene, &scene.live(), 4_000_000).unwrap();
         let mut prover = truth.prover();
         let mut random = Random(3);
@@ -193,7 +193,7 @@ fn the_estimate_is_no_less_than_the_bound() {
         let loader = MemoryLoader::new().with("main.sdf", scene);
         let scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
         let root = [Function::Distance, Function::Bound].map(|f| scene.functions.formulas[&(scene.root, f)]);
-        let tape = Tape::new(&scene.graph, &scene.functions, &root, &scene.live(), 4_000_000).unwrap();
+        let tape = Tape::new(&scene.graph, &scene.functions.formulas, &root, &scene.live(), 4_000_000).unwrap();
         let mut random = Random(5);
         let points: Vec<[f64; 3]> = (0..5000).map(|i| random.within([2.0, 6.0][i % 2])).collect();
         let mut least = (1.0, [0.0; 3]);
@@ -224,7 +224,7 @@ fn what_is_stretched_is_as_far_as_it_is() {
         let loader = MemoryLoader::new().with("main.sdf", format!("scene = {text}\n"));
         let scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
         let root = scene.functions.formulas[&(scene.root, Function::Distance)];
-        let tape = Tape::new(&scene.graph, &scene.functions, &[root], &scene.live(), 4_000_000).unwrap();
+        let tape = Tape::new(&scene.graph, &scene.functions.formulas, &[root], &scene.live(), 4_000_000).unwrap();
         tape.evaluator().at(&[at], &[], |_, values| assert!((values[0] - expected).abs() < 0.05 * expected, "{text}: {} and not {expected}", values[0]));
     }
 }
@@ -244,7 +244,7 @@ fn a_wide_range_makes_no_shape_fatter() {
     let mut prover = truth.prover();
     let [wide, still] = scenes.each_ref().map(|scene| {
         let root = scene.functions.formulas[&(scene.root, Function::Distance)];
-        let tape = Tape::new(&scene.graph, &scene.functions, &[root], &scene.live(), 4_000_000).unwrap();
+        let tape = Tape::new(&scene.graph, &scene.functions.formulas, &[root], &scene.live(), 4_000_000).unwrap();
         let mut found = vec![0.0; points.len()];
         tape.evaluator().at(&points, &[], |i, values| found[i] = values[0]);
         found

@@ -55,7 +55,7 @@ fn differences(name: &str, scene: &Compiled, half: f64, count: usize) -> Vec<Str
         functions.iter().map(|f| scene.functions.formulas[&(scene.root, *f)]).collect();
     let s = &scene.functions.surface;
     roots.extend(s.color.iter().chain(&s.emission).chain([&s.roughness, &s.metallic, &s.reflectivity]));
-    let tape = Tape::new(&scene.graph, &scene.functions, &roots, &live, 4_000_000).unwrap();
+    let tape = Tape::new(&scene.graph, &scene.functions.formulas, &roots, &live, 4_000_000).unwrap();
     let points = points(count, half);
     let normal = [0.48, 0.6, 0.64];
     let mut expected = vec![Vec::new(); points.len()];

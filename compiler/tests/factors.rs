@@ -187,7 +187,7 @@ fn far_from_its_axis_a_turned_distance_is_no_steeper() {
         let scene = scene(&format!("scene = {text}\n"));
         let factor = if factor > 0.0 { factor } else { scene.summary.factor };
         let root = scene.functions.formulas[&(scene.root, Function::Field)];
-        let tape = Tape::new(&scene.graph, &scene.functions, &[root], &scene.live(), 1_000_000).unwrap();
+        let tape = Tape::new(&scene.graph, &scene.functions.formulas, &[root], &scene.live(), 1_000_000).unwrap();
         let mut random = Random(9);
         let mut points = Vec::new();
         for _ in 0..20_000 {
@@ -339,7 +339,7 @@ fn what_has_a_live_number_of_corners_is_no_larger_than_its_radius() {
         assert!(largest(&tapered) < 5.0, "{drawing}: {}", largest(&tapered));
         // And it is there: the solid is not cut off.
         let live = flat.live();
-        let tape = Tape::new(&flat.graph, &flat.functions, &[flat.functions.formulas[&(flat.root, Function::Field)]], &live, 1_000_000).unwrap();
+        let tape = Tape::new(&flat.graph, &flat.functions.formulas, &[flat.functions.formulas[&(flat.root, Function::Field)]], &live, 1_000_000).unwrap();
         tape.evaluator().at(&[[0.0, 0.45, 0.0]], &[], |_, values| assert!(values[0] < 0.0, "{drawing}: {}", values[0]));
     }
 }

@@ -73,7 +73,7 @@ fn fields(text: &str, wide: f64, points: &[[f64; 3]]) -> Vec<f64> {
     live.components.fill(wide);
     live.time = wide * std::f64::consts::PI;
     let root = scene.functions.formulas[&(scene.root, Function::Field)];
-    let tape = Tape::new(&scene.graph, &scene.functions, &[root], &live, 1_000_000).unwrap();
+    let tape = Tape::new(&scene.graph, &scene.functions.formulas, &[root], &live, 1_000_000).unwrap();
     let mut found = Vec::new();
     tape.evaluator().at(points, &[], |_, values| found.push(values[0]));
     found

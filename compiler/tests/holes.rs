@@ -8,7 +8,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use surefoot_compiler::evaluate::{LANES, Tape, lanes};
 use surefoot_compiler::reference::Reference;
-use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
 use surefoot_compiler::compiled::Camera;
 use surefoot_compiler::{Compiled, Live, MemoryLoader, Options, compile};

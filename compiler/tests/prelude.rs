@@ -95,7 +95,7 @@ impl Probe {
         let formula = |f| compiled.functions.formulas[&(compiled.root, f)];
         let roots = [formula(GraphFunction::Field), formula(GraphFunction::Bound)];
         let live = compiled.live();
-        let tape = Tape::new(&compiled.graph, &compiled.functions, &roots, &live, 1 << 20).unwrap();
+        let tape = Tape::new(&compiled.graph, &compiled.functions.formulas, &roots, &live, 1 << 20).unwrap();
         Self { tape }
     }
 

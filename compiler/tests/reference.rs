@@ -5,7 +5,7 @@
 use surefoot_compiler::compiled::{Camera, Compiled, MemoryLoader};
 use surefoot_compiler::evaluate::lanes;
 use surefoot_compiler::reference::area::{on_disc, toward};
-use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
 use surefoot_compiler::reference::shade::Seen;
 use surefoot_compiler::reference::{Area, Reference, View, rgb8};

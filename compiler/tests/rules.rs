@@ -29,7 +29,7 @@ fn number(declarations: &str, expression: &str) -> f64 {
 fn field(text: &str, point: [f64; 3]) -> f64 {
     let scene = scene(text);
     let root = scene.functions.formulas[&(scene.root, Function::Field)];
-    let tape = Tape::new(&scene.graph, &scene.functions, &[root], &scene.live(), 100_000).unwrap();
+    let tape = Tape::new(&scene.graph, &scene.functions.formulas, &[root], &scene.live(), 100_000).unwrap();
     let mut value = f64::NAN;
     tape.evaluator().at(&[point], &[], |_, values| value = values[0]);
     value

@@ -45,7 +45,7 @@ fn try_scene(scene: &Compiled, half: f64, points: usize, seed: u64) -> Found {
         }
         let roots = [Function::Field, Function::Bound, Function::Distance]
             .map(|f| scene.functions.formulas[&(scene.root, f)]);
-        let tape = Tape::new(&scene.graph, &scene.functions, &roots, &live, 4_000_000).unwrap();
+        let tape = Tape::new(&scene.graph, &scene.functions.formulas, &roots, &live, 4_000_000).unwrap();
         let mut evaluator = tape.evaluator();
         let mut starts: Vec<[f64; 3]> = (0..points / 3).map(|_| random.within(half)).collect();
         // As many near the surface: walked there by the bound.

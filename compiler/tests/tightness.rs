@@ -34,7 +34,7 @@ fn every_claim_of_the_prelude_is_among_the_rules() {
 fn mutated(scene: &Compiled, times: f64) -> impl Fn(&Live, &[[f32; 3]]) -> Result<Vec<f32>, String> {
     move |live, points| {
         let bound = scene.functions.formulas[&(scene.root, Function::Bound)];
-        let tape = Tape::new(&scene.graph, &scene.functions, &[bound], live, 1_000_000).unwrap();
+        let tape = Tape::new(&scene.graph, &scene.functions.formulas, &[bound], live, 1_000_000).unwrap();
         let points: Vec<[f64; 3]> = points.iter().map(|p| p.map(f64::from)).collect();
         let mut bounds = Vec::new();
         tape.evaluator().at(&points, &[], |_, values| bounds.push((values[0] * times) as f32));

@@ -28,7 +28,7 @@ fn trial(scene: &Compiled, device: Option<Device>) -> Report {
 fn device(scene: &Compiled, times: f32) -> impl Fn(&Live, &[[f32; 3]]) -> Result<Vec<f32>, String> {
     move |live, points| {
         let bound = scene.functions.formulas[&(scene.root, Function::Bound)];
-        let tape = Tape::new(&scene.graph, &scene.functions, &[bound], live, 1_000_000).unwrap();
+        let tape = Tape::new(&scene.graph, &scene.functions.formulas, &[bound], live, 1_000_000).unwrap();
         let points: Vec<[f64; 3]> = points.iter().map(|p| p.map(f64::from)).collect();
         let mut bounds = Vec::new();
         tape.evaluator().at(&points, &[], |_, values| bounds.push(values[0] as f32 * times));
@@ -66,7 +66,7 @@ fn halved_factors_are_found_out() {
             assert!(away <= violation.bound, "{violation:?} is {away} away");
             let live = &report.moments[violation.moment];
             let field = scene.functions.formulas[&(scene.root, Function::Field)];
-            let tape = Tape::new(&scene.graph, &scene.functions, &[field], live, 1_000_000).unwrap();
+            let tape = Tape::new(&scene.graph, &scene.functions.formulas, &[field], live, 1_000_000).unwrap();
             let mut there = 0.0;
             tape.evaluator().at(&[at], &[], |_, values| there = values[0]);
             assert!(there * violation.field < 0.0, "the field is {there} there: {violation:?}");

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 use surefoot_compiler::Compiled;
 use surefoot_compiler::compiled::Live;
-use surefoot_compiler::followed::Followed;
+use surefoot_compiler::live::Followed;
 
 /// How many boxes each factor may cost, in turn, for the whole ranges of the parameters.
 const BOXES: [usize; 3] = [2_048, 16_384, 131_072];

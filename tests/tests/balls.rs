@@ -439,7 +439,7 @@ fn elastic_balls_keep_their_energy() {
 
 #[test]
 fn a_ball_is_seen_where_it_is() {
-    use surefoot_compiler::reference::camera::Basis;
+    use surefoot_compiler::camera::Basis;
     use surefoot_runtime::headless::{FORMAT, Shot, render_with};
     use surefoot_runtime::{Picture, ViewMode};
     let gpu = gpu();

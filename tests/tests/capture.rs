@@ -6,7 +6,7 @@ use common::alike::{draw_with_meshes, png, prepare_with_meshes, save, scene_with
 use common::gpu;
 use surefoot_compiler::MemoryLoader;
 use surefoot_compiler::compiled::{Camera, Tone};
-use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::camera::Basis;
 use surefoot_compiler::reference::film::develop;
 use surefoot_compiler::reference::shade::Shading;
 use surefoot_compiler::vector::{Vec3, add, dot, sub};

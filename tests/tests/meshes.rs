@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::{Camera, Compiled, Options};
-use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::camera::Basis;
 use surefoot_compiler::vector::{Vec3, add, dot, scale, sub};
 use surefoot_compiler::{MemoryLoader, compile, diagnostic};
 use surefoot_runtime::headless::{self, FORMAT, Pixels, Shot};

@@ -3,7 +3,7 @@
 mod common;
 
 use surefoot_compiler::compiled::{Camera, Live, UniformSource};
-use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::camera::Basis;
 use surefoot_runtime::passes::rays::{Follower, GpuRay, RayPicture, Rays};
 
 /// Columns and rows of a view.

@@ -35,7 +35,7 @@ fn tape(compiled: &Compiled, live: &Live, functions: &[Function]) -> Option<Tape
         .iter()
         .map(|f| compiled.functions.formulas.get(&(compiled.root, *f)).copied())
         .collect();
-    Tape::new(&compiled.graph, &compiled.functions, &roots?, live, 4_000_000).ok()
+    Tape::new(&compiled.graph, &compiled.functions.formulas, &roots?, live, 4_000_000).ok()
 }
 
 /// Points about what the camera looks at, exact in 32 bits; half of them walked toward the surface.

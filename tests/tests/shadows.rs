@@ -4,7 +4,7 @@ mod common;
 
 use common::{gpu, pictures};
 use surefoot_compiler::compiled::{Camera, Compiled, Options};
-use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::camera::Basis;
 use surefoot_compiler::vector::{Vec3, add, along, dot, length, scale, sub, unit};
 use surefoot_compiler::{MemoryLoader, compile, diagnostic};
 use surefoot_runtime::headless::{self, FORMAT, Pixels, Shot};

@@ -4,7 +4,7 @@ mod common;
 
 use common::gpu;
 use surefoot_compiler::compiled::Options;
-use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::camera::Basis;
 use surefoot_compiler::vector::{add, dot, scale};
 use surefoot_compiler::reference::{Area, Reference, View};
 use surefoot_compiler::{Compiled, MemoryLoader, compile, diagnostic};

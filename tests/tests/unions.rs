@@ -33,7 +33,7 @@ fn points(half: f64) -> Vec<[f32; 3]> {
 /// A function's values in 64 bits.
 fn values(compiled: &Compiled, live: &Live, function: Function, points: &[[f32; 3]]) -> Vec<f64> {
     let formula = compiled.functions.formulas[&(compiled.root, function)];
-    let tape = Tape::new(&compiled.graph, &compiled.functions, &[formula], live, 8_000_000).unwrap();
+    let tape = Tape::new(&compiled.graph, &compiled.functions.formulas, &[formula], live, 8_000_000).unwrap();
     let wide: Vec<[f64; 3]> = points.iter().map(|p| p.map(f64::from)).collect();
     let mut all = vec![0.0; points.len()];
     tape.evaluator().at(&wide, &[], |i, values| all[i] = values[0]);

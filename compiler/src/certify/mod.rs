@@ -33,7 +33,8 @@ pub use falsify::{Claim, Violation, falsify};
 pub use ray::Hit;
 pub use steepest::Steepest;
 
-use crate::compiled::{Compiled, Live};
+use crate::compiled::Compiled;
+use crate::live::Live;
 use crate::evaluate::{Tape, TooLarge};
 use crate::functions::Functions;
 use crate::graph::interval::Interval;
@@ -103,7 +104,7 @@ impl Truth {
 
     /// Any formula in the scene's space: `root` is a node of `graph`, whose calls of fields `functions` has.
     pub fn of(graph: &Graph, functions: &Functions, root: NodeId, live: &Live, limit: usize) -> Result<Self, TooLarge> {
-        let tape = Tape::new(graph, functions, &[root], live, limit)?;
+        let tape = Tape::new(graph, &functions.formulas, &[root], live, limit)?;
         Ok(Self { point: Arc::new(Code::new(&tape)), ray: Code::along(&tape) })
     }
 

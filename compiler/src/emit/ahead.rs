@@ -4,7 +4,7 @@ use super::body::Body;
 use super::plan::{Plan, Plans as AllPlans};
 use super::write::{self, Context};
 use super::{EmitError, scene_space, surface_plan};
-use crate::compiled::{Export, UniformSource};
+use crate::interface::{Export, UniformSource};
 use crate::functions::Planes;
 use crate::graph::{Graph, NodeId, ShapeId};
 use std::fmt::Write;

@@ -4,7 +4,7 @@
 use super::EmitError;
 use super::body::{Body, Code, ExprId, Outside, Read};
 use super::library::LEAST_DIVISOR;
-use super::table::narrow;
+use crate::graph::narrow;
 use crate::graph::ANY_TIME;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;

@@ -6,7 +6,7 @@ use super::names::identifier;
 use super::uniforms::Candidates;
 use super::write::vector_type;
 use crate::analysis::Box3;
-use crate::compiled::{Export, Options, Parameter, Uniform, UniformSource};
+use crate::interface::{Export, Options, Parameter, Uniform, UniformSource};
 use crate::factors;
 use crate::graph::kernel::Op;
 use crate::graph::{Factor, Graph, Proof};

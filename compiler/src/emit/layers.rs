@@ -4,7 +4,7 @@ use super::body::{Body, Code, ExprId, Space};
 use super::plan::Plan;
 use super::write::{self, Context};
 use super::{EmitError, own_space, scene_space, surface_struct};
-use crate::compiled::UniformSource;
+use crate::interface::UniformSource;
 use crate::functions::Surface;
 use crate::graph::{ShapeId, Slot};
 use std::borrow::Cow;

@@ -5,7 +5,7 @@
 
 use super::shadow;
 use super::tracer::{Tracer, Ways};
-use crate::compiled::{Export, Rounding};
+use crate::interface::{Export, Rounding};
 use crate::graph::kernel::Op;
 use std::borrow::Cow;
 use std::sync::OnceLock;

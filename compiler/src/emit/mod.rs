@@ -10,6 +10,7 @@ mod body;
 mod formulas;
 mod header;
 mod library;
+mod module;
 mod names;
 mod layers;
 mod plan;
@@ -25,12 +26,16 @@ mod write;
 #[cfg(test)]
 mod tests;
 
+pub use module::Module;
 pub use formulas::Formulas;
 pub use library::signature;
 pub use translate::{Target, translate, validate};
 
 use crate::analysis::Box3;
-use crate::compiled::{Export, Live, Module, ModuleTables, Options, Parameter, Rounding, SceneBlocks, UniformSource};
+use crate::blocks::SceneBlocks;
+use crate::emit::table::ModuleTables;
+use crate::interface::{Export, Options, Parameter, Rounding, UniformSource};
+use crate::live::Live;
 use crate::functions::Functions;
 use crate::graph::interval::Interval;
 use crate::graph::simplify::Terms;

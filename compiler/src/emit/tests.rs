@@ -1,7 +1,7 @@
 //! What modules look like, and that naga takes them.
 
 use super::*;
-use crate::compiled::UniformSource;
+use crate::interface::UniformSource;
 use crate::graph::kernel::{self, Op};
 use crate::graph::{Exactness, Factor, Leaf, NodeId, ParameterComponent, Shape, WORLD};
 use crate::source::{FileId, Span};
@@ -483,7 +483,7 @@ fn nothing_is_read_for_nothing() {
     let (b, root) = pair();
     let options = Options { exports: vec![Export::Field], ..Options::default() };
     let module = b.check(root, &options);
-    let factor = |u: &crate::compiled::Uniform| matches!(u.source, UniformSource::Factor(_));
+    let factor = |u: &crate::interface::Uniform| matches!(u.source, UniformSource::Factor(_));
     assert!(!module.uniforms.iter().any(factor));
     assert!(!module.wgsl.contains("struct sf_Hit"));
     assert!(!module.wgsl.contains("fn sf_div"));

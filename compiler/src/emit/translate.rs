@@ -1,7 +1,8 @@
 //! Modules checked, and in other languages, through naga.
 
 use super::{library, spirv, table};
-use crate::compiled::{Export, Module};
+use super::Module;
+use crate::interface::Export;
 use naga::back::{glsl, hlsl, msl, spv};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 

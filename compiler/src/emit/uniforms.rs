@@ -6,7 +6,7 @@ use super::formulas::{Formulas, call_name};
 use super::names::{Scope, identifier};
 use super::names::split_axis;
 use super::write::component_name;
-use crate::compiled::{Parameter, Uniform, UniformSource};
+use crate::interface::{Parameter, Uniform, UniformSource};
 use crate::graph::Graph;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::KERNEL;

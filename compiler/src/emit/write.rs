@@ -12,7 +12,7 @@ use super::names::{Scope, identifier, split_axis};
 use super::plan::{Group, Plans, TargetId};
 use super::table::Tables;
 use super::uniforms::Candidates;
-use crate::compiled::Rounding;
+use crate::interface::Rounding;
 use crate::graph::{Graph, NodeId};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;

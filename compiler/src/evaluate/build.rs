@@ -1,10 +1,9 @@
 //! From the graph to a tape: calls are replaced by formulas, constants folded, equal values joined, registers given.
 
 use super::{INPUTS, Instruction, Tape, TooLarge, run};
-use crate::compiled::Live;
-use crate::functions::Functions;
+use crate::live::Live;
 use crate::graph::kernel::Op;
-use crate::graph::{FAR, FIRST_VARIABLE, multiple_of, Graph, Leaf, Node, NodeId, ShapeId};
+use crate::graph::{FAR, FIRST_VARIABLE, Graph, Leaf, Node, NodeId, Opened, ShapeId, multiple_of};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
@@ -31,7 +30,7 @@ struct Scope {
 
 struct Builder<'a> {
     graph: &'a Graph,
-    functions: &'a Functions,
+    opened: &'a Opened,
     live: &'a Live,
     /// Nodes that are the lesser of two values, of which the second is raised to the first component of the normal.
     lesser: &'a FxHashMap<NodeId, [NodeId; 2]>,
@@ -43,7 +42,7 @@ struct Builder<'a> {
 
 pub(super) fn tape(
     graph: &Graph,
-    functions: &Functions,
+    opened: &Opened,
     roots: &[NodeId],
     live: &Live,
     limit: usize,
@@ -58,7 +57,7 @@ pub(super) fn tape(
     };
     let mut builder = Builder {
         graph,
-        functions,
+        opened,
         live,
         lesser,
         values,
@@ -138,7 +137,7 @@ impl Builder<'_> {
             }
             Node::Call(shape, function, arguments) => {
                 let all = self.need(scope, arguments, stack)?;
-                let own = self.functions.formulas.get(&(*shape, *function)).copied();
+                let own = self.opened.get(&(*shape, *function)).copied();
                 let formula = own.or_else(|| graph.shape(*shape).map(|s| s.value))?;
                 let inner = self.scope(*shape, all);
                 let known = self.done.get(&(inner, formula)).copied();

@@ -12,10 +12,9 @@ mod conforming;
 mod narrow;
 mod run;
 
-use crate::compiled::Live;
-use crate::functions::Functions;
+use crate::live::Live;
 use crate::graph::kernel::Op;
-use crate::graph::{Graph, NodeId};
+use crate::graph::{Graph, NodeId, Opened};
 use rustc_hash::FxHashMap;
 
 /// How many points are computed at once.
@@ -67,16 +66,16 @@ pub struct Evaluator<'t> {
 }
 
 impl Tape {
-    /// The formulas `roots`, which stand in the scene's space. Functions of shapes that have no formula of their own in `functions` count
+    /// The formulas `roots`, which stand in the scene's space. Functions of shapes that have no formula of their own in `opened` count
     /// as the shape's field. At most `limit` operations.
     pub fn new(
         graph: &Graph,
-        functions: &Functions,
+        opened: &Opened,
         roots: &[NodeId],
         live: &Live,
         limit: usize,
     ) -> Result<Self, TooLarge> {
-        build::tape(graph, functions, roots, live, limit, &FxHashMap::default())
+        build::tape(graph, opened, roots, live, limit, &FxHashMap::default())
     }
 
     /// The formula `root`, in which each node of `lesser` is the lesser of its first value and of its second or the first component of the
@@ -88,7 +87,7 @@ impl Tape {
         limit: usize,
         lesser: &FxHashMap<NodeId, [NodeId; 2]>,
     ) -> Result<Self, TooLarge> {
-        build::tape(graph, &Functions::default(), &[root], live, limit, lesser)
+        build::tape(graph, &Opened::default(), &[root], live, limit, lesser)
     }
 
     /// Number of operations for one point.

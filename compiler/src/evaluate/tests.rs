@@ -56,7 +56,7 @@ impl Algebra for Rounded {
 /// The value of a formula at a point of the scene, by the plainest of walks.
 fn plain(
     graph: &Graph,
-    functions: &Functions,
+    opened: &Opened,
     root: NodeId,
     live: &Live,
     arguments: &[f64],
@@ -77,11 +77,11 @@ fn plain(
             },
         },
         |_, shape, function, arguments| {
-            let own = functions.formulas.get(&(shape, function)).copied();
+            let own = opened.get(&(shape, function)).copied();
             let shape = graph.shape(shape).unwrap();
             plain(
                 graph,
-                functions,
+                opened,
                 own.unwrap_or(shape.value),
                 live,
                 arguments,
@@ -106,7 +106,7 @@ fn every_operation_computes_what_the_table_says() {
         let inputs: Vec<NodeId> = leaves.map(|&leaf| graph.leaf(leaf)).collect();
         let root = graph.intern(Node::Op(row.op, inputs.into()));
         let live = Live { time: 0.0, components: Vec::new(), followed: None, tightened: Vec::new() };
-        let tape = Tape::new(&graph, &Functions::default(), &[root], &live, 100).unwrap();
+        let tape = Tape::new(&graph, &Opened::default(), &[root], &live, 100).unwrap();
         let logic = matches!(row.op, Op::And | Op::Or | Op::Not);
         let first: &[f64] = if logic || row.op == Op::Select { &conditions } else { &samples };
         let second: &[f64] = if logic { &conditions } else { &samples };
@@ -133,7 +133,7 @@ fn sines_are_those_of_the_library() {
     let x = graph.leaf(Leaf::P(0));
     let (sin, cos) = (graph.op(Op::Sin, &[x]), graph.op(Op::Cos, &[x]));
     let live = Live { time: 0.0, components: Vec::new(), followed: None, tightened: Vec::new() };
-    let tape = Tape::new(&graph, &Functions::default(), &[sin, cos], &live, 100).unwrap();
+    let tape = Tape::new(&graph, &Opened::default(), &[sin, cos], &live, 100).unwrap();
     let quarter = std::f64::consts::FRAC_PI_2;
     let points: Vec<[f64; 3]> = (-40_000..40_000)
         .flat_map(|i| [f64::from(i) * 0.0173, f64::from(i) * quarter, f64::from(i) * 1.7])
@@ -150,9 +150,9 @@ fn sines_are_those_of_the_library() {
 type Recipe = Vec<(usize, [usize; 4], f32)>;
 
 /// Nodes over everything that a formula can read, with shapes that call shapes.
-fn cook(recipe: &Recipe) -> (Graph, Functions, Vec<NodeId>) {
+fn cook(recipe: &Recipe) -> (Graph, Opened, Vec<NodeId>) {
     let mut graph = Graph::new();
-    let mut functions = Functions::default();
+    let mut functions = Opened::default();
     graph.parameters.push(ParameterComponent {
         parameter: 0,
         component: 0,
@@ -189,7 +189,7 @@ fn cook(recipe: &Recipe) -> (Graph, Functions, Vec<NodeId>) {
                 let id = shape(&mut graph, value);
                 shapes.push(id);
                 let half = graph.op(Op::Abs, &[value]);
-                functions.formulas.insert((id, Function::Bound), half);
+                functions.insert((id, Function::Bound), half);
             }
             nodes = leaves.iter().map(|n| graph.intern(n.clone())).collect();
         }
@@ -289,10 +289,10 @@ fn deep_formulas_and_long_chains_of_calls_are_no_trouble() {
     }
     let root = graph.field(id, [x, y, z]);
     let live = Live { time: 0.0, components: Vec::new(), followed: None, tightened: Vec::new() };
-    let tape = Tape::new(&graph, &Functions::default(), &[root], &live, 1_000_000).unwrap();
+    let tape = Tape::new(&graph, &Opened::default(), &[root], &live, 1_000_000).unwrap();
     assert!(tape.registers < 50, "{} registers", tape.registers);
     assert_eq!(
-        Tape::new(&graph, &Functions::default(), &[root], &live, 1_000).err(),
+        Tape::new(&graph, &Opened::default(), &[root], &live, 1_000).err(),
         Some(TooLarge { limit: 1_000 })
     );
 }
@@ -304,7 +304,7 @@ fn an_operation_of_constants_is_computed_beforehand() {
     let time = graph.leaf(Leaf::Time);
     let (u, v) = (graph.op(Op::TurnU, &[x, x, time]), graph.op(Op::TurnV, &[x, x, time]));
     let live = Live { time: 0.5, components: Vec::new(), followed: None, tightened: Vec::new() };
-    let tape = Tape::new(&graph, &Functions::default(), &[u, v], &live, 100).unwrap();
+    let tape = Tape::new(&graph, &Opened::default(), &[u, v], &live, 100).unwrap();
     // Two products (both coordinates are x), a difference and a sum.
     assert_eq!(tape.operations(), 4);
     assert_eq!(
@@ -326,7 +326,7 @@ fn what_a_gpu_may_answer_lies_about_the_value() {
             leaves.iter().take(usize::from(row.arity)).map(|&leaf| graph.leaf(leaf)).collect();
         let root = graph.intern(Node::Op(row.op, inputs.into()));
         let live = Live { time: 0.0, components: Vec::new(), followed: None, tightened: Vec::new() };
-        let tape = Tape::new(&graph, &Functions::default(), &[root], &live, 100).unwrap();
+        let tape = Tape::new(&graph, &Opened::default(), &[root], &live, 100).unwrap();
         for a in samples {
             for b in samples {
                 let p = [a, b, 0.7];

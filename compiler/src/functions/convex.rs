@@ -181,7 +181,7 @@ mod tests {
         let loader = MemoryLoader::new().with("main.sdf", text);
         let scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
         let roots = [Function::Field, Function::Bound, Function::Distance].map(|f| scene.functions.formulas[&(scene.root, f)]);
-        let tape = Tape::new(&scene.graph, &scene.functions, &roots, &scene.live(), 1_000_000).unwrap();
+        let tape = Tape::new(&scene.graph, &scene.functions.formulas, &roots, &scene.live(), 1_000_000).unwrap();
         let mut found = [0.0; 3];
         tape.evaluator().at(&[place], &[], |_, values| found.copy_from_slice(values));
         found

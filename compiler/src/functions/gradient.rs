@@ -309,7 +309,7 @@ mod tests {
         let scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
         let functions = [Function::Gradient(0), Function::Gradient(1), Function::Gradient(2), Function::Distance];
         let roots = functions.map(|f| scene.functions.formulas[&(scene.root, f)]);
-        let tape = Tape::new(&scene.graph, &scene.functions, &roots, &scene.live(), 1_000_000).unwrap();
+        let tape = Tape::new(&scene.graph, &scene.functions.formulas, &roots, &scene.live(), 1_000_000).unwrap();
         let mut found = [0.0; 4];
         tape.evaluator().at(&[place], &[], |_, values| found.copy_from_slice(values));
         let [x, y, z, distance] = found;

@@ -47,12 +47,12 @@ use treatment::{Over, Treatment};
 use crate::analysis::region::WORLD_SIDE;
 use crate::analysis::search::{Search, Target};
 use crate::analysis::{Box3, Domain, Facts, call_domain};
-use crate::compiled::SceneBlocks;
+use crate::blocks::SceneBlocks;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::images::TextureKind;
-use crate::graph::{Function, Graph, Leaf, Node, NodeId, Proof, ShapeId, Slot, WORLD};
+use crate::graph::{Function, Graph, Leaf, Node, NodeId, Opened, Proof, ShapeId, Slot, WORLD};
 use crate::source::Span;
 use rustc_hash::{FxHashMap, FxHashSet};
 use smallvec::{SmallVec, smallvec};
@@ -63,7 +63,7 @@ use std::rc::Rc;
 pub struct Functions {
     /// Formula by shape and function, in the shape's own space: it reads `p`, the shape's variables, parameters, time, factors,
     /// and calls functions of other shapes. `Gradient(0..=2)` are present together or not at all.
-    pub formulas: FxHashMap<(ShapeId, Function), NodeId>,
+    pub formulas: Opened,
     /// The root's surface, in the scene's space: it reads `p`, `Normal`, and calls fields.
     pub surface: Surface,
     /// What meshes are made of whose material is not the same everywhere, each once, in the mesh's own space: of a layer the axes are those of

@@ -337,7 +337,7 @@ mod tests {
         let loader = MemoryLoader::new().with("main.sdf", scene);
         let scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
         let root = scene.functions.formulas[&(scene.root, Function::Bound)];
-        let tape = Tape::new(&scene.graph, &scene.functions, &[root], &scene.live(), 1_000_000).unwrap();
+        let tape = Tape::new(&scene.graph, &scene.functions.formulas, &[root], &scene.live(), 1_000_000).unwrap();
         let mut found = 0.0;
         tape.evaluator().at(&[place], &[], |_, values| found = values[0]);
         found
@@ -379,7 +379,7 @@ mod tests {
         let loader = MemoryLoader::new().with("main.sdf", scene);
         let scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
         let root = |function| scene.functions.formulas[&(scene.root, function)];
-        let tape = Tape::new(&scene.graph, &scene.functions, &[root(Function::Bound), root(Function::Field)], &scene.live(), 1_000_000).unwrap();
+        let tape = Tape::new(&scene.graph, &scene.functions.formulas, &[root(Function::Bound), root(Function::Field)], &scene.live(), 1_000_000).unwrap();
         let mut evaluator = tape.evaluator();
         let mut random = Random(7);
         let (mut far, mut close, places) = (0, 0, 4000);

@@ -120,7 +120,7 @@ mod tests {
         let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
         let scene = outcome.compiled.unwrap();
         let root = scene.functions.formulas[&(scene.root, Function::Bound)];
-        let tape = Tape::new(&scene.graph, &scene.functions, &[root], &scene.live(), 1_000_000).unwrap();
+        let tape = Tape::new(&scene.graph, &scene.functions.formulas, &[root], &scene.live(), 1_000_000).unwrap();
         let mut found = 0.0;
         tape.evaluator().at(&[place], &[], |_, values| found = values[0]);
         (found, outcome.diagnostics.into_iter().filter(|d| d.code == Code::Jump).map(|d| d.message).collect())

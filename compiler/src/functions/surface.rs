@@ -6,7 +6,7 @@ use super::{Builder, Layer, Look, Surface};
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, Leaf, Material, MaterialId, Node, NodeId, ShapeId, kernel, WORLD};
 use crate::images::TextureKind;
-use crate::mesh::MeshNodes;
+use crate::blocks::MeshNodes;
 use rustc_hash::FxHashSet;
 use std::rc::Rc;
 

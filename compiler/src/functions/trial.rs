@@ -2,7 +2,7 @@
 
 use super::Builder;
 use crate::analysis::Domain;
-use crate::compiled::Live;
+use crate::live::Live;
 use crate::evaluate::{Evaluator, LANES, Lanes, Tape, lanes};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -66,7 +66,7 @@ impl Builder<'_> {
                 _ => None,
             })
         };
-        Tape::new(self.graph, &self.built, &roots, &live, LONGEST).ok()
+        Tape::new(self.graph, &self.built.formulas, &roots, &live, LONGEST).ok()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Numbers that loops count through: what differs between cells is mostly which of its neighbours a cell is.
 
-use crate::emit::table::narrow;
+use crate::graph::narrow;
 
 /// Loops within each other, the outermost first, and the columns of numbers that they count.
 #[derive(Clone, Debug, PartialEq)]

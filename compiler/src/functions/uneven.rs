@@ -235,7 +235,7 @@ mod tests {
     fn shares_in(text: &str, ways: &[f64]) -> (Vec<[f64; 2]>, f64) {
         let scene = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default()).compiled.unwrap();
         let roots = [Function::Bound, Function::Distance].map(|f| scene.functions.formulas[&(scene.root, f)]);
-        let tape = Tape::new(&scene.graph, &scene.functions, &roots, &scene.live(), 1_000_000).unwrap();
+        let tape = Tape::new(&scene.graph, &scene.functions.formulas, &roots, &scene.live(), 1_000_000).unwrap();
         let part = |c: f64, way: f64| c * (1.0 + way) / 3f64.sqrt();
         let points: Vec<[f64; 3]> = ways.iter().map(|&way| [part(1.0, way), part(-1.0, way), part(1.0, way)]).collect();
         let mut found = vec![[0.0; 2]; ways.len()];

@@ -19,7 +19,7 @@ mod reads;
 pub mod simplify;
 mod walk;
 
-use crate::images::ImageFile;
+use crate::source::ImageFile;
 use crate::source::Span;
 use index::Index;
 use interval::Interval;
@@ -170,6 +170,16 @@ pub struct Factor {
     pub span: Span,
     /// How it is known.
     pub proof: Proof,
+}
+
+/// Formulas of shapes' functions, in the space of the shape.
+pub type Opened = rustc_hash::FxHashMap<(ShapeId, Function), NodeId>;
+
+/// A number as the text of a module would hold it.
+pub fn narrow(number: f64) -> f32 {
+    let limit = f64::from(f32::MAX);
+    let number = number.clamp(-limit, limit) as f32;
+    if number.is_normal() { number } else { 0.0 }
 }
 
 /// One over a Lipschitz factor as 32 bits hold it, rounded down, and at most a million: what hardly changes takes no endless steps.

@@ -7,17 +7,8 @@ pub use cube::{Cube, FACES};
 pub use texture::{Texture, TextureKind, sides};
 
 use crate::vector::Vec3;
-use crate::source::Span;
+use crate::source::ImageFile;
 use std::sync::Arc;
-
-/// A file that the scene's text names.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct ImageFile {
-    /// Relative to the working directory, or absolute; a folder's name may end in `/`.
-    pub path: String,
-    /// Where the text names it.
-    pub span: Span,
-}
 
 /// How images stand for the sky.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

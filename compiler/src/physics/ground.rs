@@ -1,7 +1,8 @@
 //! What a ball meets: the field's surface, as one nearest point.
 
 use super::NEAR;
-use crate::compiled::{Compiled, Live};
+use crate::compiled::Compiled;
+use crate::live::Live;
 use crate::evaluate::{Tape, TooLarge, lanes};
 use crate::functions::Functions;
 use crate::graph::{Function, NodeId};
@@ -66,7 +67,7 @@ impl Field {
         let field = own(Function::Field).unwrap_or(value);
         let distance = own(Function::Distance).unwrap_or(field);
         let slope = |i| own(Function::Gradient(i)).unwrap_or(field);
-        let tape = |roots: &[NodeId], live| Tape::new(&compiled.graph, functions, roots, live, LIMIT);
+        let tape = |roots: &[NodeId], live| Tape::new(&compiled.graph, &functions.formulas, roots, live, LIMIT);
         Ok(Self {
             bound: tape(&[own(Function::Bound).unwrap_or(field)], live)?,
             slopes: tape(&[slope(0), slope(1), slope(2), field, distance], live)?,

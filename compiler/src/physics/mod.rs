@@ -11,7 +11,9 @@ pub mod world;
 pub use ground::{Field, Ground, Touch};
 pub use world::World;
 
-use crate::compiled::{Compiled, Live};
+use crate::blocks::BallsNodes;
+use crate::compiled::Compiled;
+use crate::live::Live;
 use crate::graph::{Graph, Leaf, NodeId, algebra::Reals};
 use crate::vector::{Vec3, length};
 
@@ -35,65 +37,6 @@ pub const NEAR: f64 = 2e-4;
 pub const PATIENCE: f64 = 0.5;
 /// A ball that moved by less than this part of its radius has kept its place.
 pub const PLACE: f64 = 0.02;
-
-/// The entries of a block `physics`, as nodes over parameters and time.
-#[derive(Clone, Debug)]
-pub struct PhysicsNodes {
-    /// Acceleration.
-    pub gravity: [NodeId; 3],
-    /// Speed after a bounce over speed before, 0 to 1.
-    pub restitution: NodeId,
-    /// Coulomb's coefficient.
-    pub friction: NodeId,
-    /// The force that brakes a rolling ball, over the force that presses it.
-    pub rolling: NodeId,
-    /// Parts of a step.
-    pub substeps: NodeId,
-    /// Least and greatest corner of a box that no ball leaves.
-    pub walls: Option<[[NodeId; 3]; 2]>,
-}
-
-/// The entries of a block `balls`, as nodes over parameters and time.
-#[derive(Clone, Debug)]
-pub struct BallsNodes {
-    /// Its name.
-    pub name: String,
-    /// How many.
-    pub count: NodeId,
-    /// Least and greatest radius.
-    pub radius: [NodeId; 2],
-    /// Least and greatest corner of the box in which they begin.
-    pub spawn: [[NodeId; 3]; 2],
-    /// With which velocity.
-    pub velocity: [NodeId; 3],
-    /// What chance is made of.
-    pub seed: NodeId,
-    /// The material's colour, emission, roughness, metallic, reflectivity.
-    pub look: Option<[NodeId; 9]>,
-    /// The speed from which on balls are red, where their colour is that of their speed.
-    pub red_at: Option<NodeId>,
-}
-
-impl PhysicsNodes {
-    /// Every node of the block.
-    pub fn nodes(&self) -> Vec<NodeId> {
-        let mut nodes = self.gravity.to_vec();
-        nodes.extend([self.restitution, self.friction, self.rolling, self.substeps]);
-        nodes.extend(self.walls.iter().flatten().flatten());
-        nodes
-    }
-}
-
-impl BallsNodes {
-    /// Every node of the block.
-    pub fn nodes(&self) -> Vec<NodeId> {
-        let mut nodes = vec![self.count, self.seed];
-        nodes.extend(self.radius.iter().chain(self.spawn.iter().flatten()).chain(&self.velocity));
-        nodes.extend(self.look.iter().flatten());
-        nodes.extend(self.red_at);
-        nodes
-    }
-}
 
 /// The numbers of a block `physics` at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -282,7 +225,7 @@ impl Compiled {
 
     /// Whether the field changes with time or a parameter: its surface may push.
     pub fn field_moves(&self) -> bool {
-        use crate::compiled::UniformSource::{Formula, Parameter, Time};
+        use crate::interface::UniformSource::{Formula, Parameter, Time};
         self.module.uniforms.iter().any(|u| matches!(u.source, Time | Parameter(_) | Formula(_)))
     }
 }

@@ -1,7 +1,8 @@
 //! All balls of a scene, step by step.
 
 use super::{Ball, Field, Ground, Law, MEETINGS, meet, travel};
-use crate::compiled::{Compiled, Live};
+use crate::compiled::Compiled;
+use crate::live::Live;
 use crate::evaluate::TooLarge;
 use crate::vector::{Vec3, dot, scale};
 

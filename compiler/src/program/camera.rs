@@ -1,10 +1,10 @@
 //! Cameras, as the text has them.
 
 use super::{Elaborated, Elaborator, Env, Stop};
-use crate::compiled::CameraNodes;
+use crate::blocks::CameraNodes;
 use crate::diagnostic::Code;
 use crate::graph::NodeId;
-use crate::home::{EYE, FOV};
+use crate::camera::{EYE, FOV};
 use crate::source::Span;
 use crate::syntax::ast::{Entry, Expr, ExprKind};
 use rustc_hash::FxHashMap;

@@ -1,7 +1,7 @@
 //! What stands between the scene's light and a screen: fog, bloom and the tone curve.
 
 use super::{Elaborated, Elaborator, Env, Stop};
-use crate::compiled::{SceneBlocks, Tone};
+use crate::blocks::{SceneBlocks, Tone};
 use crate::diagnostic::Code;
 use crate::graph::NodeId;
 use crate::syntax::ast::{Entry, Expr, ExprKind};

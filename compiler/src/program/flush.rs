@@ -6,11 +6,10 @@ use super::load::ItemRef;
 use super::value::Value;
 use super::Elaborator;
 use crate::analysis::Box3;
-use crate::compiled::Live;
+use crate::live::Live;
 use crate::evaluate::Tape;
-use crate::functions::Functions;
 use crate::graph::kernel::Op;
-use crate::graph::{Graph, Leaf, Node, NodeId, ShapeId};
+use crate::graph::{Graph, Leaf, Node, NodeId, Opened, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast;
 use rustc_hash::FxHashSet;
@@ -165,7 +164,7 @@ impl Elaborator<'_> {
         let mut faces = Faces { flat: Rc::default(), region: Box3::ALL, uncut: shape, cuts: Rc::default(), joined: false, within: 0 };
         if let Some((dimensions, value)) = self.graph.shape(shape).map(|s| (usize::from(s.dimensions), s.value))
             && stands_still(&self.graph, value)
-            && let Ok(tape) = Tape::new(&self.graph, &Functions::default(), &[value], &Live::start(&self.graph), LARGEST)
+            && let Ok(tape) = Tape::new(&self.graph, &Opened::default(), &[value], &Live::start(&self.graph), LARGEST)
         {
             faces.region = self.facts.on_top(|facts| facts.outline(&self.graph, value));
             let within = faces.region;

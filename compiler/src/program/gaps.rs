@@ -6,7 +6,7 @@
 
 use super::Elaborator;
 use crate::analysis::{Box3, Domain};
-use crate::compiled::Live;
+use crate::live::Live;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluate::{Evaluator, LANES, Lanes, Tape, lanes};
 use crate::graph::kernel::Op;

@@ -1,6 +1,6 @@
 //! Texts and their imports.
 
-use crate::compiled::Loader;
+use crate::loader::Loader;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::prelude::PRELUDE;
 use crate::source::{FileId, Sources, Span};

@@ -6,7 +6,7 @@ use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
 use crate::graph::{Material, NodeId};
-use crate::mesh::MeshNodes;
+use crate::blocks::MeshNodes;
 use crate::source::Span;
 use crate::syntax::ast::{Entry, Expr, Type};
 use rustc_hash::FxHashMap;

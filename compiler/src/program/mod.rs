@@ -33,7 +33,8 @@ mod turn;
 pub mod value;
 
 use crate::analysis::Facts;
-use crate::compiled::{Options, Parameter, SceneBlocks};
+use crate::blocks::SceneBlocks;
+use crate::interface::{Options, Parameter};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::{Exactness, Graph, NodeId, NodeList, Shape, ShapeId};
 use crate::source::{Sources, Span};

@@ -3,10 +3,11 @@
 use super::blocks::short;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
-use crate::compiled::SceneBlocks;
+use crate::blocks::SceneBlocks;
 use crate::diagnostic::Code;
 use crate::graph::NodeId;
-use crate::physics::{BallsNodes, MOST_BALLS, MOST_SUBSTEPS, PhysicsNodes};
+use crate::blocks::{BallsNodes, PhysicsNodes};
+use crate::physics::{MOST_BALLS, MOST_SUBSTEPS};
 use crate::source::Span;
 use crate::syntax::ast::{BlockKind, Entry, Expr, ItemKind, Type};
 use rustc_hash::FxHashMap;

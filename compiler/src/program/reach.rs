@@ -3,7 +3,7 @@
 use super::Elaborator;
 use super::bind::Requirement;
 use super::blocks::short;
-use crate::compiled::Live;
+use crate::live::Live;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::{Leaf, Node, NodeId};
 use crate::source::Span;

@@ -3,10 +3,12 @@
 use super::load::join;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env};
-use crate::compiled::{CAPTURE_SIZES, CaptureNodes, MAX_BOUNCES, SceneBlocks};
+use crate::blocks::{CAPTURE_SIZES, CaptureNodes, SceneBlocks};
+use crate::frame::MAX_BOUNCES;
 use crate::diagnostic::Code;
 use crate::graph::NodeId;
-use crate::images::{EnvironmentFile, EnvironmentKind, ImageFile};
+use crate::images::{EnvironmentFile, EnvironmentKind};
+use crate::source::ImageFile;
 use crate::source::Span;
 use crate::syntax::ast::{Expr, ExprKind, Type};
 

@@ -4,7 +4,7 @@ use super::value::Value;
 use super::{Elaborated, Elaborator, Env};
 use crate::diagnostic::Code;
 use crate::graph::{Material, MaterialImage, NodeId, Slot};
-use crate::images::ImageFile;
+use crate::source::ImageFile;
 use crate::source::Span;
 
 /// What a material says of images while its entries are read.

@@ -4,8 +4,7 @@ use crate::srgb::encode;
 use super::tone::toned;
 use crate::vector::{Vec3, add, mix, scale};
 use super::{Area, View};
-use crate::compiled::Tone;
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+use crate::blocks::Tone;
 
 /// Where in its pixels the sample of a number looks, from their middles: -0.5 to 0.5 across and down. The first looks at the middles; all of
 /// them together cover the pixels evenly (Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
@@ -13,21 +12,6 @@ pub fn sample_offset(index: u32) -> [f64; 2] {
     // One over the plastic number, and its square.
     const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
     STEPS.map(|step| (0.5 + f64::from(index) * step).fract() - 0.5)
-}
-
-/// Where on a lens of radius one the sample of a number looks through: right and up. The first looks through the middle; all of them together
-/// cover the disc evenly (Roberts' sequence of four numbers, of which [`sample_offset`] does not know the last two; Shirley and Chiu, "A Low
-/// Distortion Map Between Disk and Square", 1997).
-pub fn lens_offset(index: u32) -> [f64; 2] {
-    // The third and fourth power of one over the root of x⁵ = x + 1.
-    const STEPS: [f64; 2] = [0.628_706_721_037_808_6, 0.538_597_257_223_61];
-    let [x, y] = STEPS.map(|step| 2.0 * ((0.5 + f64::from(index) * step).fract() - 0.5));
-    let (radius, turn) = match x.abs() > y.abs() {
-        true => (x, FRAC_PI_4 * y / x),
-        false if y == 0.0 => (0.0, 0.0),
-        false => (y, FRAC_PI_2 - FRAC_PI_4 * x / y),
-    };
-    [radius * turn.cos(), radius * turn.sin()]
 }
 
 /// How far a pixel is moved before it is rounded to a level, in levels: from -0.5 to 0.5, another one in each of 8×8 pixels (Bayer, "An

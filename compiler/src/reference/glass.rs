@@ -4,7 +4,7 @@ use super::march::{Ray, at_points};
 use super::shade::{Seen, shadow_offset};
 use crate::vector::{Vec3, add, along, dot, scale, sub};
 use super::Reference;
-use crate::compiled::Frame;
+use crate::frame::Frame;
 
 /// What a surface between two clear bodies mirrors: Fresnel's equations for light without polarisation. `index` is that of the body beyond over
 /// that of the one before.

@@ -7,7 +7,7 @@ use super::march::{Ray, at_points};
 use super::shade::{self, Lamp, Leaving, Seen, Shading, SurfaceValues};
 use crate::vector::{Vec3, add, along, dot, mul, scale, sub};
 use super::{Reference, numbered};
-use crate::compiled::Frame;
+use crate::frame::Frame;
 
 impl Reference {
     /// The light of places, exposed: what leaves them, with what they mirror.

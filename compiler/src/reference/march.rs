@@ -5,7 +5,7 @@
 
 use crate::vector::{Vec3, along, dot, length, only};
 use crate::analysis::Box3;
-use crate::compiled::Rounding;
+use crate::interface::Rounding;
 use crate::evaluate::{LANES, Tape, lanes};
 use crate::graph::interval::Interval;
 

@@ -5,7 +5,6 @@
 
 mod ahead;
 pub mod area;
-pub mod camera;
 pub mod film;
 pub(crate) mod follow;
 mod glass;
@@ -17,14 +16,18 @@ mod shadow;
 pub mod tone;
 
 use crate::analysis::Box3;
-use crate::compiled::{Camera, Compiled, Frame, Live, Rounding};
+use crate::camera::Camera;
+use crate::compiled::Compiled;
+use crate::frame::Frame;
+use crate::interface::Rounding;
+use crate::live::Live;
 use crate::evaluate::{Tape, TooLarge};
 use crate::graph::{Function, NodeId};
 use crate::functions::{Planes, Surface};
 use crate::images::{Images, Texture};
 use ahead::PlanesApart;
 use area::Part;
-use camera::Basis;
+use crate::camera::Basis;
 use follow::{Follow, Small, TRACER, Turn};
 use march::{Look, Ray, Scene, at_points, march, sizes};
 use shade::{Seen, Shading, SurfaceValues};
@@ -121,7 +124,7 @@ impl Reference {
         let field = own(Function::Field).unwrap_or(value);
         let bound = own(Function::Bound).unwrap_or(field);
         let distance = own(Function::Distance).unwrap_or(field);
-        let tape = |roots: &[NodeId]| Tape::new(&compiled.graph, functions, roots, live, LIMIT);
+        let tape = |roots: &[NodeId]| Tape::new(&compiled.graph, &functions.formulas, roots, live, LIMIT);
         let slopes: Option<Vec<NodeId>> = (0..3).map(|i| own(Function::Gradient(i))).collect();
         let s = &functions.surface;
         let ahead = &functions.ahead;

@@ -10,7 +10,8 @@
 
 use super::area::Part;
 use crate::vector::{Vec3, add, cross, dot, length, mix, mul, scale, smooth, sub, unit};
-use crate::compiled::{Fog, Frame, Light, LightKind, Shadow, Sky};
+use crate::blocks::Shadow;
+use crate::frame::{PLAIN_SKY, Fog, Frame, Light, LightKind, Sky};
 use super::glass::fresnel;
 use crate::images::Cube;
 use std::borrow::Cow;
@@ -131,9 +132,6 @@ pub fn ground(frame: &Frame, lamps: &[Lamp]) -> Vec3 {
         add(sum, scale(lamp.radiance, GROUND.1 * lamp.vector[1].max(0.0)))
     })
 }
-
-/// The sky of a scene that says nothing of it: dark enough for what is grey and lit to stand out from it.
-pub const PLAIN_SKY: Sky = Sky { zenith: [0.49, 0.5, 0.511], horizon: [0.24, 0.238, 0.235] };
 
 /// The same as an image, for a scene whose own can't be had.
 pub fn plain_sky() -> Cube {

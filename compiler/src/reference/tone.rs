@@ -1,7 +1,7 @@
 //! Tone curves: what of linear light a screen shows, as linear shares of its white. The twins are `runtime/src/passes/scene/tone_*.wgsl`.
 
 use crate::vector::{Vec3, add, mix, scale};
-use crate::compiled::Tone;
+use crate::blocks::Tone;
 
 /// Light as a screen shows it, each component 0 to 1, linear.
 pub fn toned(tone: Tone, light: Vec3) -> Vec3 {

@@ -134,7 +134,7 @@ mod tests {
         };
         let before = read(text);
         for share in [0.0, 0.123_456_7, 1.0 / 3.0, 1.0] {
-            let at = |p: &crate::compiled::Parameter| {
+            let at = |p: &crate::interface::Parameter| {
                 let between = |(min, max): (&f64, &f64)| if p.ty == crate::syntax::ast::Type::Int { (min + share * (max - min)).round() } else { min + share * (max - min) };
                 p.min.iter().zip(&p.max).map(between).collect::<Vec<f64>>()
             };

@@ -15,7 +15,7 @@ use surefoot_compiler::diagnostic::Severity;
 use surefoot_compiler::outlook::is_blind;
 use surefoot_compiler::physics::{Ball, State};
 use surefoot_compiler::reference::Reference;
-use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
 use surefoot_compiler::vector::{add, dot, length, scale, sub};
 use surefoot_compiler::source::FileId;

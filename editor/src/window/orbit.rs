@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use surefoot_compiler::compiled::{Camera, Projection};
-use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::camera::Basis;
 
 /// A camera that looks at a point from a distance. It stands upright: the scene's camera says what is up.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,7 +11,7 @@ use crate::{headless, module};
 use half::f16;
 use surefoot_compiler::compiled::{Compiled, Frame, Rounding};
 use surefoot_compiler::mesh::Placed;
-use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::camera::Basis;
 use surefoot_compiler::vector::Vec3;
 
 const LABEL: &str = "surefoot capture";

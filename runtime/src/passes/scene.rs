@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use std::borrow::Cow;
 use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, MAX_BOUNCES, Rounding, Shadow, Tone};
 use surefoot_compiler::reference::area;
-use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::camera::Basis;
 use surefoot_compiler::reference::shade::{self, MAX_LIGHTS};
 use surefoot_compiler::vector::{scale, sub};
 

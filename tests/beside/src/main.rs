@@ -112,7 +112,7 @@ fn supremum(compiled: &Compiled, half: f64) -> Option<(f64, Option<f64>)> {
 /// Fields of a scene at points.
 fn fields(compiled: &Compiled, points: &[[f64; 3]]) -> Vec<f64> {
     let root = compiled.functions.formulas[&(compiled.root, Function::Field)];
-    let tape = Tape::new(&compiled.graph, &compiled.functions, &[root], &compiled.live(), 1_000_000).expect("it is no larger than that");
+    let tape = Tape::new(&compiled.graph, &compiled.functions.formulas, &[root], &compiled.live(), 1_000_000).expect("it is no larger than that");
     let mut values = Vec::new();
     tape.evaluator().at(points, &[], |_, value| values.push(value[0]));
     values

@@ -180,7 +180,7 @@ fn try_setting(scene: &Compiled, live: &Live, care: Care, random: &mut Random) -
     let ahead = scene.functions.ahead;
     let apart = ahead.planes.map(|p| [p.distance, p.rest_bound, p.rest_distance]);
     let roots: Vec<NodeId> = [field, bound, distance].into_iter().chain(apart.into_iter().flatten()).collect();
-    let Ok(tape) = Tape::new(&scene.graph, &scene.functions, &roots, live, OPERATIONS) else { return Ok(Tried::default()) };
+    let Ok(tape) = Tape::new(&scene.graph, &scene.functions.formulas, &roots, live, OPERATIONS) else { return Ok(Tried::default()) };
     let mut evaluator = tape.evaluator();
     let mut starts: Vec<[f64; 3]> = (0..care.points).map(|_| in_cube(random).map(|c| c * HALF)).collect();
     // Half of them are walked toward the surface by their bounds, and stop at different distances before it.

@@ -276,7 +276,7 @@ impl Tables {
             for piece in 0..width {
                 let number = |i: usize| {
                     let at = columns.get(4 * piece + i).and_then(|&at| row.get(at));
-                    at.map_or(0.0, |&c| narrow(c))
+                    at.map_or(0.0, |&c| crate::graph::narrow(c))
                 };
                 self.rows.push([0, 1, 2, 3].map(number));
             }
@@ -302,8 +302,8 @@ pub struct ModuleTables {
     pub tables: Tables,
     /// The module with its tables as storage buffers, at the bindings after the uniform block's: an `array<vec4f>` that holds [`Tables::rows`],
     /// and an `array<u32>` that holds [`ModuleTables::lists`].
-    code: String,
-    lists: OnceLock<Vec<u32>>,
+    pub(crate) code: String,
+    pub(crate) lists: OnceLock<Vec<u32>>,
 }
 
 impl ModuleTables {
@@ -312,29 +312,10 @@ impl ModuleTables {
         Self { tables, code, lists: OnceLock::new() }
     }
 
-    /// The same without cells: whole lists count everywhere. What the cells are worth is measured against it.
-    pub fn whole(&self) -> Self {
-        let lists = crate::cells::lists(&self.tables, false);
-        Self { tables: self.tables.clone(), code: self.code.clone(), lists: lists.into() }
-    }
-
     /// The module's text for a device of our own.
     pub(crate) fn code(&self) -> &str {
         &self.code
     }
-
-    /// What the second buffer holds: near a point only what matters there is looked at. Found when it is first asked for, which may take a
-    /// tenth of a second.
-    pub fn lists(&self) -> &[u32] {
-        self.lists.get_or_init(|| crate::cells::lists(&self.tables, true))
-    }
-}
-
-/// A number as the text of a module would hold it.
-pub fn narrow(number: f64) -> f32 {
-    let limit = f64::from(f32::MAX);
-    let number = number.clamp(-limit, limit) as f32;
-    if number.is_normal() { number } else { 0.0 }
 }
 
 impl Union {

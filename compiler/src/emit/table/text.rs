@@ -1,7 +1,7 @@
 //! The text of tables: a function for each class, and the loop.
 
 use super::{Action, BEGINS, CLASS_SHIFT, Class, ENDS, Number, PUSH, Table, Tables};
-use crate::compiled::UniformSource;
+use crate::interface::UniformSource;
 use crate::emit::EmitError;
 use crate::emit::body::{Body, Code, ExprId, Read};
 use crate::emit::write::{self, Context};

@@ -11,7 +11,7 @@ use crate::graph::simplify::Terms;
 /// So large a part of large numbers counts.
 const PART: f64 = 0.125;
 
-/// The length of [`crate::compiled::Rounding`]: what is added is no larger than `sums`, and what is solid lies in a box.
+/// The length of [`crate::interface::Rounding`]: what is added is no larger than `sums`, and what is solid lies in a box.
 pub fn unit(sums: f64, solid: Option<Box3>) -> f64 {
     if sums > LARGE {
         return PART * sums;
@@ -21,7 +21,7 @@ pub fn unit(sums: f64, solid: Option<Box3>) -> f64 {
     reach.max(sums).clamp(SMALLEST, 1.0).log2().ceil().exp2()
 }
 
-/// No length of [`crate::compiled::Rounding`] is smaller.
+/// No length of [`crate::interface::Rounding`] is smaller.
 const SMALLEST: f64 = 1e-12;
 
 impl Writer<'_, '_> {

@@ -14,7 +14,7 @@ use surefoot_compiler::certify::{Hit, Truth};
 use surefoot_compiler::compiled::{Compiled, Frame, Live};
 use surefoot_compiler::reference::Reference;
 use surefoot_compiler::reference::area::{Part, on_disc, toward};
-use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
 use surefoot_compiler::reference::shade::{Lamp, Seen, Shading};
 use surefoot_compiler::vector::{add, scale};

@@ -6,7 +6,7 @@ use surefoot_compiler::certify::{Hit, Truth};
 use surefoot_compiler::compiled::{Camera, Compiled, Frame, Live, UniformSource};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::reference::{self, Reference};
-use surefoot_compiler::reference::camera::Basis;
+use surefoot_compiler::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
 use surefoot_compiler::vector::{Vec3, add, along, dot, length, sub};
 use surefoot_runtime::passes::rays::{FUNCTIONS, GpuRay, RayPicture, Traced};

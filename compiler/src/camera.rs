@@ -1,7 +1,77 @@
-//! Rays through the pixels of a picture.
+//! Cameras: where one stands, and rays through the pixels of a picture.
 
 use crate::vector::{Vec3, add, cross, dot, length, scale, sub, unit};
-use crate::compiled::{Camera, Projection};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// Where a camera stands by which nothing that ends is to be seen, or of which only the target is said.
+pub const EYE: Vec3 = [4.0, 3.0, 6.0];
+/// What is smaller than this is not gone nearer to.
+pub const SMALLEST: f64 = 1e-9;
+/// A camera's vertical angle of view where none is said.
+pub const FOV: f64 = 40f64.to_radians();
+/// So much of the picture's height is filled.
+pub(crate) const SHARE: f64 = 0.66;
+/// So wide a picture is taken to be, for its height, if it is not narrower.
+pub(crate) const WIDE: f64 = 1.3;
+/// A point and direction of view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where the eye is.
+    pub eye: [f64; 3],
+    /// What it looks at.
+    pub target: [f64; 3],
+    /// Vertical angle of view, radians.
+    pub fov: f64,
+    /// What is up in the picture, of any length.
+    pub up: [f64; 3],
+    /// How rays go through the picture.
+    pub projection: Projection,
+    /// Radius of the lens; 0: all is sharp.
+    pub lens: f64,
+    /// How far ahead of the eye what is sharp lies; as far as the target where that is left out.
+    pub focus: Option<f64>,
+    /// How far off the axis each ray leans for each unit ahead, to the right and up: so a sample through another place of the lens sees
+    /// what is in focus where the others do.
+    pub lean: [f64; 2],
+}
+
+/// How rays go through a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// From the eye.
+    Perspective,
+    /// Side by side, over so much of the scene from the picture's lower edge to its upper one; as much as in perspective is seen at the target
+    /// where that is left out.
+    Orthographic(Option<f64>),
+}
+
+impl Camera {
+    /// In front, above and to the right of the origin.
+    pub const PLAIN: Self = Self {
+        eye: EYE,
+        target: [0.0; 3],
+        fov: FOV,
+        up: [0.0, 1.0, 0.0],
+        projection: Projection::Perspective,
+        lens: 0.0,
+        focus: None,
+        lean: [0.0; 2],
+    };
+
+    /// As the sample of a number sees through it: from another place of the lens, where it has one.
+    pub fn sampled(&self, index: u32) -> Self {
+        if self.lens <= 0.0 {
+            return *self;
+        }
+        let basis = Basis::of(self);
+        let far = length(sub(self.target, self.eye));
+        let focus = self.focus.unwrap_or(far).max(1e-6);
+        let [right, up] = lens_offset(index).map(|c| c * self.lens);
+        let moved = add(scale(basis.right, right), scale(basis.up, up));
+        let lean = [-right / focus, -up / focus];
+        Self { eye: add(self.eye, moved), target: add(self.target, moved), lean, ..*self }
+    }
+}
 
 /// A camera's own axes. The picture is seen along `forward`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,6 +134,54 @@ impl Basis {
     /// Width of a pixel at distance one, of a picture of this height in pixels.
     pub fn footprint(&self, height: u32) -> f64 {
         2.0 * self.tan_half_fov / f64::from(height.max(1))
+    }
+}
+
+/// Where on a lens of radius one the sample of a number looks through: right and up. The first looks through the middle; all of them together
+/// cover the disc evenly (Roberts' sequence of four numbers, of which [`sample_offset`] does not know the last two; Shirley and Chiu, "A Low
+/// Distortion Map Between Disk and Square", 1997).
+pub fn lens_offset(index: u32) -> [f64; 2] {
+    // The third and fourth power of one over the root of x⁵ = x + 1.
+    const STEPS: [f64; 2] = [0.628_706_721_037_808_6, 0.538_597_257_223_61];
+    let [x, y] = STEPS.map(|step| 2.0 * ((0.5 + f64::from(index) * step).fract() - 0.5));
+    let (radius, turn) = match x.abs() > y.abs() {
+        true => (x, FRAC_PI_4 * y / x),
+        false if y == 0.0 => (0.0, 0.0),
+        false => (y, FRAC_PI_2 - FRAC_PI_4 * x / y),
+    };
+    [radius * turn.cos(), radius * turn.sin()]
+}
+
+/// Where a camera stands of which the text says nothing, and what it shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Home {
+    /// What it looks at.
+    pub(crate) target: Vec3,
+    /// The way from there to the eye; of length one, but where it stands nearer or farther than what is to be seen asks for.
+    pub(crate) way: Vec3,
+    /// Places about what is solid and ends, from the target; none where nothing does.
+    pub(crate) about: Vec<Vec3>,
+    /// How many times as far away the eye is free as well.
+    pub(crate) room: f64,
+}
+
+impl Home {
+    /// The camera, of some angle of view.
+    pub fn camera(&self, fov: f64) -> Camera {
+        self.camera_in(fov, WIDE)
+    }
+
+    /// The same for a picture that is so wide for its height.
+    pub fn camera_in(&self, fov: f64, wide: f64) -> Camera {
+        let wide = wide.clamp(WIDE / self.room, WIDE);
+        let basis = Basis::of(&Camera { eye: self.way, target: [0.0; 3], fov, ..Camera::PLAIN });
+        // So far away a place is as high in the picture as it may be, or as far to a side.
+        let needed = |place: &Vec3| {
+            let height = dot(*place, basis.up).abs().max(dot(*place, basis.right).abs() / wide);
+            height / (SHARE * basis.tan_half_fov) - dot(*place, basis.forward)
+        };
+        let far = if self.about.is_empty() { length(EYE) } else { self.about.iter().map(needed).fold(0.0, f64::max) };
+        Camera { eye: add(self.target, scale(self.way, far)), target: self.target, fov, ..Camera::PLAIN }
     }
 }
 
