@@ -1,6 +1,6 @@
 //! `surefoot check`: what is wrong with scenes, and what the compiler knows of them.
 
-use super::{Exit, Failure, all_read, colored, count, print};
+use super::console::{Exit, Failure, all_read, colored, count, print};
 use crate::files::{self, FileLoader};
 use serde_json::{Value, json};
 use std::path::Path;

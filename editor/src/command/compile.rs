@@ -2,7 +2,7 @@
 
 use super::check::parameter_json;
 use super::values::{self, Setting};
-use super::{Exit, Failure, compile_file, ends_wrong, print, show_broken, show_diagnostics, spare};
+use super::console::{Exit, Failure, compile_file, ends_wrong, print, show_broken, show_diagnostics, spare};
 use crate::files;
 use clap::builder::PossibleValuesParser;
 use serde_json::{Value, json};

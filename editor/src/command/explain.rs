@@ -1,6 +1,6 @@
 //! `surefoot explain`: what a diagnostic means.
 
-use super::{Exit, Failure, print};
+use super::console::{Exit, Failure, print};
 use surefoot_compiler::diagnostic::{CODES, CodeRow, Severity};
 
 /// What to explain.

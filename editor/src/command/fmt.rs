@@ -1,6 +1,6 @@
 //! `surefoot fmt`: the text of a scene, laid out.
 
-use super::{Exit, Failure, colored, print};
+use super::console::{Exit, Failure, colored, print};
 use crate::files;
 use std::io::Read;
 use std::path::Path;

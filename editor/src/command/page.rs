@@ -1,6 +1,6 @@
 //! A page of several sections, each written by a command of its own.
 
-use super::Failure;
+use super::console::Failure;
 use std::path::Path;
 
 /// Sections in the order of a page; those with other names come after.

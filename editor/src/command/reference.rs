@@ -1,6 +1,6 @@
 //! `surefoot reference`: writes the language's reference from the compiler's own tables, with its pictures.
 
-use super::{Exit, Failure};
+use super::console::{Exit, Failure};
 use crate::picture::write_png;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};

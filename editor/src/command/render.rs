@@ -2,7 +2,7 @@
 
 use super::bar::LateBar;
 use super::values::{self, Setting};
-use super::{Exit, Failure, compile_file, ends_wrong, print, show_broken, show_diagnostics, show_found, spare};
+use super::console::{Exit, Failure, compile_file, ends_wrong, print, show_broken, show_diagnostics, show_found, spare};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::ops::Range;
 use std::path::{Path, PathBuf};

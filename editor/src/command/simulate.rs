@@ -2,7 +2,7 @@
 
 use super::bar::LateBar;
 use super::values::{self, Setting};
-use super::{Exit, Failure, compile_file, ends_wrong, print, show_diagnostics};
+use super::console::{Exit, Failure, compile_file, ends_wrong, print, show_diagnostics};
 use crate::picture::Device;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

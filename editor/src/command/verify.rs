@@ -1,7 +1,7 @@
 //! `surefoot verify`: a scene's bound put to the test.
 
 use super::bar::LateBar;
-use super::{Exit, Failure, colored, compile_file, print, show_diagnostics};
+use super::console::{Exit, Failure, colored, compile_file, print, show_diagnostics};
 use crate::picture::Device;
 use serde_json::{Value, json};
 use surefoot_compiler::compiled::{Compiled, Live};

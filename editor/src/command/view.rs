@@ -1,6 +1,6 @@
 //! `surefoot view`: a scene in a live window.
 
-use super::{Exit, Failure, compile_file, show_broken, show_diagnostics};
+use super::console::{Exit, Failure, compile_file, show_broken, show_diagnostics};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::path::{Path, PathBuf};
 use surefoot_compiler::Options;

@@ -1,7 +1,8 @@
 //! `surefoot bench --balls`: how many steps a second there are of 1,000 balls and more, on the adapter at hand.
 
 use crate::command::bar::LateBar;
-use crate::command::{Exit, Failure, compile_file, page, print, show_diagnostics};
+use crate::command::console::{Exit, Failure, compile_file, print, show_diagnostics};
+use crate::command::page;
 use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};

@@ -1,7 +1,7 @@
 //! How tight the factors are, and what it costs to find them: at once, within an edit's budget, in the background.
 
 use super::milliseconds;
-use crate::command::{Exit, Failure, compile_file, print, show_diagnostics};
+use crate::command::console::{Exit, Failure, compile_file, print, show_diagnostics};
 use crate::files::FileLoader;
 use std::time::Instant;
 use surefoot_compiler::factors::{certified, judge, rules as read};

@@ -3,7 +3,8 @@
 use super::error::truth::{Answer, BOXES, Errors, View};
 use super::milliseconds;
 use crate::command::bar::LateBar;
-use crate::command::{Exit, Failure, compile_file, page, print, show_diagnostics};
+use crate::command::console::{Exit, Failure, compile_file, print, show_diagnostics};
+use crate::command::page;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;

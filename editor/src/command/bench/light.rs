@@ -4,7 +4,8 @@
 //! certified tracing too. The truth of occlusion is the share of rays, weighted by the cosine, that meet nothing within its reach.
 
 use crate::command::bar::LateBar;
-use crate::command::{Exit, Failure, compile_file, page, print};
+use crate::command::console::{Exit, Failure, compile_file, print};
+use crate::command::page;
 use crate::picture::write_png;
 use rayon::prelude::*;
 use std::fmt::Write;

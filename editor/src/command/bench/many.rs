@@ -2,7 +2,8 @@
 
 use super::milliseconds;
 use crate::command::bar::LateBar;
-use crate::command::{Exit, Failure, page, print};
+use crate::command::console::{Exit, Failure, print};
+use crate::command::page;
 use plotters::prelude::*;
 use std::fmt::Write;
 use std::path::Path;

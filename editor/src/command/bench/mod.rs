@@ -18,7 +18,7 @@ mod parts;
 #[cfg(feature = "gui")]
 mod window;
 
-use super::{Exit, Failure, compile_file, print, show_diagnostics};
+use super::console::{Exit, Failure, compile_file, print, show_diagnostics};
 use crate::files::FileLoader;
 use serde_json::json;
 use std::time::{Duration, Instant};

@@ -1,7 +1,8 @@
 //! `surefoot bench --operands`: whether what a scene costs grows as its operands do. Each scene is compiled, looked at and reported in a process of its own,
 //! with a small stack.
 
-use crate::command::{Exit, Failure, check, print};
+use crate::command::console::{Exit, Failure, print};
+use crate::command::check;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::process::Command;

@@ -2,7 +2,8 @@
 
 use super::milliseconds;
 use crate::command::bar::LateBar;
-use crate::command::{Exit, Failure, compile_file, page, print};
+use crate::command::console::{Exit, Failure, compile_file, print};
+use crate::command::page;
 use crate::files::FileLoader;
 use std::fmt::Write;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! `surefoot bench --window`: how soon a key is seen, and what a caret costs.
 
 use super::percentile;
-use crate::command::{Exit, Failure, print};
+use crate::command::console::{Exit, Failure, print};
 use crate::window;
 use std::time::Duration;
 

@@ -6,7 +6,8 @@ mod report;
 
 use super::bar::LateBar;
 use super::bench::error::truth::{Answer, BOXES, Errors, View};
-use super::{Exit, Failure, page, print};
+use super::console::{Exit, Failure, print};
+use super::page;
 use cases::{Case, Rays};
 use std::path::PathBuf;
 use surefoot_compiler::compiled::{Compiled, Frame, Live};

@@ -1,7 +1,7 @@
 //! The table of cases, for people, for a page, and for programs.
 
 use super::{Args, Cells, Row};
-use crate::command::{Failure, colored};
+use crate::command::console::{Failure, colored};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;

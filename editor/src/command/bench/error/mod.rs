@@ -7,7 +7,7 @@ mod silhouette;
 pub mod truth;
 
 use crate::command::bar::LateBar;
-use crate::command::{Exit, Failure, compile_file, print, show_diagnostics};
+use crate::command::console::{Exit, Failure, compile_file, print, show_diagnostics};
 use methods::{METHODS, Method};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 
 use super::truth::Errors;
 use super::{Row, Scene};
-use crate::command::Failure;
+use crate::command::console::Failure;
 use plotters::prelude::*;
 use std::path::Path;
 

@@ -3,7 +3,8 @@
 use super::methods::METHODS;
 use super::truth::{Errors, Unknown, Wrong};
 use super::{Args, Row, Scene};
-use crate::command::{Failure, page, print};
+use crate::command::console::{Failure, print};
+use crate::command::page;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
