@@ -1,6 +1,6 @@
 //! What an edit costs: one number of the scene's text is another, and what was found before is kept.
 
-use super::{in_memory, milliseconds, percentile};
+use super::timing::{in_memory, milliseconds, percentile};
 use crate::command::console::{Exit, Failure, compile_file, print, show_diagnostics};
 use std::time::{Duration, Instant};
 use surefoot_compiler::{Loader, Memory, Options, compile_remembering};

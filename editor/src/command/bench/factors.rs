@@ -1,6 +1,6 @@
 //! How tight the factors are, and what it costs to find them: at once, within an edit's budget, in the background.
 
-use super::milliseconds;
+use super::timing::milliseconds;
 use crate::command::console::{Exit, Failure, compile_file, print, show_diagnostics};
 use crate::files::FileLoader;
 use std::time::Instant;

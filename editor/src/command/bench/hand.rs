@@ -1,7 +1,7 @@
 //! `surefoot bench --hand`: our modules beside WGSL that a person wrote for the same scenes.
 
 use super::error::truth::{Answer, BOXES, Errors, View};
-use super::milliseconds;
+use super::timing::milliseconds;
 use crate::command::bar::LateBar;
 use crate::command::console::{Exit, Failure, compile_file, print, show_diagnostics};
 use crate::command::page;

@@ -1,6 +1,6 @@
 //! `surefoot bench --many`: what a union costs as it grows, with the lists of its cells and without.
 
-use super::milliseconds;
+use super::timing::milliseconds;
 use crate::command::bar::LateBar;
 use crate::command::console::{Exit, Failure, print};
 use crate::command::page;

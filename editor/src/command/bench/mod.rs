@@ -15,14 +15,15 @@ mod many;
 mod operands;
 #[cfg(feature = "gpu")]
 mod parts;
+mod timing;
 #[cfg(feature = "gui")]
 mod window;
 
+use timing::{in_memory, milliseconds, percentile};
 use super::console::{Exit, Failure, compile_file, print, show_diagnostics};
-use crate::files::FileLoader;
 use serde_json::json;
 use std::time::{Duration, Instant};
-use surefoot_compiler::{Loader, Memory, MemoryLoader, Options, Outcome, Stage, compile_remembering, emit};
+use surefoot_compiler::{Loader, Memory, Options, Stage, compile_remembering, emit};
 
 /// What to measure.
 #[derive(Debug, clap::Args)]
@@ -183,14 +184,6 @@ fn drawn(_: &Args) -> Result<Exit, Failure> {
     Err(Failure { exit: Exit::NoGraphics, words: "this program was built without graphics".to_owned() })
 }
 
-fn in_memory(outcome: &Outcome) -> MemoryLoader {
-    let read = |loader: MemoryLoader, path: &String| match FileLoader.read(path) {
-        Ok(bytes) => loader.with(path, bytes),
-        Err(_) => loader,
-    };
-    outcome.files.iter().fold(MemoryLoader::new(), read)
-}
-
 /// One run: the time of each stage, of all together, and of naga's validation, which is not a part of compiling.
 fn measure(loader: &dyn Loader, path: &str, runs: &mut Runs) {
     let start = Instant::now();
@@ -224,16 +217,6 @@ impl Runs {
             None => self.stages.push((name, vec![took])),
         }
     }
-}
-
-/// The time that so many of a hundred runs did not exceed. `sorted` is in ascending order.
-fn percentile(sorted: &[Duration], percent: usize) -> Duration {
-    let rank = (sorted.len() * percent).div_ceil(100).max(1);
-    sorted.get(rank - 1).copied().unwrap_or_default()
-}
-
-fn milliseconds(time: Duration) -> f64 {
-    time.as_secs_f64() * 1e3
 }
 
 fn table(path: &str, count: u32, runs: &Runs) -> String {

@@ -1,6 +1,6 @@
 //! `surefoot bench --parts`: what a frame takes, and how much less without each of its parts.
 
-use super::milliseconds;
+use super::timing::milliseconds;
 use crate::command::bar::LateBar;
 use crate::command::console::{Exit, Failure, compile_file, print};
 use crate::command::page;

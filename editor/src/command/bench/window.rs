@@ -1,6 +1,6 @@
 //! `surefoot bench --window`: how soon a key is seen, and what a caret costs.
 
-use super::percentile;
+use super::timing::percentile;
 use crate::command::console::{Exit, Failure, print};
 use crate::window;
 use std::time::Duration;

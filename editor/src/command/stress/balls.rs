@@ -1,6 +1,6 @@
 //! Balls that are too fast or too many.
 
-use super::{Args, Cells, Row, scene};
+use super::rows::{Args, Cells, Row, scene};
 use crate::command::bench::error::truth::Errors;
 use surefoot_compiler::compiled::{Compiled, Live};
 use surefoot_compiler::physics::{Ball, Field, Ground, State, World, spawn};

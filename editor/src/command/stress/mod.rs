@@ -3,107 +3,25 @@
 mod balls;
 mod cases;
 mod report;
+mod rows;
 
 use super::bar::LateBar;
 use super::bench::error::truth::{Answer, BOXES, Errors, View};
 use super::console::{Exit, Failure, print};
 use super::page;
 use cases::{Case, Rays};
-use std::path::PathBuf;
 use surefoot_compiler::compiled::{Compiled, Frame, Live};
-use surefoot_compiler::diagnostic::{self, Severity};
 use surefoot_compiler::emit::tracer::Tracer;
 use surefoot_compiler::evaluate::Tape;
-use surefoot_compiler::functions::Kind;
 use surefoot_compiler::reference::march::Ray;
 use surefoot_compiler::vector::{Vec3, along, unit};
 use surefoot_compiler::reference::{Area, Reference, View as Shows};
-use surefoot_compiler::{Export, MemoryLoader, Options, compile};
+use surefoot_compiler::Export;
 use surefoot_runtime::headless::{self, Shot};
 use surefoot_runtime::passes::rays::{Follower, Rays as Followed};
 use surefoot_runtime::{Gpu, evaluate};
-
-/// How much of it.
-#[derive(Debug, clap::Args)]
-#[command(after_help = "\
-Each case must stay finite (no NaN and no infinity in any picture, ray or function), converge (no ray spends its looks between surfaces; \
-balls come to rest), miss nothing (a ray that surely hits does hit, and one that surely misses does miss; no ball passes a wall), and err by \
-less than half a pixel (the 99th percentile of the distance between the hit and the surface; of balls less than a twentieth of a radius). What each ray \
-meets is certified in intervals first. A cell is red where that fails, and the case then says why.")]
-pub struct Args {
-    /// Only the cases whose names hold these words.
-    words: Vec<String>,
-    /// Width and height of the pictures in pixels, a multiple of 32; costly scenes get a half or a quarter of that.
-    #[arg(long, default_value_t = 64, value_parser = side, value_name = "N")]
-    size: u32,
-    /// Balls that come to rest on the adapter, and for how many seconds.
-    #[arg(long, default_value_t = 10_000, value_name = "N")]
-    balls: u32,
-    /// See --balls.
-    #[arg(long, default_value_t = 60, value_name = "N")]
-    seconds: u32,
-    /// Write the numbers to this file.
-    #[arg(long, value_name = "FILE")]
-    json: Option<PathBuf>,
-    /// Write the table to this page, in place of the one that stands there.
-    #[arg(long, value_name = "FILE")]
-    page: Option<PathBuf>,
-}
-
-fn side(text: &str) -> Result<u32, String> {
-    let fits = |n: &u32| n.is_multiple_of(32) && (32..=512).contains(n);
-    text.parse().ok().filter(fits).ok_or_else(|| "write a multiple of 32, at most 512".to_owned())
-}
-
-/// What came of a case on one machine.
-#[derive(Clone, Debug, Default)]
-pub struct Cells {
-    /// Numbers that were looked at, and how many of them are none or infinite.
-    pub finite: (usize, usize),
-    /// Rays or balls, and how many of them did not come to an end.
-    pub ended: (usize, usize),
-    /// Rays or balls of which it is known where they must go, and how many did not.
-    pub missed: (usize, usize),
-    /// The 99th percentile of the error and the largest: in pixels, or in radii of a ball. None where nothing is certain.
-    pub error: Option<(f64, f64)>,
-}
-
-/// What came of a case.
-pub struct Row {
-    /// Its name.
-    pub name: String,
-    /// In 64 bits, and on the adapter.
-    pub cells: [Cells; 2],
-    /// Rays of which nothing is certain, of all.
-    pub unknown: (usize, usize),
-    /// What the compiler says: severity and words.
-    pub said: Vec<(Severity, String)>,
-    /// Whether the scene is refused.
-    pub refused: bool,
-    /// What the error is allowed to be.
-    pub limit: f64,
-    /// Why a cell is red, where one is.
-    pub known: Option<&'static str>,
-}
-
-impl Row {
-    /// Names of the red cells.
-    pub fn red(&self) -> Vec<&'static str> {
-        let any = |red: &dyn Fn(&Cells) -> bool| self.cells.iter().any(red);
-        let mut red = Vec::new();
-        let mut ask = |name, is| if is { red.push(name) };
-        ask("finite", any(&|c| c.finite.1 > 0));
-        ask("converged", any(&|c| c.ended.1 > 0));
-        ask("missed", any(&|c| c.missed.1 > 0));
-        ask("error", any(&|c| c.error.is_some_and(|(p99, _)| p99 > self.limit)));
-        red
-    }
-
-    /// Whether a cell is red and nobody knows why.
-    pub fn unexplained(&self) -> bool {
-        self.known.is_none() && !self.red().is_empty()
-    }
-}
+use rows::{Cells, Row, scene};
+pub use rows::Args;
 
 /// Tries all cases, prints the table, and ends with an error where a cell is red without a reason.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
@@ -140,17 +58,6 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     }
     print(report::summary(&rows).as_bytes())?;
     Ok(if rows.iter().any(Row::unexplained) { Exit::Errors } else { Exit::Fine })
-}
-
-/// A scene of these words, and what the compiler says of it.
-fn scene(text: &str) -> (Option<Compiled>, Vec<(Severity, String)>) {
-    let outcome = compile(&MemoryLoader::new().with("stress.sdf", text), "stress.sdf", &Options::default());
-    let words = |d: &diagnostic::Diagnostic| (d.severity, format!("[{}] {}", d.code.row().name, d.message));
-    let mut said: Vec<_> = outcome.diagnostics.iter().map(words).collect();
-    if let Some(compiled) = outcome.compiled.as_ref().filter(|c| c.summary.kind == Kind::Unproven) {
-        said.push((Severity::Warning, format!("[unproven] factor {:.3}", compiled.summary.factor)));
-    }
-    (outcome.compiled, said)
 }
 
 fn row(gpu: &Gpu, case: &Case, size: u32) -> Result<Row, String> {

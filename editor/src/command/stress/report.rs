@@ -1,6 +1,6 @@
 //! The table of cases, for people, for a page, and for programs.
 
-use super::{Args, Cells, Row};
+use super::rows::{Args, Cells, Row};
 use crate::command::console::{Failure, colored};
 use serde_json::{Value, json};
 use std::fmt::Write;

@@ -1,7 +1,7 @@
 //! Curves of time against error, as SVG.
 
 use super::truth::Errors;
-use super::{Row, Scene};
+use super::rows::{Row, Scene};
 use crate::command::console::Failure;
 use plotters::prelude::*;
 use std::path::Path;

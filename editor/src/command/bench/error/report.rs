@@ -2,7 +2,7 @@
 
 use super::methods::METHODS;
 use super::truth::{Errors, Unknown, Wrong};
-use super::{Args, Row, Scene};
+use super::rows::{Args, Row, Scene};
 use crate::command::console::{Failure, print};
 use crate::command::page;
 use serde_json::{Value, json};

@@ -1,6 +1,6 @@
 //! Silhouettes: pixels of which a pixel's width to the side something else is seen.
 
-use super::truth::Pixel;
+use super::pixel::Pixel;
 use rayon::prelude::*;
 use surefoot_compiler::reference::Reference;
 use surefoot_compiler::reference::march::Ray;

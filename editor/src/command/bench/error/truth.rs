@@ -1,5 +1,6 @@
 //! What is certain of each pixel, and how far a tracer's answer is from it.
 
+use super::pixel::{Doubt, Pixel};
 use super::silhouette;
 use rayon::prelude::*;
 use surefoot_compiler::certify::{Hit, Truth};
@@ -21,33 +22,6 @@ const NEARER: u32 = 32;
 pub const MOST_WRONG: usize = 64;
 /// Operations of the field at most.
 const LIMIT: usize = 2_000_000;
-
-/// What is certain of a pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Pixel {
-    /// The ray meets the surface first here.
-    Hit {
-        /// How far along the ray.
-        t: f64,
-        /// The cosine of the angle between the ray and the normal.
-        facing: f64,
-        /// The gradient of the field, of length one.
-        normal: Vec3,
-    },
-    /// It meets nothing.
-    Miss,
-    /// Nobody knows.
-    Unknown(Doubt),
-}
-
-/// What is not known of a pixel: nothing is met before, and here it is not certain.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Doubt {
-    /// How far along the ray.
-    pub t: f64,
-    /// Why.
-    pub why: &'static str,
-}
 
 /// A pixel of which the truth is not known.
 #[derive(Clone, Copy, Debug)]
