@@ -4,7 +4,8 @@
 //! before is kept in 32 bits. The mean is taken after the curve: a lamp that covers a tenth of a pixel makes it a tenth brighter; a
 //! mean of the light itself would be as bright as the lamp, and its edge had steps again.
 
-use crate::frame::{Picture, depth_attachment};
+use crate::frame::Picture;
+use crate::gpu::depth_attachment;
 use crate::gpu::{Gpu, PipelineKey, UniformBlock, uniform_layout};
 use std::ops::Range;
 use surefoot_compiler::reference::sample_offset;

@@ -285,12 +285,3 @@ impl Picture {
         self.scene.draw(pass, before.as_ref());
     }
 }
-
-/// What a pass with depth is begun with: nothing is nearer than infinity, and nobody needs it after.
-pub fn depth_attachment(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
-        stencil_ops: None,
-    }
-}

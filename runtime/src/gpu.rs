@@ -434,3 +434,12 @@ pub(crate) fn in_and_out_layout(gpu: &Gpu, label: &str) -> wgpu::BindGroupLayout
         entries: &[entry(0, true), entry(1, false)],
     })
 }
+
+/// What a pass with depth is begun with: nothing is nearer than infinity, and nobody needs it after.
+pub fn depth_attachment(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+        stencil_ops: None,
+    }
+}

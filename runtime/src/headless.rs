@@ -1,7 +1,8 @@
 //! Pictures and numbers without a window.
 
 use crate::film::{self, Film, LINEAR};
-use crate::frame::{Picture, depth_attachment};
+use crate::frame::Picture;
+use crate::gpu::depth_attachment;
 use crate::gpu::Gpu;
 use crate::passes::scene::{Features, ViewMode};
 use crate::view::View;

@@ -1,7 +1,6 @@
 //! The images that a scene names: found, decoded, and made into what the shading reads. What can't be had is said with its place in the
 //! text, and the rest of the scene goes on.
 
-use crate::passes::layers::MOST_TEXTURES;
 use image::{DynamicImage, ImageReader, Limits};
 use std::collections::HashMap;
 use std::collections::hash_map::DefaultHasher;
@@ -12,6 +11,10 @@ use surefoot_compiler::compiled::{Compiled, Loader};
 use surefoot_compiler::diagnostic::{Code, Diagnostic};
 use surefoot_compiler::images::{Bitmap, Cube, EnvironmentFile, EnvironmentKind, FACES, Images, Texture, TextureKind};
 use surefoot_compiler::source::Span;
+
+/// Textures that a pass takes; what is made of more images is drawn without them. Every device has room for sixteen, and shadows and the sky
+/// need some.
+pub const MOST_TEXTURES: usize = 8;
 
 /// The longest side of an image, in pixels.
 pub const LONGEST_SIDE: u32 = 16_384;

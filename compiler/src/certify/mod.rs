@@ -18,6 +18,7 @@
 //!
 //! [`falsify`] is the quick way for millions of points.
 
+mod prover;
 mod ball;
 mod code;
 mod falsify;
@@ -27,6 +28,9 @@ mod jumps;
 mod pieces;
 mod ray;
 mod steepest;
+
+pub use prover::{Box3, Prover, Truth};
+use prover::{BRANCHES, NATURAL, Over, SHORT, SLOPES, joined, side};
 
 pub use ball::{Ball, Distance};
 pub use falsify::{Claim, Violation, falsify};
@@ -40,59 +44,9 @@ use crate::functions::Functions;
 use crate::graph::interval::Interval;
 use crate::graph::{Function, Graph, NodeId};
 use code::{Code, Room};
-use forward::{Domain, Slot};
+use forward::Domain;
 use pieces::{Branches, Piece};
 use std::sync::Arc;
-
-/// A box: an interval for each axis.
-pub type Box3 = [Interval; 3];
-
-/// The field of a scene at fixed live values.
-#[derive(Clone, Debug)]
-pub struct Truth {
-    point: Arc<Code>,
-    ray: Code,
-}
-
-/// What is known of the field over a box.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Over {
-    /// Holds every value.
-    pub value: Interval,
-    /// Holds the gradient of every piece, component by component.
-    pub gradient: [Interval; 3],
-    /// At least the norm of every gradient.
-    pub norm: f64,
-    /// Whether the field may jump in the box; between its jumps the gradient is that of the pieces.
-    pub jump: bool,
-}
-
-/// Answers questions of one field. One for each thread: it holds the room in which it computes.
-#[derive(Clone, Debug)]
-pub struct Prover<'t> {
-    truth: &'t Truth,
-    boxes: u64,
-    /// Operations that were computed, and how many may be.
-    work: u64,
-    most: u64,
-    room: Room,
-    values: Vec<f64>,
-    ranges: Vec<Interval>,
-    slots: Vec<Slot<3>>,
-    ray_slots: Vec<Slot<1>>,
-    branches: Branches<3>,
-    ray_branches: Branches<1>,
-    live: Vec<bool>,
-}
-
-/// A code that is shorter than this is not made shorter over natural intervals before its full evaluation.
-const SHORT: usize = 24;
-/// What an operation over a box costs, beside one of many points at once.
-pub const NATURAL: u64 = 8;
-/// The same with its slopes.
-pub const SLOPES: u64 = 40;
-/// Branches that are looked at in one box.
-const BRANCHES: usize = 64;
 
 impl Truth {
     /// The field of a scene. At most `limit` operations once every call is replaced by its formula.
@@ -191,14 +145,3 @@ impl Prover<'_> {
     }
 }
 
-/// 1 or -1 where all values are above or below zero, else 0.
-fn side(values: Interval) -> i8 {
-    i8::from(values.lo > 0.0) - i8::from(values.hi < 0.0)
-}
-
-/// The hull of pieces.
-fn joined<const D: usize>(all: Option<Piece<D>>, piece: Piece<D>) -> Piece<D> {
-    let Some(mut all) = all else { return piece };
-    all.gradient.iter_mut().zip(piece.gradient).for_each(|(a, b)| *a = a.hull(b));
-    Piece { gradient: all.gradient, norm: all.norm.max(piece.norm), jump: all.jump | piece.jump }
-}

@@ -7,6 +7,7 @@
 //! Constants, live values and factors are rounded to 32 bits first: the tape and a GPU compute the same function, each in its own
 //! precision.
 
+mod tape;
 mod build;
 mod conforming;
 mod narrow;
@@ -16,54 +17,6 @@ use crate::live::Live;
 use crate::graph::kernel::Op;
 use crate::graph::{Graph, NodeId, Opened};
 use rustc_hash::FxHashMap;
-
-/// How many points are computed at once.
-pub const LANES: usize = 16;
-
-/// A number at each of the points.
-pub type Lanes = [f64; LANES];
-
-/// Registers 0, 1, 2 hold the point, 3, 4, 5 the normal; constants follow, then what is computed.
-const INPUTS: usize = 6;
-
-/// Formulas, ready to be computed at points of the scene.
-#[derive(Clone, Debug, Default)]
-pub struct Tape {
-    code: Vec<Instruction>,
-    constants: Vec<f64>,
-    registers: u32,
-    outputs: Vec<u32>,
-}
-
-/// `to = op(from)`; indices of registers.
-#[derive(Clone, Copy, Debug)]
-struct Instruction {
-    op: Op,
-    to: u32,
-    from: [u32; 4],
-}
-
-/// The formulas take more operations than allowed once every call is replaced by its formula.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TooLarge {
-    /// The number of operations allowed.
-    pub limit: usize,
-}
-
-impl std::fmt::Display for TooLarge {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "the scene takes more than {} operations", self.limit)
-    }
-}
-
-impl std::error::Error for TooLarge {}
-
-/// A tape with the registers in which it computes. One for each thread.
-#[derive(Clone, Debug)]
-pub struct Evaluator<'t> {
-    tape: &'t Tape,
-    registers: Vec<Lanes>,
-}
 
 impl Tape {
     /// The formulas `roots`, which stand in the scene's space. Functions of shapes that have no formula of their own in `opened` count
@@ -126,16 +79,10 @@ impl Tape {
     }
 }
 
-/// Up to [`LANES`] points as lanes; the last one fills up.
-pub fn lanes(points: &[[f64; 3]]) -> [Lanes; 3] {
-    let mut lanes = [[0.0; LANES]; 3];
-    let Some(&last) = points.last() else { return lanes };
-    for (axis, lane) in lanes.iter_mut().enumerate() {
-        let component = |p: &[f64; 3]| p.get(axis).copied().unwrap_or(0.0);
-        *lane = std::array::from_fn(|i| component(points.get(i).unwrap_or(&last)));
-    }
-    lanes
-}
-
 #[cfg(test)]
 mod tests;
+
+pub use tape::{Evaluator, LANES, Lanes, Tape, TooLarge};
+pub use tape::lanes;
+use tape::{INPUTS, Instruction};
+

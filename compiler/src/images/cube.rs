@@ -3,7 +3,7 @@
 //! Faces and their axes are those of OpenGL, Vulkan and WebGPU: px is what lies along x, and so on; a face's `s` goes to the right and
 //! its `t` down, seen from within with the eye along z, x to the right and y up.
 
-use super::{Bitmap, blend, mean4};
+use super::bitmap::{Bitmap, blend, mean4};
 use crate::vector::{Vec3, add, cross, dot, scale, sub, unit};
 use std::f64::consts::PI;
 

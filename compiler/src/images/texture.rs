@@ -1,6 +1,6 @@
 //! Images that lie on surfaces: repeated without end, and blurred where many of their pixels fall into one of the picture's.
 
-use super::{Bitmap, blend};
+use super::bitmap::{Bitmap, blend};
 use crate::graph::Slot;
 use crate::vector::{Vec3, add, cross, dot, scale};
 

@@ -11,11 +11,14 @@ mod glass;
 mod layers;
 mod light;
 pub mod march;
+mod scene;
 pub mod shade;
 mod shadow;
 pub mod tone;
 
-use crate::analysis::Box3;
+pub use scene::{Area, Hit, Reference, View};
+use scene::{BLOCK, LIMIT, Rest, numbered};
+
 use crate::camera::Camera;
 use crate::compiled::Compiled;
 use crate::frame::Frame;
@@ -23,7 +26,7 @@ use crate::interface::Rounding;
 use crate::live::Live;
 use crate::evaluate::{Tape, TooLarge};
 use crate::graph::{Function, NodeId};
-use crate::functions::{Planes, Surface};
+use crate::functions::Planes;
 use crate::images::{Images, Texture};
 use ahead::PlanesApart;
 use area::Part;
@@ -36,84 +39,6 @@ use std::sync::Arc;
 use crate::vector::{Vec3, along, length, only, scale, unit};
 
 pub use film::{rgb8, sample_offset};
-
-/// What a picture shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum View {
-    /// The scene in its light.
-    #[default]
-    Shaded,
-    /// The normals, each component from -1..1 to 0..1.
-    Normals,
-    /// How many steps a ray takes.
-    Steps,
-    /// How far the surface is.
-    Depth,
-}
-
-/// A rectangle of a picture's pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Area {
-    /// First column.
-    pub left: u32,
-    /// First row, from the top.
-    pub top: u32,
-    /// Number of columns.
-    pub width: u32,
-    /// Number of rows.
-    pub height: u32,
-}
-
-/// What a ray met.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Hit {
-    /// How far along the ray; where it ended if it met nothing.
-    pub t: f64,
-    /// Whether it met the surface.
-    pub hit: bool,
-    /// How often it looked.
-    pub steps: u32,
-}
-
-/// The most operations of a function at one point.
-const LIMIT: usize = 2_000_000;
-/// Rays are led together in squares of so many pixels a side.
-const BLOCK: u32 = 32;
-
-/// Bound and distance of what rays follow: of all, or where planes are met apart of everything else.
-#[derive(Clone, Debug)]
-struct Rest {
-    bound: Tape,
-    distance: Tape,
-    /// Both.
-    both: Tape,
-}
-
-/// A scene's functions at one moment, ready for any number of points.
-#[derive(Clone, Debug)]
-pub struct Reference {
-    field: Tape,
-    bound: Tape,
-    distance: Tape,
-    /// What rays follow.
-    rest: Rest,
-    planes: Option<PlanesApart>,
-    /// A box about all that is solid, but planes.
-    region: Option<Box3>,
-    gradient: Option<Tape>,
-    surface: Tape,
-    /// What lies on the surface, where anything does: [`Surface::layer_nodes`].
-    layers: Option<(Surface, Tape)>,
-    /// How much light goes through the surface, and the index of refraction, where any does.
-    glass: Option<Tape>,
-    images: Images,
-    /// Whether the estimate of the distance may be much less than it ([`crate::emit::tracer::Ways::loose`]).
-    loose: bool,
-    /// Whether a light has a place ([`crate::emit::tracer::Ways::lamps`]).
-    lamps: bool,
-    /// What rounding of the module grows with.
-    rounding: Rounding,
-}
 
 impl Reference {
     /// The functions of a scene with parameters and time as they are at one moment.
@@ -508,8 +433,3 @@ impl Reference {
     }
 }
 
-/// The rays that met something, with their numbers.
-fn numbered<'a>(rays: &'a [Ray], hits: &'a [Hit]) -> Vec<(usize, &'a Ray, &'a Hit)> {
-    let all = rays.iter().zip(hits).enumerate();
-    all.filter_map(|(i, (ray, hit))| hit.hit.then_some((i, ray, hit))).collect()
-}

@@ -1,11 +1,13 @@
 //! Which files a compilation read, and what they held.
 
-use super::SharedLoader;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 use surefoot_compiler::compiled::Loader;
+
+/// Reads files, from any thread.
+pub type SharedLoader = Arc<dyn Loader + Send + Sync>;
 
 /// What a file held: a hash of its bytes, or none where it could not be read.
 type Content = Option<(u64, usize)>;

@@ -354,7 +354,7 @@ fn begin<'a>(encoder: &'a mut wgpu::CommandEncoder, target: &wgpu::TextureView, 
             resolve_target: None,
             ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
         })],
-        depth_stencil_attachment: depth.map(crate::frame::depth_attachment),
+        depth_stencil_attachment: depth.map(crate::gpu::depth_attachment),
         ..Default::default()
     })
 }

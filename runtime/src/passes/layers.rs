@@ -6,9 +6,6 @@ use surefoot_compiler::functions::{Functions, Surface};
 use surefoot_compiler::graph::Slot;
 use surefoot_compiler::images::TextureKind;
 
-/// Textures that a pass takes; what is made of more images is drawn without them. Every device has room for sixteen, and shadows and the sky
-/// need some.
-pub const MOST_TEXTURES: usize = 8;
 /// The binding of the first texture in group 1; that of their sampler is the one before.
 pub(super) const FIRST_TEXTURE: u32 = 5;
 

@@ -1,7 +1,8 @@
 //! The pass that draws the field: one triangle over the screen. Its text is a list of sections, of which only those stand in the
 //! module that the scene and the view need; its uniforms are filled from a [`Frame`].
 
-use super::layers::{self, MOST_TEXTURES};
+use super::layers;
+use crate::images::MOST_TEXTURES;
 use crate::film::LINEAR;
 use bytemuck::{Pod, Zeroable};
 use std::borrow::Cow;

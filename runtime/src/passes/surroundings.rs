@@ -1,6 +1,7 @@
 //! Group 1 of every pass that shades: the scene's uniforms, the images that stand for its sky, and those that lie on its surface.
 
-use super::layers::{FIRST_TEXTURE, MOST_TEXTURES};
+use super::layers::FIRST_TEXTURE;
+use crate::images::MOST_TEXTURES;
 use super::scene::{Features, SceneUniforms};
 use crate::gpu::{Gpu, UniformBlock, uniform_layout};
 use bytemuck::{Pod, Zeroable};
