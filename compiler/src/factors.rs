@@ -10,7 +10,7 @@ use crate::functions::Functions;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Factor, Function, Graph, Node, NodeId, Proof, ShapeId};
-use crate::source::{Sources, Span};
+use crate::source::{Sources, Span, written};
 use rustc_hash::FxHashSet;
 
 /// Up to so many times the steps are few more.
@@ -257,35 +257,6 @@ fn about_the_scene(compiled: &Compiled, search: &Search) -> Search {
     Search { domain: search.domain.at(search.domain.point.intersect(&Box3::cube(size))), ..search.clone() }
 }
 
-/// What stands at a place on one line, and the name of what is called there.
-pub fn written(sources: &Sources, span: Span) -> (String, String) {
-    let text = sources.text(span).split_whitespace().collect::<Vec<_>>().join(" ");
-    let operation = called(&text).unwrap_or("formula").to_owned();
-    (text, operation)
-}
-
-/// The name in `name(…)` or `name`, where the text is nothing more than that.
-fn called(text: &str) -> Option<&str> {
-    let end = text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
-    let (name, rest) = text.split_at_checked(end)?;
-    if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
-        return None;
-    }
-    let mut depth = 0;
-    for (at, c) in rest.char_indices() {
-        match c {
-            '(' => depth += 1,
-            ')' => depth -= 1,
-            _ if depth == 0 => return None,
-            _ => {}
-        }
-        if depth == 0 {
-            return (at + 1 == rest.len()).then_some(name);
-        }
-    }
-    rest.is_empty().then_some(name)
-}
-
 fn uniform(compiled: &Compiled, index: u32) -> Option<String> {
     let source = crate::interface::UniformSource::Factor(index);
     compiled.module.uniforms.iter().find(|u| u.source == source).map(|u| u.name.clone())
@@ -478,15 +449,6 @@ mod tests {
         let outcome = outcome(text);
         let compiled = outcome.compiled.unwrap();
         explain(&compiled, &outcome.sources)
-    }
-
-    #[test]
-    fn names_are_those_of_whole_calls() {
-        assert_eq!(called("twist(y, (1 + 2))"), Some("twist"));
-        assert_eq!(called("wave"), Some("wave"));
-        for other in ["length(p) - 1", "(a + b)", "a | b", "2 * f(p)", "", "f(", "f(p).g()"] {
-            assert_eq!(called(other), None, "{other}");
-        }
     }
 
     #[test]

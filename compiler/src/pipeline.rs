@@ -5,9 +5,10 @@ use crate::analysis::memory::Memory;
 use crate::compiled::{Compiled, Outcome};
 use crate::interface::{Export, Options};
 use crate::loader::Loader;
-use crate::diagnostic::{Code, Diagnostic, tidy};
+use crate::diagnostic::{Code, Diagnostic, Severity, tidy};
 use crate::camera::Home;
 use crate::source::Sources;
+use crate::program::load::Loaded;
 use crate::{emit, functions, program};
 
 /// A stage of the pipeline, in their order.
@@ -66,12 +67,16 @@ pub fn compile_remembering(
             memory.forget();
         }
         let is_new = memory.is_empty();
-        let outcome = run(loader, path, options, memory, finished);
-        if is_new || !memory.fell_short {
-            return outcome;
+        let loaded = program::load::load(loader, path);
+        finished(Stage::Read);
+        let mut made = run(&loaded, options, memory, finished);
+        if !is_new && memory.fell_short {
+            memory.forget();
+            made = run(&loaded, options, memory, finished);
         }
-        memory.forget();
-        run(loader, path, options, memory, finished)
+        let (mut diagnostics, compiled) = made;
+        tidy(&mut diagnostics);
+        Outcome { sources: loaded.sources, diagnostics, files: loaded.files, compiled }
     })
 }
 
@@ -84,58 +89,47 @@ const MOST_ENTERED: f64 = 1e8;
 /// Room for the deepest nesting that is read, in a build without optimisation.
 const STACK: usize = 256 << 20;
 
-fn run(
-    loader: &dyn Loader,
-    path: &str,
-    options: &Options,
-    memory: &mut Memory,
-    finished: &mut dyn FnMut(Stage),
-) -> Outcome {
-    let loaded = program::load::load(loader, path);
-    finished(Stage::Read);
-    let mut outcome = Outcome {
-        sources: loaded.sources,
-        diagnostics: loaded.diagnostics,
-        files: loaded.files,
-        compiled: None,
-    };
+/// What the texts come to: diagnostics, and the scene where none is an error.
+fn run(loaded: &Loaded, options: &Options, memory: &mut Memory, finished: &mut dyn FnMut(Stage)) -> (Vec<Diagnostic>, Option<Compiled>) {
+    let mut diagnostics = loaded.diagnostics.clone();
+    let mut made = None;
+    let has_errors = |diagnostics: &[Diagnostic]| diagnostics.iter().any(|d| d.severity == Severity::Error);
     let facts = Facts::with(std::mem::take(memory));
-    let mut elaboration = program::elaborate(&loaded.modules, &outcome.sources, options, facts);
-    outcome.diagnostics.append(&mut elaboration.diagnostics);
+    let mut elaboration = program::elaborate(&loaded.modules, &loaded.sources, options, facts);
+    diagnostics.append(&mut elaboration.diagnostics);
     finished(Stage::Elaborate);
-    if let (Some(root), false) = (elaboration.root, outcome.has_errors()) {
+    if let (Some(root), false) = (elaboration.root, has_errors(&diagnostics)) {
         let mut graph = elaboration.graph;
         let facts = &mut elaboration.facts;
         facts.open_account(graph.len());
         let root = functions::bind_world(&mut graph, root);
         let entered = graph.entered(root);
         if entered > MOST_ENTERED {
-            outcome.diagnostics.push(Diagnostic::new(
+            diagnostics.push(Diagnostic::new(
                 Code::TooLarge,
                 loaded.modules.head(loaded.modules.main),
                 format!("one look at this scene enters {entered:.1e} shapes, and no picture would ever be done"),
                 "let what calls itself do so less often, or join fewer copies of copies",
             ));
-            tidy(&mut outcome.diagnostics);
-            return outcome;
+            return (diagnostics, None);
         }
         let is_free = options.extent.is_none() && !elaboration.blocks.says_extent;
         if let Some(extent) = is_free.then(|| functions::ample_extent(&mut graph, facts, root, &elaboration.blocks)).flatten() {
             // All is proven within the extent, so that with another one it is another scene.
             *memory = elaboration.facts.memory;
-            return run(loader, path, &Options { extent: Some(extent), ..options.clone() }, memory, finished);
+            return run(loaded, &Options { extent: Some(extent), ..options.clone() }, memory, finished);
         }
         let (functions, summary, found) =
             functions::build(&mut graph, facts, root, &elaboration.blocks, options.strict, Vec::new());
-        outcome.diagnostics.extend(found);
-        outcome.diagnostics.extend(crate::factors::too_many_together(&graph, root, &functions));
+        diagnostics.extend(found);
+        diagnostics.extend(crate::factors::too_many_together(&graph, root, &functions));
         finished(Stage::Analyse);
-        if !outcome.has_errors() {
+        if !has_errors(&diagnostics) {
             let (blocks, parameters) = (&elaboration.blocks, &elaboration.parameters);
-            match emit::emit(&graph, root, &functions, blocks, parameters, options, &outcome.sources) {
+            match emit::emit(&graph, root, &functions, blocks, parameters, options, &loaded.sources) {
                 Ok(module) => {
                     if module.operations.1 / functions.operands().max(1) > COSTLY {
-                        outcome.diagnostics.push(Diagnostic::new(
+                        diagnostics.push(Diagnostic::new(
                             Code::Costly,
                             loaded.modules.head(loaded.modules.main),
                             format!("one look at this scene takes {} operations; a picture may take minutes", module.operations.1),
@@ -155,12 +149,12 @@ fn run(
                         apart: None,
                     };
                     compiled.home = compiled.blocks.is_framed().then(|| Home::of(&compiled).into());
-                    compiled.apart = ground(&compiled, facts, options, &outcome.sources).map(Box::new);
-                    outcome.compiled = Some(compiled);
+                    compiled.apart = ground(&compiled, facts, options, &loaded.sources).map(Box::new);
+                    made = Some(compiled);
                 }
                 Err(error) => {
                     let span = loaded.modules.head(loaded.modules.main);
-                    outcome.diagnostics.push(Diagnostic::new(
+                    diagnostics.push(Diagnostic::new(
                         Code::TooLarge,
                         span,
                         format!("the scene can't be written as WGSL: {error}"),
@@ -175,8 +169,7 @@ fn run(
     *memory = elaboration.facts.memory;
     memory.fell_short = fell_short;
     memory.steps += elaboration.facts.ran;
-    tidy(&mut outcome.diagnostics);
-    outcome
+    (diagnostics, made)
 }
 
 /// The scene as balls meet it, where that is not as it is seen. Its factors begin with those of the scene, so that live values hold for both.

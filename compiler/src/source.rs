@@ -101,3 +101,46 @@ pub struct ImageFile {
     /// Where the text names it.
     pub span: Span,
 }
+
+/// What stands at a place on one line, and the name of what is called there.
+pub fn written(sources: &Sources, span: Span) -> (String, String) {
+    let text = sources.text(span).split_whitespace().collect::<Vec<_>>().join(" ");
+    let operation = called(&text).unwrap_or("formula").to_owned();
+    (text, operation)
+}
+
+/// The name in `name(…)` or `name`, where the text is nothing more than that.
+fn called(text: &str) -> Option<&str> {
+    let end = text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
+    let (name, rest) = text.split_at_checked(end)?;
+    if !name.starts_with(|c: char| c.is_alphabetic() || c == '_') {
+        return None;
+    }
+    let mut depth = 0;
+    for (at, c) in rest.char_indices() {
+        match c {
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            _ if depth == 0 => return None,
+            _ => {}
+        }
+        if depth == 0 {
+            return (at + 1 == rest.len()).then_some(name);
+        }
+    }
+    rest.is_empty().then_some(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::called;
+
+    #[test]
+    fn names_are_those_of_whole_calls() {
+        assert_eq!(called("twist(y, (1 + 2))"), Some("twist"));
+        assert_eq!(called("wave"), Some("wave"));
+        for other in ["length(p) - 1", "(a + b)", "a | b", "2 * f(p)", "", "f(", "f(p).g()"] {
+            assert_eq!(called(other), None, "{other}");
+        }
+    }
+}

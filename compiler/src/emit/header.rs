@@ -7,10 +7,9 @@ use super::uniforms::Candidates;
 use super::write::vector_type;
 use crate::analysis::Box3;
 use crate::interface::{Export, Options, Parameter, Uniform, UniformSource};
-use crate::factors;
 use crate::graph::kernel::Op;
 use crate::graph::{Factor, Graph, Proof};
-use crate::source::Sources;
+use crate::source::{Sources, written};
 use crate::syntax::ast::Type;
 use rustc_hash::FxHashSet;
 use std::fmt::Write;
@@ -228,7 +227,7 @@ fn computed(facts: &Facts, text: &mut String) -> Vec<String> {
 
 /// How a factor is known and what it comes from. Of the file only its own name, so that the same text gives the same module in any folder.
 fn factor(sources: &Sources, factor: &Factor) -> String {
-    let (_, operation) = factors::written(sources, factor.span);
+    let (_, operation) = written(sources, factor.span);
     let (file, line, column) = sources.position(factor.span.file, factor.span.start);
     let file = file.rsplit(['/', '\\']).next().unwrap_or(file);
     let proof = match factor.proof {

@@ -6,7 +6,7 @@
 
 use super::Builder;
 use super::jumps::Site;
-use super::wall::{Along, Wall};
+use super::wall::{LONGEST, Along, Wall};
 use crate::analysis::Domain;
 use crate::graph::kernel::Op;
 use crate::graph::interval::Interval;
@@ -14,8 +14,6 @@ use crate::graph::{Leaf, Node, NodeId};
 use rustc_hash::FxHashMap;
 use std::f64::consts::{PI, TAU};
 
-/// Longer formulas are not looked at.
-pub(super) const LONGEST: usize = 4000;
 /// What a formula changes by within so much of the size of what is looked at is the rounding of the numbers by which a jump is known.
 const UNSEEN: f64 = 1e-9;
 

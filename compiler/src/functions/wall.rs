@@ -4,12 +4,14 @@
 //! What else jumps there is held as it is, whatever that may be, where what it jumps by comes to the same on both sides: it is looked at by itself.
 
 use super::Builder;
-use super::seams::LONGEST;
 use crate::analysis::products::{self, multiplied, scaled};
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Leaf, Node, NodeId, ShapeId};
 use rustc_hash::{FxHashMap, FxHashSet};
 use smallvec::smallvec;
+
+/// Longer formulas are not looked at.
+pub(super) const LONGEST: usize = 4000;
 
 /// Longer sums are not looked at.
 const MOST_TERMS: usize = 256;

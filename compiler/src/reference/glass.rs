@@ -1,24 +1,10 @@
 //! Rays that go through glass: the twin of `runtime/src/passes/scene/glass.wgsl`.
 
 use super::march::{Ray, at_points};
-use super::shade::{Seen, shadow_offset};
+use super::shade::{fresnel, Seen, shadow_offset};
 use crate::vector::{Vec3, add, along, dot, scale, sub};
 use super::Reference;
 use crate::frame::Frame;
-
-/// What a surface between two clear bodies mirrors: Fresnel's equations for light without polarisation. `index` is that of the body beyond over
-/// that of the one before.
-pub fn fresnel(cosine: f64, index: f64) -> f64 {
-    let c = cosine.clamp(0.0, 1.0);
-    let squared = 1.0 - (1.0 - c * c) / (index * index);
-    if squared <= 0.0 {
-        return 1.0;
-    }
-    let beyond = squared.sqrt();
-    let across = (c - index * beyond) / (c + index * beyond);
-    let along = (index * c - beyond) / (index * c + beyond);
-    0.5 * (across * across + along * along)
-}
 
 /// The direction of a ray beyond a surface whose normal points to where it comes from, by Snell's law; `ratio` is the index before over that
 /// beyond. Nothing where all is mirrored.

@@ -1,10 +1,10 @@
 //! Light on its way: from surface to surface, and from lamps to surfaces. The twin of `runtime/src/passes/scene/reflections.wgsl` and
 //! `glass.wgsl`.
 
-use super::glass::{Through, fresnel};
+use super::glass::Through;
 use super::area::{Part, toward};
 use super::march::{Ray, at_points};
-use super::shade::{self, Lamp, Leaving, Seen, Shading, SurfaceValues};
+use super::shade::{self, fresnel, Lamp, Leaving, Seen, Shading, SurfaceValues};
 use crate::vector::{Vec3, add, along, dot, mul, scale, sub};
 use super::{Reference, numbered};
 use crate::frame::Frame;

@@ -12,7 +12,6 @@ use super::area::Part;
 use crate::vector::{Vec3, add, cross, dot, length, mix, mul, scale, smooth, sub, unit};
 use crate::blocks::Shadow;
 use crate::frame::{PLAIN_SKY, Fog, Frame, Light, LightKind, Sky};
-use super::glass::fresnel;
 use crate::images::Cube;
 use std::borrow::Cow;
 use std::f64::consts::PI;
@@ -384,6 +383,20 @@ impl Shading {
     pub fn exposed(&self, light: Vec3) -> Vec3 {
         light.map(|c| c.max(0.0) * self.exposure)
     }
+}
+
+/// What a surface between two clear bodies mirrors: Fresnel's equations for light without polarisation. `index` is that of the body beyond over
+/// that of the one before.
+pub fn fresnel(cosine: f64, index: f64) -> f64 {
+    let c = cosine.clamp(0.0, 1.0);
+    let squared = 1.0 - (1.0 - c * c) / (index * index);
+    if squared <= 0.0 {
+        return 1.0;
+    }
+    let beyond = squared.sqrt();
+    let across = (c - index * beyond) / (c + index * beyond);
+    let along = (index * c - beyond) / (index * c + beyond);
+    0.5 * (across * across + along * along)
 }
 
 /// How much of what a surface mirrors is followed: all of a polished one's, nothing of a rough one's or where too little arrives to be
