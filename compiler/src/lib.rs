@@ -38,5 +38,5 @@ pub mod vector;
 pub mod verify;
 
 pub use compiled::{Compiled, Export, Frame, Live, Loader, MemoryLoader, Module, Options, Outcome};
-pub use analysis::memory::Memory;
+pub use analysis::analysis_cache::Memory;
 pub use pipeline::{compile, compile_observed, compile_remembering, Stage};

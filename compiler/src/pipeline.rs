@@ -1,7 +1,7 @@
 //! The list of passes, on one screen: text → trees → graph → functions → module.
 
 use crate::analysis::Facts;
-use crate::analysis::memory::Memory;
+use crate::analysis::analysis_cache::Memory;
 use crate::compiled::{Compiled, Outcome};
 use crate::interface::{Export, Options};
 use crate::loader::Loader;

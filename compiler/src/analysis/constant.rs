@@ -1,6 +1,6 @@
 //! Lipschitz constants: the largest norm of a gradient over a domain, the worst box split again and again.
 
-use super::map::{chain_norm, map_norm};
+use super::jacobian_norm::{chain_norm, map_norm};
 use super::tape::{Step, Tape};
 use super::region::shift_along;
 use super::polar::Polar;

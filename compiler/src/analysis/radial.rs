@@ -5,7 +5,7 @@
 //! own map is stretched by, or 2√u times that. Both are functions of u alone, so one dimension is searched instead of three.
 
 use super::dual::Dual;
-use super::map::point_norm;
+use super::jacobian_norm::point_norm;
 use super::tape::{Step, Steps, Tape};
 use super::{Constant, Domain, Facts, Box3, leaf_dual, dual};
 use super::constant::{Norm, Sought};

@@ -1,10 +1,10 @@
 //! Where a formula can be at or below a level: a box, found by carrying conditions back to the coordinates, and by cutting off slabs that
 //! are proven empty.
 
-use super::back::Turned;
+use super::hc4_projections::Turned;
 use super::branches::backward;
 use super::chain::{DEEP, DEEPEST};
-use super::placed::Placed;
+use super::rigid_transform::Placed;
 use super::tape::{Step, Tape};
 use super::{call_domain, Box3, Constant, Domain, Facts};
 use crate::graph::interval::Interval;

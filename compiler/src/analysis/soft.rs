@@ -11,7 +11,7 @@
 //! than one; for 1 <= k < 2 the norm of the weights is at most n^(1/k - 1/2), by Hölder's inequality.
 
 use super::dual::{Dual, Duals};
-use super::map::point_norm;
+use super::jacobian_norm::point_norm;
 use super::matrix::{Row, Rows, matrix_norm};
 use super::tape::{Step, Tape};
 use crate::graph::algebra::Algebra;

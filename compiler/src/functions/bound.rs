@@ -1,6 +1,6 @@
 //! How far a ray may step: operands one by one, groups as a whole, each over its Lipschitz factor and behind its region where it needs one.
 
-use super::dear::DEAR;
+use super::measured_fallback::DEAR;
 use super::domains::LONGER;
 use super::{Builder, Kind, Known, Over, Treatment, BUDGET, GENTLE, LONG, SAMPLES, STEEPEST, UNIT};
 use crate::analysis::search::{Search, Target, ROUNDING};

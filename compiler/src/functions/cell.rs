@@ -3,7 +3,7 @@
 //! how steep the pieces are; in a box of many cells it would have to come down to each of them.
 
 use super::domains::{LONGER, STEEP};
-use super::wall::LONGEST;
+use super::one_sided_form::LONGEST;
 use super::{BUDGET, Builder};
 use crate::analysis::{Constant, Domain};
 use crate::graph::interval::Interval;

@@ -3,7 +3,7 @@
 //! Written out, each turn asks by itself whether it is taken, so that in one turn the point may be scaled and the divisor not: a product over all turns.
 //! No place sees more than one count, so the constant is the largest of those of each count by itself.
 
-use super::wall::LONGEST;
+use super::one_sided_form::LONGEST;
 use super::{Builder, GENTLE};
 use crate::analysis::{Constant, Facts};
 use crate::graph::kernel::Op;

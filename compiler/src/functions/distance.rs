@@ -1,6 +1,6 @@
 //! The estimate of the distance: what light, occlusion and contact use. No factor is ever in it.
 
-use super::uneven::Uneven;
+use super::level_and_curvature_bounds::Uneven;
 use super::{Builder, BUDGET, STEEPEST, UNIT};
 use crate::analysis::search::{Search, Target, spread};
 use crate::analysis::{Box3, Domain};

@@ -4,7 +4,7 @@
 use super::Builder;
 use super::outlines::{MOST_STILL, Outline};
 use super::template::Template;
-use super::turns::Turns;
+use super::loop_counters::Turns;
 use super::unions::{FEWEST_ROWS, LONGEST, MANY, Union};
 use crate::analysis::Box3;
 use crate::graph::interval::Interval;

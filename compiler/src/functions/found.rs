@@ -1,7 +1,7 @@
 //! What was found of formulas over domains, so that each is looked for once.
 
 use super::cell::OneCell;
-use super::uneven::Uneven;
+use super::level_and_curvature_bounds::Uneven;
 use super::{Cut, Narrowed, Treatment};
 use crate::analysis::domain::Key;
 use crate::graph::{NodeId, ShapeId};

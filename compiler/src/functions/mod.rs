@@ -6,36 +6,36 @@
 
 mod agree;
 mod ahead;
-mod apart;
+mod smooth_union_bound;
 mod bodies;
 mod bound;
 mod capped;
 mod cell;
 mod convex;
 mod counts;
-mod dear;
+mod measured_fallback;
 mod distance;
 mod domains;
-mod dress;
+mod uniform_material;
 mod folds;
 mod found;
 mod gradient;
 mod ground;
 mod groups;
-mod heights;
+mod jump_magnitude;
 mod jumps;
 mod outlines;
 mod seams;
 mod sides;
-mod stairs;
+mod staircase_relaxation;
 mod surface;
 mod template;
 mod treatment;
 mod trial;
-pub mod turns;
-mod uneven;
+pub mod loop_counters;
+mod level_and_curvature_bounds;
 pub mod unions;
-mod wall;
+mod one_sided_form;
 mod zones;
 
 pub use ahead::{Ahead, Planes, ample_extent};
@@ -264,7 +264,7 @@ pub struct Builder<'a> {
     planes: FxHashMap<NodeId, bool>,
     surfaces: FxHashMap<NodeId, Option<Look>>,
     looks: FxHashMap<NodeId, surface::Looks>,
-    dresses: FxHashMap<NodeId, dress::Dress>,
+    dresses: FxHashMap<NodeId, uniform_material::Dress>,
     /// How many shapes of several materials were looked at.
     looked: usize,
     /// How wide the widest opening is of which the estimate of the distance tells a face that is not there.

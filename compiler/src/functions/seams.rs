@@ -2,11 +2,11 @@
 //!
 //! Where ⌊x⌋ changes, x is a whole number N, and ⌊x⌋ is N - 1 on one side and N on the other. A formula whose value there comes to the same node of the
 //! graph with either, does not jump: x - ⌊x⌋ is one or zero, so is a smooth step of it, and what is mixed by that is the random number of N on both
-//! sides (`wall`). Where the two are not the same, how far they can be apart says how high it jumps (`heights`).
+//! sides (`one_sided_form`). Where the two are not the same, how far they can be apart says how high it jumps (`jump_magnitude`).
 
 use super::Builder;
 use super::jumps::Site;
-use super::wall::{LONGEST, Along, Wall};
+use super::one_sided_form::{LONGEST, Along, Wall};
 use crate::analysis::Domain;
 use crate::graph::kernel::Op;
 use crate::graph::interval::Interval;

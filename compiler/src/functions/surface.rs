@@ -1,7 +1,7 @@
 //! The surface: how a point of it answers light.
 
 use super::bodies::bodies;
-use super::dress::Dress;
+use super::uniform_material::Dress;
 use super::{Builder, Layer, Look, Surface};
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, Leaf, Material, MaterialId, Node, NodeId, ShapeId, kernel, WORLD};

@@ -5,7 +5,7 @@ mod grid;
 mod text;
 
 use crate::functions::Functions;
-use crate::functions::turns::Turns;
+use crate::functions::loop_counters::Turns;
 use crate::functions::unions::{FEWEST_ROWS, Join, MOST_CLASSES, Of, Operand, Step, Union};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;

@@ -5,7 +5,7 @@ use crate::interface::UniformSource;
 use crate::emit::EmitError;
 use crate::emit::body::{Body, Code, ExprId, Read};
 use crate::emit::write::{self, Context};
-use crate::functions::turns::Turns;
+use crate::functions::loop_counters::Turns;
 use crate::graph::kernel::Op;
 use crate::graph::simplify::Terms;
 use std::fmt::Write;

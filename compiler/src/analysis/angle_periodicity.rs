@@ -2,7 +2,7 @@
 
 use super::dual::Dual;
 use super::tape::{Step, Tape};
-use super::tight::is_whole;
+use super::algebraic_enclosures::is_whole;
 use crate::graph::kernel::Op;
 use crate::graph::{Graph, Leaf};
 

@@ -4,8 +4,8 @@
 //! between the least and the greatest of its Bernstein coefficients over that number's range (Bernstein form: Lane and Riesenfeld 1981), and so does its
 //! slope. What is known of a coordinate over the length of its vector stands in `directions`, of products of sums in `multilinear`.
 
-use super::around::Around;
-use super::directions::Direction;
+use super::polar_rotation::Around;
+use super::normalized_vector::Direction;
 use super::dual::Dual;
 use super::multilinear::Multilinear;
 use super::tape::{Step, Tape};

@@ -9,7 +9,7 @@
 //! |f| - g s - M s²/2 (Taylor's theorem), so a ray may go to where that is zero, 2|f| / (g + √(g² + 2 M |f|)). Near the surface that is f/g, wherever
 //! the region is steepest. Kalra and Barr (1989) bound a slope along a ray in the same way.
 
-use super::dear::DEAR;
+use super::measured_fallback::DEAR;
 use super::domains::STEEP;
 use super::trial::{number, places, values};
 use super::{BUDGET, Builder};

@@ -6,7 +6,7 @@
 
 use super::dual::Dual;
 use super::isometry::PlaneTurn;
-use super::map::map_norm;
+use super::jacobian_norm::map_norm;
 use super::tape::{Step, Tape};
 use super::{Box3, Domain, Facts};
 use crate::graph::kernel::Op;
