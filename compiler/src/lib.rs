@@ -28,6 +28,7 @@ pub mod prelude;
 pub mod random;
 pub mod reference;
 pub mod reference_text;
+pub mod sampled;
 pub mod skipped;
 pub mod solid;
 pub mod source;

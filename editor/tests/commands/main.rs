@@ -457,6 +457,30 @@ fn balls_fall_the_same_way_each_time() {
 
 #[cfg(feature = "gpu")]
 #[test]
+fn bake_says_what_it_found_and_writes_a_grid() {
+    let folder = folder("bake");
+    let wedge = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
+    fs::write(folder.join("open.obj"), wedge).unwrap();
+    fs::write(folder.join("whole.obj"), format!("{wedge}f 2 3 4\n")).unwrap();
+    fs::write(folder.join("cut.obj"), "v 0 0 0\nv 1 0 0\n").unwrap();
+    let bake = |mesh: &str, more: &[&str]| run(&folder, &[&["bake", mesh, "-o", "out.sfgrid", "--resolution", "16"], more].concat());
+    let (code, out, said) = bake("whole.obj", &["--report"]);
+    assert_eq!((code, said.as_str()), (0, ""));
+    assert!(out.contains("4 vertices, 4 triangles, 1 shell, volume 0.166667") && out.contains("found: nothing wrong\n  sides by pseudonormal\n"), "{out}");
+    let bytes = fs::read(folder.join("out.sfgrid")).unwrap();
+    assert!(out.contains("16 × 16 × 16 cells") && out.contains(&format!(" {} bytes", bytes.len())), "{out}");
+    assert!(bytes.starts_with(b"SFGRID"));
+    let (code, _, said) = bake("open.obj", &[]);
+    assert!(code == 0 && said.contains("open.obj has 3 open edges; sides are found by winding"), "{said}");
+    assert!(bake("open.obj", &["--sign", "parity", "--report"]).1.contains("sides by parity"));
+    let (code, _, said) = bake("cut.obj", &[]);
+    assert!(code == 2 && said.contains("can't bake cut.obj: it has no triangles"), "{said}");
+    assert_eq!(bake("whole.obj", &["--padding", "7"]).0, 2);
+    let (code, _, said) = run(&folder, &["bake", "whole.obj", "-o", "out.png"]);
+    assert!(code == 2 && said.contains("the name ends with .sfgrid"), "{said}");
+}
+
+#[test]
 fn bench_finds_what_steps_too_far_and_nothing_in_ours() {
     let folder = folder("bench-rays");
     let blade = "camera { eye: (3.5, 3.5, 4.5), target: (0, 0, 0), fov: 45deg }\nscene = box((4, 1, 0.16)).twist(z, 3)\n";
