@@ -50,6 +50,9 @@ pub fn bake(surface: &Surface, settings: Settings, progress: &(dyn Fn(f64) + Syn
         return Err("the padding is a share of the longest side, from 0.01 to 1".to_owned());
     }
     let shape = shape(surface, settings);
+    if !shape.is_somewhere() {
+        return Err("it is too small for where it stands: places a cell apart are the same in 64 bits".to_owned());
+    }
     let (coarse, hints) = corners(surface, &shape);
     let around = |brick: usize| {
         let [i, j, k] = shape.place(brick);

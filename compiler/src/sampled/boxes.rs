@@ -235,13 +235,6 @@ impl Boxes {
         self.discs = self.dipoles.par_iter().zip(ranges).map(disc).collect();
     }
 
-    /// The squared distance of a point to what is in a box, or less.
-    #[inline]
-    fn squared(&self, at: u32, p: Vec3, limit: f64) -> f64 {
-        let boxed = self.nodes[at as usize].bounds.squared(p);
-        if boxed >= limit { boxed } else { boxed.max(self.discs[at as usize].squared(p)) }
-    }
-
     fn leaf(&self, node: &Node) -> &[Triangle] {
         &self.triangles[node.first as usize..(node.first + node.count) as usize]
     }
@@ -257,14 +250,16 @@ impl Boxes {
         let mut at = 0u32;
         loop {
             let node = &self.nodes[at as usize];
-            if node.count > 0 {
+            if self.discs[at as usize].squared(p) >= best.squared {
+                // None of its triangles is closer, though its box is.
+            } else if node.count > 0 {
                 for (i, triangle) in self.leaf(node).iter().enumerate() {
                     if let Some((squared, point, part)) = triangle.closer(p, best.squared) {
                         best = Near { squared, point, triangle: node.first + i as u32, part };
                     }
                 }
             } else {
-                let [a, b] = [node.first, node.first + 1].map(|child| (child, self.squared(child, p, best.squared)));
+                let [a, b] = [node.first, node.first + 1].map(|child| (child, self.nodes[child as usize].bounds.squared(p)));
                 let (near, far) = if a.1 <= b.1 { (a, b) } else { (b, a) };
                 if near.1 < best.squared {
                     if far.1 < best.squared {

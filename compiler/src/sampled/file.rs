@@ -55,9 +55,10 @@ impl Grid {
             return Err(format!("its bricks have {brick} cells a side, and only {BRICK} is known"));
         }
         let shape = Shape { origin: [ox, oy, oz], cell, bricks: [x, y, z] };
-        // The last place is what tells whether places are numbers that differ.
-        let good = cell > 0.0 && shape.bricks.iter().all(|b| (1..=1 << 16).contains(b)) && shape.end().iter().all(|c| c.is_finite() && c.abs() < 1e17);
-        if !good || (0..3).any(|i| shape.origin.iter().zip(shape.end()).nth(i).is_none_or(|(from, to)| !(from + cell > *from && to - cell < to))) {
+        if !shape.bricks.iter().all(|b| (1..=1 << 16).contains(b)) {
+            return Err(format!("it has {x} × {y} × {z} bricks, and 1 to {} along each axis are known", 1 << 16));
+        }
+        if !shape.is_somewhere() {
             return Err("it lies nowhere: its corner or the side of its cells is no place, or too large".to_owned());
         }
         // At most 2⁵¹, so that no product overflows.

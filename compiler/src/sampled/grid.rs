@@ -61,6 +61,12 @@ impl Shape {
         [0, 1, 2].map(|i| self.origin[i] + sample[i] as f64 * self.cell)
     }
 
+    /// Whether its places are numbers, and those a cell apart different ones.
+    pub(super) fn is_somewhere(&self) -> bool {
+        let apart = |from: f64, to: f64| from + 0.5 * self.cell > from && to - 0.5 * self.cell < to && from.abs().max(to.abs()) < 1e17;
+        self.cell > 0.0 && self.origin.into_iter().zip(self.end()).all(|(from, to)| apart(from, to))
+    }
+
     /// Its greatest corner.
     pub fn end(&self) -> Vec3 {
         self.at(self.bricks.map(|b| b as usize * BRICK))
