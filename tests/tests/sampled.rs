@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use std::panic::catch_unwind;
-use surefoot_compiler::sampled::{Findings, Grid, Settings, Sign, Surface, bake, measure};
+use surefoot_compiler::sampled::{Findings, Grid, MOST_TRIANGLES, Settings, Sign, Surface, bake, measure};
 use surefoot_tests::solids::{Solid, cuboid, knot, sphere};
 
 type Vec3 = [f64; 3];
@@ -286,6 +286,7 @@ fn what_is_no_mesh_is_an_error_with_its_place() {
     assert_eq!(refused(&corners, &[]), "it has no triangles");
     assert_eq!(refused(&corners, &[[0, 1, 2], [0, 1, 7]]), "triangle 2 names vertex 8, and there are 3");
     assert_eq!(refused(&[[0.0; 3], [f64::NAN; 3], [1.0; 3]], &[[0, 1, 2]]), "vertex 2 is nowhere: a coordinate is not a number, or too large");
+    assert!(refused(&corners, &vec![[0, 1, 2]; MOST_TRIANGLES + 1]).contains("4000001 triangles, and 4000000 triangles are the most"));
     assert_eq!(refused(&[[2.0; 3]], &[[0, 0, 0]]), "all of it is at one place");
     let surface = cube(1.0).surface(Sign::Auto);
     assert!(bake(&surface, Settings { resolution: 4, padding: 0.05 }, &|_| {}).is_err());

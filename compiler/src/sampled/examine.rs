@@ -10,6 +10,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 /// A triangle is a needle where its least height is below this share of its longest side.
 const NEEDLE: f64 = 1e-3;
+/// The most triangles of a mesh: half a kilobyte for each is taken while it is examined.
+pub const MOST_TRIANGLES: usize = 4_000_000;
 /// No edge, no triangle.
 const NONE: u32 = u32::MAX;
 /// Coordinates beyond would overflow in products of six of them.
@@ -80,8 +82,9 @@ pub(super) fn examine(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<Join
     if triangles.is_empty() {
         return Err("it has no triangles".to_owned());
     }
-    if positions.len() >= NONE as usize || triangles.len() >= NONE as usize / 3 {
-        return Err("it has too many triangles".to_owned());
+    if triangles.len() > MOST_TRIANGLES || positions.len() > 3 * MOST_TRIANGLES {
+        let (vertices, triangles) = (positions.len(), triangles.len());
+        return Err(format!("it has {vertices} vertices and {triangles} triangles, and {MOST_TRIANGLES} triangles are the most"));
     }
     if let Some(at) = positions.iter().flatten().position(|c| !c.is_finite() || c.abs() > FARTHEST) {
         return Err(format!("vertex {} is nowhere: a coordinate is not a number, or too large", at / 3 + 1));

@@ -12,7 +12,7 @@ mod surface;
 mod triangle;
 
 pub use bake::{MOST_BYTES, RESOLUTIONS, Settings, bake};
-pub use examine::Findings;
+pub use examine::{Findings, MOST_TRIANGLES};
 pub use grid::{BRICK, Facts, Grid, Shape};
 pub use measure::{Measured, measure};
 pub use surface::{Near, Sign, Surface};

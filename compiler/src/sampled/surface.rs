@@ -64,6 +64,7 @@ impl Surface {
         let Joined { corners: places, triangles, shell, edges, findings } = examine(positions, triangles)?;
         let given: Vec<Triangle> = triangles.iter().map(|t| Triangle::new(t.map(|i| places[i as usize]))).collect();
         let boxes = Boxes::new(&given);
+        drop(given);
         if boxes.bounds().size().iter().all(|s| *s == 0.0) {
             return Err("all of it is at one place".to_owned());
         }
