@@ -58,8 +58,9 @@ pub fn bake(surface: &Surface, settings: Settings, progress: &(dyn Fn(f64) + Syn
         let [i, j, k] = shape.place(brick);
         [0, 1, 2, 3, 4, 5, 6, 7].map(|bit| shape.corner([i + (bit & 1), j + (bit >> 1 & 1), k + (bit >> 2)]))
     };
-    // Where the surface may be within the brick or within half of its diagonal, and where the side changes, as in a hole of the mesh.
-    let reach = 3f64.sqrt() * shape.brick();
+    // Where the surface may be within the brick, no place of which is further than half of its diagonal, √3/2 = 0.866 sides, from a corner; and where
+    // the side changes, as in a hole of the mesh.
+    let reach = 0.87 * shape.brick();
     let is_fine = |brick: &usize| {
         let values = around(*brick).map(|corner| f64::from(coarse[corner]));
         values.iter().any(|v| v.abs() <= reach) || values.iter().any(|v| *v < 0.0) && values.iter().any(|v| *v >= 0.0)
