@@ -17,7 +17,7 @@ const FLOORS: [(&str, &[&str]); 3] = [
     (
         "compiler",
         &[
-            "loader prelude random source spread srgb vector",
+            "loader prelude random sampled source spread srgb vector",
             "diagnostic",
             "graph syntax",
             "live interface images camera",

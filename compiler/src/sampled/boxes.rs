@@ -7,7 +7,7 @@
 #![allow(clippy::indexing_slicing)]
 
 use super::triangle::{Part, Triangle};
-use crate::reference::vector::{Vec3, add, cross, dot, length, scale, sub};
+use crate::vector::{Vec3, add, cross, dot, length, scale, sub};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 

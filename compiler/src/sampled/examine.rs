@@ -4,7 +4,7 @@
 #![allow(clippy::indexing_slicing)]
 
 use super::triangle::Triangle;
-use crate::reference::vector::{Vec3, cross, dot, length, sub};
+use crate::vector::{Vec3, cross, dot, length, sub};
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 

@@ -3,7 +3,7 @@
 // Indices are made from the grid's own counts, and a grid is only made with as many samples as they say.
 #![allow(clippy::indexing_slicing)]
 
-use crate::reference::vector::Vec3;
+use crate::vector::Vec3;
 use rayon::prelude::*;
 
 /// Cells of a brick along each axis.

@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use super::surface::Surface;
-use crate::reference::vector::{add, along, mul, scale, sub};
+use crate::vector::{add, along, mul, scale, sub};
 use rayon::prelude::*;
 
 /// Places that one thread tries in a row.

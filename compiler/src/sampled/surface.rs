@@ -7,7 +7,7 @@ use super::boxes::Boxes;
 pub use super::boxes::Near;
 use super::examine::{Findings, Joined, examine, volume};
 use super::triangle::{Part, Triangle};
-use crate::reference::vector::{Vec3, add, cross, dot, length, scale, sub};
+use crate::vector::{Vec3, add, cross, dot, length, scale, sub};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 

@@ -1,6 +1,6 @@
 //! One triangle: the point of it that is closest to another, and the angle under which it is seen.
 
-use crate::reference::vector::{Vec3, add, along, cross, dot, length, scale, sub};
+use crate::vector::{Vec3, add, along, cross, dot, length, scale, sub};
 
 /// A triangle with less area than this share of its longest side's square is taken for its sides alone.
 const FLAT: f64 = 1e-12;

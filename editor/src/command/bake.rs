@@ -1,7 +1,7 @@
 //! `surefoot bake`: a mesh as a grid of signed distances.
 
 use super::bar::LateBar;
-use super::{Exit, Failure, ends_wrong, print};
+use super::console::{Exit, Failure, ends_wrong, print};
 use crate::files::FileLoader;
 use std::fmt::Write;
 use std::path::PathBuf;
