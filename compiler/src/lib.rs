@@ -6,6 +6,7 @@ pub mod camera;
 pub mod cells;
 pub mod certify;
 pub mod compiled;
+pub mod contour;
 pub mod diagnostic;
 pub mod emit;
 pub mod evaluate;

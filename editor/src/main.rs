@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 mod command;
 mod files;
+mod meshes;
 mod picture;
 #[cfg(feature = "gui")]
 mod window;

@@ -28,14 +28,14 @@ const FLOORS: [(&str, &[&str]); 3] = [
             "cells compiled",
             "followed physics",
             "mesh reference",
-            "certify factors home outlook skipped solid verify",
+            "certify contour factors home outlook skipped solid verify",
             "program",
             "pipeline reference_text",
             "lib",
         ],
     ),
     ("runtime", &["images view", "gpu module mesh", "headless physics film passes", "frame", "live explain tighten", "stage", "lib"]),
-    ("editor", &["files", "picture window", "command", "main"]),
+    ("editor", &["files meshes", "picture window", "command", "main"]),
 ];
 
 type Module = Vec<String>;

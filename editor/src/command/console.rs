@@ -53,7 +53,7 @@ pub fn spare(path: &std::path::Path, outcome: &Outcome) -> Result<(), Failure> {
 }
 
 /// What files with some ending hold, and how such are written, or that nothing writes them.
-const ENDINGS: [(&[&str], &str); 12] = [
+const ENDINGS: [(&[&str], &str); 17] = [
     (&["png"], "a picture is drawn by `surefoot render SCENE.sdf -o OUT.png`"),
     (&["jpg", "jpeg", "webp", "bmp", "tif", "tiff", "exr", "hdr", "svg"], "pictures are PNG alone, by `surefoot render SCENE.sdf -o OUT.png`"),
     (&["gif", "mp4", "webm", "mov", "avi", "mkv"], "nothing writes films; their pictures are drawn by `surefoot render SCENE.sdf -o OUT.png --frames 0..120`"),
@@ -62,8 +62,13 @@ const ENDINGS: [(&[&str], &str); 12] = [
     (&["hlsl"], "HLSL is written by `surefoot compile SCENE.sdf -o OUT.hlsl --target hlsl`"),
     (&["msl", "metal"], "Metal's language is written by `surefoot compile SCENE.sdf -o OUT.metal --target msl`"),
     (&["spv", "spirv"], "SPIR-V is written by `surefoot compile SCENE.sdf -o OUT.spv --target spirv`"),
-    (&["csv", "ply"], "places of balls are written by `surefoot simulate SCENE.sdf -o OUT.csv` or `-o OUT.ply`"),
-    (&["stl", "obj", "glb", "gltf", "3mf", "off", "step", "stp", "usd", "usdz"], "nothing writes meshes: a scene is a field, and what draws it is `surefoot render`"),
+    (&["csv"], "places of balls are written by `surefoot simulate SCENE.sdf -o OUT.csv`"),
+    (&["ply"], "a scene's surface is written by `surefoot mesh SCENE.sdf -o OUT.ply`, and places of balls by `surefoot simulate SCENE.sdf -o OUT.ply`"),
+    (&["stl"], "a scene's surface is written by `surefoot mesh SCENE.sdf -o OUT.stl`"),
+    (&["obj"], "a scene's surface is written by `surefoot mesh SCENE.sdf -o OUT.obj`"),
+    (&["glb"], "a scene's surface is written by `surefoot mesh SCENE.sdf -o OUT.glb`"),
+    (&["3mf"], "a scene's surface is written by `surefoot mesh SCENE.sdf -o OUT.3mf`"),
+    (&["gltf", "off", "step", "stp", "usd", "usdz"], "a scene's surface is written as STL, OBJ, PLY, GLB or 3MF, by `surefoot mesh SCENE.sdf -o OUT.stl`"),
     (&["sfgrid"], "grids of distances are made of meshes by `surefoot bake MESH.obj -o OUT.sfgrid`"),
     (&["sdf"], "a scene is written by a person, and laid out by `surefoot fmt SCENE.sdf`"),
 ];

@@ -9,6 +9,7 @@ mod compile;
 mod console;
 mod explain;
 mod fmt;
+mod mesh;
 #[cfg(feature = "gpu")]
 mod page;
 mod reference;
@@ -56,6 +57,8 @@ enum Command {
     Fmt(fmt::Args),
     /// Write pictures of a scene.
     Render(render::Args),
+    /// Write the surface of a scene as a closed mesh, as printers take it.
+    Mesh(mesh::Args),
     /// Let a scene's balls fall, and write where they are.
     Simulate(simulate::Args),
     /// Make a grid of signed distances of a mesh.
@@ -94,6 +97,7 @@ pub fn run() -> ExitCode {
         Some(Command::Compile(args)) => compile::run(&args),
         Some(Command::Fmt(args)) => fmt::run(&args),
         Some(Command::Render(args)) => render::run(&args),
+        Some(Command::Mesh(args)) => mesh::run(&args),
         Some(Command::Simulate(args)) => simulate::run(&args),
         #[cfg(feature = "gpu")]
         Some(Command::Bake(args)) => bake::run(&args),

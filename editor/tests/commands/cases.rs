@@ -88,8 +88,8 @@ fn files_that_a_command_does_not_write_are_refused() {
     let folder = folder("endings");
     let render = ["render", "good.sdf", "--device", "cpu", "--size", "8x8", "-o"];
     for (args, file, told) in [
-        (&["compile", "good.sdf", "-o"][..], "x.stl", "nothing writes meshes"),
-        (&["compile", "good.sdf", "-o"], "x.STL", "nothing writes meshes"),
+        (&["compile", "good.sdf", "-o"][..], "x.stl", "`surefoot mesh SCENE.sdf -o OUT.stl`"),
+        (&["compile", "good.sdf", "-o"], "x.STL", "`surefoot mesh SCENE.sdf -o OUT.stl`"),
         (&["compile", "good.sdf", "-o"], "x.png", "`surefoot render SCENE.sdf -o OUT.png`"),
         (&["compile", "good.sdf", "-o"], "x.csv", "`surefoot simulate"),
         (&["compile", "good.sdf", "-o"], "x.glsl", "--target glsl"),
@@ -97,12 +97,15 @@ fn files_that_a_command_does_not_write_are_refused() {
         (&["compile", "good.sdf", "-o"], "x.sdf", "`surefoot fmt SCENE.sdf`"),
         (&["compile", "good.sdf", "-o", "x.wgsl", "--layout"], "x.png", "`surefoot render"),
         (&render, "x.wgsl", "`surefoot compile SCENE.sdf -o OUT.wgsl`"),
-        (&render, "x.obj", "nothing writes meshes"),
+        (&render, "x.obj", "`surefoot mesh SCENE.sdf -o OUT.obj`"),
+        (&render, "x.3mf", "`surefoot mesh SCENE.sdf -o OUT.3mf`"),
         (&render, "x.gif", "--frames 0..120"),
         (&render, "x.jpg", "write `-o x.png`"),
         (&render, "x.ply", "`surefoot simulate"),
         (&["simulate", "good.sdf", "-o"], "x.png", "`surefoot render"),
-        (&["simulate", "good.sdf", "-o"], "x.stl", "nothing writes meshes"),
+        (&["simulate", "good.sdf", "-o"], "x.stl", "`surefoot mesh"),
+        (&["mesh", "good.sdf", "-o"], "x.png", "`surefoot render"),
+        (&["mesh", "good.sdf", "-o"], "x.gltf", "STL, OBJ, PLY, GLB or 3MF"),
     ] {
         let (code, out, err) = run(&folder, &[args, &[file]].concat());
         assert_eq!((code, out.as_str()), (2, ""), "{args:?} {file}: {err}");

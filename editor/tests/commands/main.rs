@@ -1,6 +1,8 @@
 //! The command line as a shell sees it: what it prints and writes, and with which code it ends.
 
 mod cases;
+#[cfg(feature = "gpu")]
+mod meshes;
 
 use serde_json::{Value, json};
 use std::fs;

@@ -1,0 +1,207 @@
+//! Meshes as files. All are closed surfaces without normals of their own, so that a reader sees the same corners at both sides of an edge.
+
+use std::borrow::Cow;
+use std::fmt::Write;
+use surefoot_compiler::contour::Mesh;
+use surefoot_compiler::reference::shade::encode;
+
+/// A format, by the end of a file's name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Triangles by themselves, in 32 bits.
+    Stl,
+    /// Text.
+    Obj,
+    /// Binary, with colours.
+    Ply,
+    /// Binary glTF, with colours.
+    Glb,
+    /// What printers take; a unit of the scene is a millimetre.
+    ThreeMf,
+}
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Format; 5] = [Format::Stl, Format::Obj, Format::Ply, Format::Glb, Format::ThreeMf];
+
+    /// The end of a file's name.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Format::Stl => "stl",
+            Format::Obj => "obj",
+            Format::Ply => "ply",
+            Format::Glb => "glb",
+            Format::ThreeMf => "3mf",
+        }
+    }
+
+    /// The bytes of a file.
+    pub fn bytes(self, mesh: &Mesh) -> Result<Vec<u8>, String> {
+        match self {
+            Format::Stl => stl(mesh),
+            Format::Obj => Ok(obj(mesh).into_bytes()),
+            Format::Ply => ply(mesh),
+            Format::Glb => glb(mesh),
+            Format::ThreeMf => three_mf(mesh),
+        }
+    }
+}
+
+fn narrow(mesh: &Mesh) -> Vec<[f32; 3]> {
+    mesh.vertices.iter().map(|v| v.map(|c| c as f32)).collect()
+}
+
+fn stl(mesh: &Mesh) -> Result<Vec<u8>, String> {
+    let triangles: Vec<stl_io::Triangle> = mesh.triangles.iter().map(|t| {
+        let [a, b, c] = mesh.corners(t).map(glam::DVec3::from);
+        let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+        let vertices = [a, b, c].map(|p| stl_io::Vertex::new(p.as_vec3().to_array()));
+        stl_io::Triangle { normal: stl_io::Normal::new(normal.to_array()), vertices }
+    }).collect();
+    let mut bytes = Vec::with_capacity(84 + 50 * triangles.len());
+    stl_io::write_stl(&mut bytes, triangles.iter()).map_err(|why| why.to_string())?;
+    Ok(bytes)
+}
+
+fn obj(mesh: &Mesh) -> String {
+    let mut text = String::with_capacity(48 * mesh.vertices.len() + 24 * mesh.triangles.len());
+    text.push_str("# written by surefoot mesh\n");
+    for [x, y, z] in &mesh.vertices {
+        let _ = writeln!(text, "v {x:.9} {y:.9} {z:.9}");
+    }
+    for t in &mesh.triangles {
+        let [a, b, c] = t.map(|v| v + 1);
+        let _ = writeln!(text, "f {a} {b} {c}");
+    }
+    text
+}
+
+fn ply(mesh: &Mesh) -> Result<Vec<u8>, String> {
+    use ply_rs_bw::ply::{Addable, DefaultElement, ElementDef, Encoding, Ply, Property, PropertyDef, PropertyType, ScalarType};
+    let mut ply = Ply::<DefaultElement>::new();
+    ply.header.encoding = Encoding::BinaryLittleEndian;
+    ply.header.comments.push("written by surefoot mesh".to_owned());
+    let mut vertex = ElementDef::new("vertex".to_owned());
+    let mut face = ElementDef::new("face".to_owned());
+    let scalars = [(["x", "y", "z"], ScalarType::Float), (["red", "green", "blue"], ScalarType::UChar)];
+    for (names, scalar) in &scalars {
+        for name in names {
+            vertex.properties.add(PropertyDef::new((*name).to_owned(), PropertyType::Scalar(scalar.clone())));
+        }
+    }
+    let list = PropertyType::List(ScalarType::UChar, ScalarType::UInt);
+    face.properties.add(PropertyDef::new("vertex_indices".to_owned(), list));
+    ply.header.elements.add(vertex);
+    ply.header.elements.add(face);
+    let vertices = narrow(mesh).into_iter().zip(&mesh.colors).map(|(place, color)| {
+        let mut element = DefaultElement::new();
+        for (name, c) in ["x", "y", "z"].into_iter().zip(place) {
+            element.insert(name.to_owned(), Property::Float(c));
+        }
+        for (name, c) in ["red", "green", "blue"].into_iter().zip(color) {
+            element.insert(name.to_owned(), Property::UChar((255.0 * encode(f64::from(*c))).round() as u8));
+        }
+        element
+    });
+    ply.payload.insert("vertex".to_owned(), vertices.collect());
+    let faces = mesh.triangles.iter().map(|t| {
+        let mut element = DefaultElement::new();
+        element.insert("vertex_indices".to_owned(), Property::ListUInt(t.to_vec()));
+        element
+    });
+    ply.payload.insert("face".to_owned(), faces.collect());
+    let mut bytes = Vec::new();
+    ply_rs_bw::writer::Writer::new().write_ply(&mut bytes, &mut ply).map_err(|why| why.to_string())?;
+    Ok(bytes)
+}
+
+fn glb(mesh: &Mesh) -> Result<Vec<u8>, String> {
+    use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
+    use gltf::json::buffer::Target;
+    use gltf::json::mesh::{Mode, Primitive, Semantic};
+    use gltf::json::validation::Checked::Valid;
+    use gltf::json::{self, validation::USize64};
+    let places = narrow(mesh);
+    let fold = |pick: fn(f32, f32) -> f32, start: f32| places.iter().fold([start; 3], |[x, y, z], [a, b, c]| [pick(x, *a), pick(y, *b), pick(z, *c)]);
+    let bounds = [fold(f32::min, f32::INFINITY), fold(f32::max, f32::NEG_INFINITY)];
+    let floats = |all: &[[f32; 3]]| all.iter().flatten().flat_map(|c| c.to_le_bytes()).collect::<Vec<u8>>();
+    let parts = [
+        (floats(&places), mesh.vertices.len(), Type::Vec3, ComponentType::F32, Target::ArrayBuffer),
+        (floats(&mesh.colors), mesh.colors.len(), Type::Vec3, ComponentType::F32, Target::ArrayBuffer),
+        (
+            mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect(),
+            3 * mesh.triangles.len(),
+            Type::Scalar,
+            ComponentType::U32,
+            Target::ElementArrayBuffer,
+        ),
+    ];
+    let mut root = json::Root::default();
+    let length = parts.iter().map(|part| part.0.len()).sum::<usize>();
+    let buffer = root.push(json::Buffer { byte_length: USize64::from(length), uri: None, extensions: None, extras: Default::default() });
+    let mut bin = Vec::with_capacity(length);
+    let mut accessors = Vec::new();
+    for (bytes, count, type_, component, target) in parts {
+        let view = root.push(json::buffer::View {
+            buffer,
+            byte_length: USize64::from(bytes.len()),
+            byte_offset: Some(USize64::from(bin.len())),
+            byte_stride: None,
+            target: Some(Valid(target)),
+            extensions: None,
+            extras: Default::default(),
+        });
+        let [min, max] = bounds.map(|corner| accessors.is_empty().then(|| json::Value::from(corner.to_vec())));
+        bin.extend(bytes);
+        accessors.push(root.push(json::Accessor {
+            buffer_view: Some(view),
+            byte_offset: None,
+            count: USize64::from(count),
+            component_type: Valid(GenericComponentType(component)),
+            type_: Valid(type_),
+            min,
+            max,
+            normalized: false,
+            sparse: None,
+            extensions: None,
+            extras: Default::default(),
+        }));
+    }
+    let primitive = Primitive {
+        attributes: [(Valid(Semantic::Positions), accessors[0]), (Valid(Semantic::Colors(0)), accessors[1])].into(),
+        indices: Some(accessors[2]),
+        material: None,
+        mode: Valid(Mode::Triangles),
+        targets: None,
+        extensions: None,
+        extras: Default::default(),
+    };
+    let mesh = root.push(json::Mesh { primitives: vec![primitive], weights: None, extensions: None, extras: Default::default() });
+    let node = root.push(json::Node { mesh: Some(mesh), ..Default::default() });
+    let scene = root.push(json::Scene { nodes: vec![node], extensions: None, extras: Default::default() });
+    root.scene = Some(scene);
+    let json = json::serialize::to_string(&root).map_err(|why| why.to_string())?;
+    let header = gltf::binary::Header { magic: *b"glTF", version: 2, length: 0 };
+    let file = gltf::binary::Glb { header, json: Cow::Owned(json.into_bytes()), bin: Some(Cow::Owned(bin)) };
+    file.to_vec().map_err(|why| why.to_string())
+}
+
+fn three_mf(mesh: &Mesh) -> Result<Vec<u8>, String> {
+    use threemf2::model::builder::{ModelBuilder, Unit};
+    let triangles: Vec<[usize; 3]> = mesh.triangles.iter().map(|t| t.map(|v| v as usize)).collect();
+    let mut builder = ModelBuilder::new(Unit::Millimeter, true);
+    builder.add_metadata("Application", Some("surefoot mesh"));
+    let object = builder.add_mesh_object(|object| {
+        object.add_vertices(&mesh.vertices).add_triangles(&triangles);
+        Ok(())
+    });
+    let object = object.map_err(|why| why.to_string())?;
+    builder.add_build(None).and_then(|builder| builder.add_build_item(object)).map_err(|why| why.to_string())?;
+    let model = builder.build().map_err(|why| why.to_string())?;
+    let mut package = threemf2::package::ThreemfPackageBuilder::new();
+    package.set_root_model(model);
+    let package = package.build().map_err(|why| why.to_string())?;
+    let mut file = std::io::Cursor::new(Vec::new());
+    package.write(&mut file).map_err(|why| why.to_string())?;
+    Ok(file.into_inner())
+}

@@ -1,0 +1,100 @@
+//! `surefoot mesh`: what it writes, read back, and what it refuses.
+
+use super::{folder, run};
+use std::fs;
+use std::path::Path;
+use surefoot_compiler::Loader;
+use surefoot_runtime::mesh::Mesh;
+
+struct Disk;
+
+impl Loader for Disk {
+    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
+        fs::read(path).map_err(|why| why.to_string())
+    }
+}
+
+fn load(path: &Path) -> Mesh {
+    Mesh::load(&Disk, path.to_str().unwrap()).unwrap()
+}
+
+/// The two numbers at the start of what the command says: vertices and triangles.
+fn counts(said: &str) -> (usize, usize) {
+    let numbers: Vec<usize> = said.split([' ', ',']).filter_map(|word| word.parse().ok()).take(2).collect();
+    (numbers[0], numbers[1])
+}
+
+/// Volume inside of closed triangles.
+fn volume(mesh: &Mesh) -> f64 {
+    let corner = |i: u32| mesh.vertices[i as usize].position.map(f64::from);
+    mesh.indices.chunks(3).map(|t| {
+        let [a, b, c] = [corner(t[0]), corner(t[1]), corner(t[2])];
+        let n = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
+        (a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / 6.0
+    }).sum()
+}
+
+#[test]
+fn meshes_are_read_back_as_they_were_written() {
+    let folder = folder("mesh");
+    fs::write(folder.join("ball.sdf"), "material red { color: #ff0000 }\nscene = sphere(1).material(red)\n").unwrap();
+    let mut first: Option<(usize, usize)> = None;
+    for ending in ["stl", "obj", "ply", "glb"] {
+        let file = format!("ball.{ending}");
+        let (code, out, err) = run(&folder, &["mesh", "ball.sdf", "-o", &file, "--resolution", "32"]);
+        assert_eq!((code, err.as_str()), (0, ""), "{out}");
+        assert!(out.contains("each edge in two of them") && out.contains("1 piece, Euler number 2"), "{out}");
+        let said = counts(&out);
+        assert_eq!(*first.get_or_insert(said), said);
+        let mesh = load(&folder.join(&file));
+        assert_eq!((mesh.vertices.len(), mesh.indices.len() / 3), said, "{ending}");
+        assert!((volume(&mesh) - 4.0 / 3.0 * std::f64::consts::PI).abs() < 0.03, "{ending}: {}", volume(&mesh));
+        assert!(mesh.bounds.iter().flatten().all(|c| (c.abs() - 1.0).abs() < 0.01), "{ending}: {:?}", mesh.bounds);
+    }
+    let (code, _, err) = run(&folder, &["mesh", "ball.sdf", "-o", "ball.3mf", "--resolution", "32"]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    // An archive with a model in it.
+    let bytes = fs::read(folder.join("ball.3mf")).unwrap();
+    assert!(bytes.starts_with(b"PK") && bytes.windows(8).any(|w| w == b".model\x00\x00" || &w[..6] == b".model"));
+}
+
+#[test]
+fn a_tolerance_a_box_a_value_and_a_moment_are_taken() {
+    let folder = folder("mesh_options");
+    let (code, out, err) = run(&folder, &["mesh", "good.sdf", "-o", "a.obj", "--tolerance", "0.01", "--set", "size=0.5", "--set", "style=ball"]);
+    assert_eq!((code, err.as_str()), (0, ""), "{out}");
+    assert!(out.contains("2 pieces, Euler number 4"), "{out}");
+    fs::write(folder.join("ground.sdf"), "scene = sphere(1).translate(time, 0, 0) | plane(y, -3)\n").unwrap();
+    let (code, _, err) = run(&folder, &["mesh", "ground.sdf", "-o", "b.stl"]);
+    assert_eq!(code, 1);
+    assert!(err.contains("has no end") && err.contains("--within="), "{err}");
+    assert!(!folder.join("b.stl").exists());
+    let (code, out, err) = run(&folder, &["mesh", "ground.sdf", "-o", "b.stl", "--within", "(-2,-2,-2)..(4,2,2)", "--time", "2", "--smooth", "--resolution", "40"]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    let bounds = load(&folder.join("b.stl")).bounds;
+    assert!((bounds[0][0] - 1.0).abs() < 0.05 && (bounds[1][0] - 3.0).abs() < 0.05, "{bounds:?} {out}");
+}
+
+#[test]
+fn what_has_no_mesh_is_refused() {
+    let folder = folder("mesh_refused");
+    fs::write(folder.join("empty.sdf"), "scene = sphere(1) & sphere(1).translate(5, 0, 0)\n").unwrap();
+    fs::write(folder.join("tiles.sdf"), "scene = sphere(0.3).repeat(1)\n").unwrap();
+    for (args, exit, told) in [
+        (&["mesh", "empty.sdf", "-o", "x.stl"][..], 1, "no surface"),
+        (&["mesh", "tiles.sdf", "-o", "x.stl"], 1, "--within"),
+        (&["mesh", "bad.sdf", "-o", "x.stl"], 1, "unknown-name"),
+        (&["mesh", "good.sdf", "-o", "x.stl", "--within", "(8,8,8)..(9,9,9)"], 1, "no surface"),
+        (&["mesh", "good.sdf", "-o", "x.stl", "--within", "(0,0,0)..(9,9,9e9)"], 1, "extent"),
+        (&["mesh", "good.sdf", "-o", "x.stl", "--resolution", "4000"], 1, "take fewer"),
+        (&["mesh", "good.sdf", "-o", "x.stl", "--resolution", "1"], 2, "--resolution"),
+        (&["mesh", "good.sdf", "-o", "x.stl", "--tolerance", "-1"], 2, "above zero"),
+        (&["mesh", "good.sdf", "-o", "x.stl", "--within", "1,2"], 2, "two corners"),
+        (&["mesh", "good.sdf"], 2, "--output"),
+    ] {
+        let (code, _, err) = run(&folder, args);
+        assert_eq!(code, exit, "{args:?}: {err}");
+        assert!(err.contains(told), "{args:?}: {err}");
+        assert!(!folder.join("x.stl").exists());
+    }
+}
