@@ -97,8 +97,9 @@ fn corners_and_triangles_are_where_the_surface_is() {
     for (text, vertices, triangles) in [
         ("sphere(1)", 2e-3, 0.02),
         ("torus(1, 0.3)", 1e-3, 0.05),
-        ("smooth_union(box(1), sphere(0.7).translate(0.4, 0.5, 0), 0.2)", 0.06, 0.06),
-        ("box(1).twist(y, 40deg)", 0.06, 0.1),
+        // Edges that are bent, by a blend and by a warp: planes meet beside them, and a vertex that reaches out of its cell may be a fifth of a cell off.
+        ("smooth_union(box(1), sphere(0.7).translate(0.4, 0.5, 0), 0.2)", 0.2, 0.2),
+        ("box(1).twist(y, 40deg)", 0.2, 0.2),
         ("ellipsoid(1, 0.5, 0.7)", 0.01, 0.05),
     ] {
         let scene = scene(&format!("scene = {text}\n"));
@@ -159,7 +160,8 @@ fn what_is_ambiguous_stays_a_manifold() {
 #[test]
 fn examples_are_closed() {
     let within = |low, high| Settings { within: Some([low, high]), ..cells(64) };
-    let sponge = mesh(&example("menger"), &within([-1.3, 0.05, -1.3], [1.3, 2.6, 1.3])).examine();
+    let fine = Settings { detail: Detail::Cells(128), ..within([-1.3, 0.05, -1.3], [1.3, 2.6, 1.3]) };
+    let sponge = mesh(&example("menger"), &fine).examine();
     assert_eq!(sponge.pieces, 1);
     let part = mesh(&example("csg"), &within([-2.5, -0.2, -2.0], [2.5, 3.0, 3.0]));
     assert!(part.deviation < 0.5 * part.cell);

@@ -403,7 +403,7 @@ fn locate(eyes: &mut Eyes<'_>, cell: f64, corners: &[Vec3], values: &[f64], cros
 fn alternating(eyes: &mut Eyes<'_>, cell: f64, corners: &[Vec3], values: &[f64], solid: &[bool]) -> FxHashMap<(usize, usize), bool> {
     let mut faces = Vec::new();
     let mut points = Vec::new();
-    for from in 0..corners.len() {
+    for (from, start) in corners.iter().enumerate() {
         for axis in 0..3 {
             let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
             let place = corner(from);
@@ -417,7 +417,7 @@ fn alternating(eyes: &mut Eyes<'_>, cell: f64, corners: &[Vec3], values: &[f64],
             }
             let [v0, v1, v2, v3] = round.map(|i| values[i]);
             let both = v0 + v2 - v1 - v3;
-            let mut point = corners[from];
+            let mut point = *start;
             for (i, part) in [(b, (v0 - v3) / both), (c, (v0 - v1) / both)] {
                 point[i] += cell * if part.is_finite() { part.clamp(0.0, 1.0) } else { 0.5 };
             }

@@ -115,7 +115,7 @@ fn farthest(eyes: &mut Eyes<'_>, points: &[Vec3], cell: f64) -> f64 {
         let changed = signs(eyes, &met, half);
         for (way, changed) in met.iter_mut().zip(changed) {
             let half = half(way);
-            way.between[usize::from(changed)] = half;
+            way.between = if changed { [way.between[0], half] } else { [half, way.between[1]] };
         }
         // Those that are surely not the farthest need no further look.
         let most = met.iter().map(|way| way.before + way.between[0]).fold(0.0, f64::max);

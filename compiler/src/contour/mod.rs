@@ -128,7 +128,7 @@ impl Grid {
     /// Cells about a box, with room on all sides. Nothing in a scene lies where these walls are: numbers that people write do not.
     fn about([low, high]: [Vec3; 2], cells: u32) -> Self {
         /// Parts of a cell.
-        const ROOM: [f64; 3] = [1.618_034, 1.414_214, 1.732_051];
+        const ROOM: [f64; 3] = [1.618_034, std::f64::consts::SQRT_2, 1.732_051];
         let side = longest([low, high]);
         let cell = side / f64::from(cells.max(1));
         let [x, y, z] = sub(high, low);
