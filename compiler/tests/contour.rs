@@ -116,7 +116,7 @@ fn edges_of_a_box_are_sharp() {
         let mesh = mesh(&scene, &cells(40));
         // All edges are there if all of the volume is, and nothing stands out.
         close(mesh.examine().volume, 1.3 * 0.9 * 1.1, 1e-3);
-        let field = Tape::new(&scene.graph, &scene.functions, &[scene.functions.formulas[&(scene.root, Function::Field)]], &scene.live(), 100_000).unwrap();
+        let field = Tape::new(&scene.graph, &scene.functions.formulas, &[scene.functions.formulas[&(scene.root, Function::Field)]], &scene.live(), 100_000).unwrap();
         field.evaluator().at(&mesh.vertices, &[], |i, v| assert!(v[0].abs() < 0.01 * mesh.cell, "{:?}: {}", mesh.vertices[i], v[0]));
         assert!(mesh.deviation < 0.01 * mesh.cell, "{turn}: {} of {}", mesh.deviation, mesh.cell);
         let smooth = contour(&scene, &scene.live(), &Settings { sharp: false, ..cells(40) }, &|_| {}).unwrap();

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 use surefoot_compiler::contour::Mesh;
-use surefoot_compiler::reference::shade::encode;
+use surefoot_compiler::srgb::encode;
 
 /// A format, by the end of a file's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -34,7 +34,7 @@ impl Field {
         let value = compiled.graph.shape(compiled.root).map_or(NodeId(0), |s| s.value);
         let field = own(Function::Field).unwrap_or(value);
         let bound = own(Function::Bound).unwrap_or(field);
-        let tape = |roots: &[NodeId]| Tape::new(&compiled.graph, &compiled.functions, roots, live, LARGEST);
+        let tape = |roots: &[NodeId]| Tape::new(&compiled.graph, &compiled.functions.formulas, roots, live, LARGEST);
         let slopes: Option<Vec<NodeId>> = (0..3).map(|i| own(Function::Gradient(i))).collect();
         let gradient = slopes.map(|slopes| tape(&slopes)).transpose()?;
         Ok(Self { field: tape(&[field])?, bound: tape(&[bound])?, gradient, cut })
@@ -47,7 +47,7 @@ impl Field {
 
     /// The linear colour at each corner of a mesh, without what images add.
     pub fn colors(&self, compiled: &Compiled, live: &Live, mesh: &Mesh) -> Result<Vec<[f32; 3]>, TooLarge> {
-        let tape = Tape::new(&compiled.graph, &compiled.functions, &compiled.functions.surface.color, live, LARGEST)?;
+        let tape = Tape::new(&compiled.graph, &compiled.functions.formulas, &compiled.functions.surface.color, live, LARGEST)?;
         let shares: Vec<(&[Vec3], &[[f32; 3]])> = mesh.vertices.chunks(SHARE).zip(mesh.normals.chunks(SHARE)).collect();
         let found = spread(shares.len(), &|| tape.evaluator(), &|evaluator, i| {
             let Some((points, normals)) = shares.get(i) else { return Vec::new() };
