@@ -20,19 +20,19 @@ mod deviation;
 mod examine;
 mod field;
 mod join;
+mod mesh;
 mod place;
 
 pub use examine::Examined;
+pub use mesh::{MOST_VERTICES, Mesh, Refused};
+use mesh::{Grid, at};
 
 use crate::compiled::{Compiled, Live};
-use crate::evaluate::TooLarge;
 use crate::vector::{Vec3, add, scale, sub};
 use field::Field;
 
 /// The most cells along the longest side.
 pub const MOST_CELLS: u32 = 4096;
-/// The most vertices of a mesh, about: twice as many triangles.
-pub const MOST_VERTICES: usize = 4_000_000;
 /// Cells along the longest side with which a tolerance is tried first.
 const FIRST: u32 = 32;
 /// Cells along the longest side of a loose box with which a close one is found.
@@ -60,44 +60,6 @@ pub struct Settings {
     pub within: Option<[Vec3; 2]>,
 }
 
-/// A surface of triangles, seen from outside in counterclockwise order.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Mesh {
-    /// The corners, in the scene's space.
-    pub vertices: Vec<Vec3>,
-    /// For each corner the surface's direction outward, of length one; the mean at an edge.
-    pub normals: Vec<[f32; 3]>,
-    /// Linear colour of each corner.
-    pub colors: Vec<[f32; 3]>,
-    /// Three indices of corners each.
-    pub triangles: Vec<[u32; 3]>,
-    /// How large a cell is.
-    pub cell: f64,
-    /// How many cells there are along the longest side.
-    pub cells: u32,
-    /// The largest distance from a triangle to the surface that was found; measured, not proven.
-    pub deviation: f64,
-}
-
-/// Why there is no mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Refused {
-    /// What is solid has no end that is known.
-    Endless,
-    /// A box reaches beyond the extent, where nothing is known of the scene.
-    Beyond(f64),
-    /// Nothing is solid, or not in the box, or all of it is.
-    Empty,
-    /// There would be more vertices than allowed, at so many cells along the longest side.
-    TooMany(u32),
-    /// The tolerance is not met with as many cells as allowed; the farthest triangle that was found, and the number of cells.
-    Farther(f64, u32),
-    /// So many edges are not in exactly two triangles: the field says different things of one place.
-    Torn(usize),
-    /// The formulas are too long.
-    Long(TooLarge),
-}
-
 impl std::fmt::Display for Refused {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -115,14 +77,6 @@ impl std::fmt::Display for Refused {
 }
 
 impl std::error::Error for Refused {}
-
-/// Cubic cells: where the first begins, how large they are, and how many there are along each axis.
-#[derive(Clone, Copy, Debug)]
-struct Grid {
-    low: Vec3,
-    cell: f64,
-    counts: [u32; 3],
-}
 
 impl Grid {
     /// Cells about a box, with room on all sides. Nothing in a scene lies where these walls are: numbers that people write do not.
@@ -214,7 +168,3 @@ fn grown([low, high]: [Vec3; 2], by: f64) -> [Vec3; 2] {
     [low.map(|c| c - by), high.map(|c| c + by)]
 }
 
-/// A component.
-fn at(of: Vec3, axis: usize) -> f64 {
-    of.get(axis).copied().unwrap_or(0.0)
-}
