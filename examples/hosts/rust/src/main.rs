@@ -5,7 +5,7 @@
 //!     cargo run -- ../../balls_bowl.sdf picture.png 2
 
 use surefoot_compiler::{Loader, Options, compile, diagnostic};
-use surefoot_runtime::frame::depth_attachment;
+use surefoot_runtime::gpu::depth_attachment;
 use surefoot_runtime::physics::STEP;
 use surefoot_runtime::{Gpu, Physics, Picture, View, ViewMode};
 
