@@ -28,6 +28,7 @@ pub mod program;
 pub mod prelude;
 pub mod random;
 pub mod reference;
+pub mod rules;
 pub mod reference_text;
 pub mod sampled;
 pub mod skipped;

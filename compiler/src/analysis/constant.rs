@@ -1,11 +1,12 @@
 //! Lipschitz constants: the largest norm of a gradient over a domain, the worst box split again and again.
 
-use super::jacobian_norm::{chain_norm, map_norm};
+use super::rules::jacobian_norm::{chain_norm, map_norm};
 use super::tape::{Step, Tape};
 use super::region::shift_along;
-use super::polar::Polar;
+use super::rules::polar::Polar;
 use super::dual::Dual;
-use super::{Box3, Domain, Facts, branches, dual, leaf_dual, leaf_range, period};
+use super::rules::period;
+use super::{Box3, Domain, Facts, branches, dual, leaf_dual, leaf_range};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Exactness, Function, Graph, Leaf, Node, NodeId, NodeList};

@@ -4,8 +4,8 @@
 //! can reach one, and because a turn by any angle, varying or not, is an isometry.
 
 use super::branches::{self, Branches, Side};
-use super::claims::claimed;
-use super::jacobian_norm::{chain_norm, map_norm, point_norm};
+use super::rules::claims::claimed;
+use super::rules::jacobian_norm::{chain_norm, map_norm, point_norm};
 use super::slopes::slopes;
 use super::tape::{Step, Tape};
 use super::{leaf_range, Box3, Domain, Facts, Pinned};
@@ -311,7 +311,7 @@ pub fn run(
                     }
                 };
                 match of {
-                    [_] if dual.jumps != 0 && super::angle_periodicity::is_same_after_turns(graph, *op, args, tape, &values) => Dual { jumps: 0, ..dual },
+                    [_] if dual.jumps != 0 && super::rules::angle_periodicity::is_same_after_turns(graph, *op, args, tape, &values) => Dual { jumps: 0, ..dual },
                     [_, a, b] if dual.jumps != 0 && let Some(compared) = tape.meets(i) => {
                         let jumps = compared.iter().fold(a.jumps | b.jumps, |jumps, &side| jumps | values.get(side).map_or(JUMPS_HERE, |d| d.jumps));
                         Dual { jumps, ..dual }
@@ -325,7 +325,7 @@ pub fn run(
                 if *op == Op::Div && graph.is_spread && args.get(1).is_some_and(|&b| tape.vanishes_rarely(b)) {
                     dual.value = dual.value.intersect(super::slopes::quotient_of_positive(of[0].value, of[1].value));
                 }
-                if dual.jumps != 0 && super::angle_periodicity::is_same_after_turns(graph, *op, args, tape, &values) {
+                if dual.jumps != 0 && super::rules::angle_periodicity::is_same_after_turns(graph, *op, args, tape, &values) {
                     dual.jumps = 0;
                 }
                 // What is never below zero, and zero on planes alone, does not cross the line on which the angle turns over.
@@ -376,7 +376,7 @@ pub fn run(
                 let point = args.get(..3).unwrap_or(args);
                 let norm = point_norm(tape, graph, &values, point);
                 let dual = call(facts, graph, *shape, &of, norm);
-                match super::rotated_distance::turned_norm(facts, graph, tape, *shape, args, &values) {
+                match super::rules::rotated_distance::turned_norm(facts, graph, tape, *shape, args, &values) {
                     Some(most) if most < dual.norm => dual.limited(most),
                     _ => dual,
                 }
@@ -482,7 +482,7 @@ pub(super) fn pieces(facts: &mut Facts, graph: &Graph, tape: &Tape, leaf: &dyn F
     let runs = branches::each_piece(facts, graph, tape, leaf, &mut |values, branches| {
         let Some(mut last) = values.last().copied() else { return };
         if closely && last.norm > 1.0 && values.len() <= MOST_STEPS {
-            last = last.limited(super::lipschitz_atoms::norm_by_atoms(tape, values, branches));
+            last = last.limited(super::rules::lipschitz_atoms::norm_by_atoms(tape, values, branches));
         }
         all = Some(match all {
             None => last,

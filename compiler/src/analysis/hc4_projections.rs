@@ -1,6 +1,6 @@
 //! Ways back from what a formula can be to the coordinates, where one operand alone does not tell: turned points, sums with a kink, mixes.
 
-use super::isometry::{self, PlaneTurn};
+use super::rules::isometry::{self, PlaneTurn};
 use super::Box3;
 use super::region::Walk;
 use super::tape::Step;

@@ -7,10 +7,10 @@ use smallvec::SmallVec;
 use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
 
-use super::jacobian_norm::{Chain, Chains};
-use super::soft::Soft;
-use super::polar_rotation::Around;
-use super::algebraic_enclosures::Tight;
+use super::rules::jacobian_norm::{Chain, Chains};
+use super::rules::soft::Soft;
+use super::rules::polar_rotation::Around;
+use super::rules::algebraic_enclosures::Tight;
 use crate::graph::interval::Interval;
 use crate::graph::algebra::Intervals;
 

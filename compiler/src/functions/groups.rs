@@ -1,7 +1,7 @@
 //! Groups of shapes' values that may as well be made of the shapes' bounds.
 
 use super::{Builder, Kind, Known, UNIT};
-use crate::analysis::claims::claim_constant;
+use crate::analysis::rules::claims::claim_constant;
 use crate::analysis::{Box3, Domain};
 use crate::graph::{ClaimGroup, Function, Node, NodeId, Proof, ShapeId};
 

@@ -5,9 +5,9 @@
 //!
 //! Of what is the same all around the axis the distance is all there is: a formula in a plane through the axis, where its gradient is as long.
 
-use super::dual::{Dual, JUMPS_HERE};
-use super::tape::{Step, Tape};
-use super::{Box3, Domain, Pinned, leaf_dual};
+use crate::analysis::dual::{Dual, JUMPS_HERE};
+use crate::analysis::tape::{Step, Tape};
+use crate::analysis::{Box3, Domain, Pinned, leaf_dual};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
 use crate::graph::{Graph, Leaf};

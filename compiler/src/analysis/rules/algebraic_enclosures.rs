@@ -6,9 +6,9 @@
 
 use super::polar_rotation::Around;
 use super::normalized_vector::Direction;
-use super::dual::Dual;
+use crate::analysis::dual::Dual;
 use super::multilinear::Multilinear;
-use super::tape::{Step, Tape};
+use crate::analysis::tape::{Step, Tape};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use smallvec::{SmallVec, smallvec};
@@ -18,7 +18,7 @@ type Coefficients = SmallVec<[f64; 8]>;
 
 /// What more is known of a step.
 #[derive(Clone, Debug)]
-pub(super) enum Tight {
+pub(in crate::analysis) enum Tight {
     /// It is a fractional part, or what is left of a division.
     Part(Interval),
     /// It is a mean of two steps, by the share of the second.
@@ -54,7 +54,7 @@ struct Written {
 
 impl Tight {
     /// All that is known of a tape's steps, in order.
-    pub(super) fn of(tape: &Tape) -> Vec<(usize, Tight)> {
+    pub(in crate::analysis) fn of(tape: &Tape) -> Vec<(usize, Tight)> {
         let mut written: Vec<Written> = Vec::with_capacity(tape.steps.len());
         let mut tight = Vec::new();
         for (i, step) in tape.steps.iter().enumerate() {
@@ -87,7 +87,7 @@ impl Tight {
     }
 
     /// A step's values, of those of all steps before it.
-    pub(super) fn values(&self, value: impl Fn(usize) -> Interval) -> Interval {
+    pub(in crate::analysis) fn values(&self, value: impl Fn(usize) -> Interval) -> Interval {
         match self {
             Tight::Part(values) => *values,
             Tight::Mean { of: [a, b], share } if is_share(value(*share)) => widened(value(*a).hull(value(*b))),
@@ -100,7 +100,7 @@ impl Tight {
     }
 
     /// A step with what more is known of it.
-    pub(super) fn bound(&self, dual: Dual, values: &[Dual]) -> Dual {
+    pub(in crate::analysis) fn bound(&self, dual: Dual, values: &[Dual]) -> Dual {
         let of = |step: usize| values.get(step).copied().unwrap_or(Dual::unknown(Interval::ALL));
         if let Tight::Multilinear(sum) = self {
             return sum.bound(dual, of);
@@ -186,7 +186,7 @@ fn part(tape: &Tape, args: &[usize]) -> Option<Tight> {
 }
 
 /// Whether a step is always a whole number. `known`: of those that are no operation, which are.
-pub(super) fn is_whole(tape: &Tape, step: usize, known: &dyn Fn(usize) -> bool, deep: usize) -> bool {
+pub(in crate::analysis) fn is_whole(tape: &Tape, step: usize, known: &dyn Fn(usize) -> bool, deep: usize) -> bool {
     if let Some(c) = tape.constant(step) {
         return c.fract() == 0.0;
     }

@@ -4,10 +4,10 @@
 //! search of one term is short and finds how steep that is anywhere; in a search of the sum no term counts for more, and one that is known to
 //! be flat all over a box is not looked at in any part of it.
 
-use super::constant::{Norm, Sought, terms};
-use super::dual::{self, Dual};
-use super::tape::Tape;
-use super::{Constant, Domain, Facts, leaf_dual};
+use crate::analysis::constant::{Norm, Sought, terms};
+use crate::analysis::dual::{self, Dual};
+use crate::analysis::tape::Tape;
+use crate::analysis::{Constant, Domain, Facts, leaf_dual};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Graph, Node, NodeId};
@@ -55,7 +55,7 @@ impl Sum {
 
 impl Facts {
     /// The constant of a node that was not found closely as a whole: `whole`, or a smaller one where it is a sum of terms.
-    pub(super) fn term_by_term(&mut self, graph: &Graph, node: NodeId, domain: &Domain, budget: usize, whole: Constant) -> Constant {
+    pub(in crate::analysis) fn term_by_term(&mut self, graph: &Graph, node: NodeId, domain: &Domain, budget: usize, whole: Constant) -> Constant {
         let Sum { terms, within } = Sum::of(graph, node);
         let fewest = if self.is_ranging(graph, node, domain) { FEWEST_RANGING } else { FEWEST };
         // Such a look may cost as much as all else, and must not be the reason that the next formula gets no search at all.

@@ -4,9 +4,9 @@
 //! chain rule the angle turns infinitely fast at the axis. A turn is an isometry: the pair is no steeper than the two are together, and r |∇ρ| more.
 //! Of what folds an angle into a sector (`mod(θ + s/2, s) - s/2`, the magnitude of an angle) ρ only jumps.
 
-use super::dual::Dual;
-use super::matrix::{Row, matrix_norm};
-use super::tape::Tape;
+use crate::analysis::dual::Dual;
+use crate::analysis::matrix::{Row, matrix_norm};
+use crate::analysis::tape::Tape;
 use crate::graph::kernel::Op;
 use smallvec::SmallVec;
 
@@ -17,7 +17,7 @@ const SLACK: f64 = 1e-12;
 
 /// One of the two numbers.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Around {
+pub(in crate::analysis) struct Around {
     /// The two that are turned.
     of: [usize; 2],
     /// Their length.
@@ -31,7 +31,7 @@ pub(super) struct Around {
 
 impl Around {
     /// Of a product of a length and a cosine or a sine.
-    pub(super) fn of(tape: &Tape, args: &[usize]) -> Option<Self> {
+    pub(in crate::analysis) fn of(tape: &Tape, args: &[usize]) -> Option<Self> {
         let &[a, b] = args else { return None };
         [(a, b), (b, a)].into_iter().find_map(|(radius, wave)| {
             let Some((Op::Length2, &[x, y])) = tape.operation(radius) else { return None };
@@ -44,23 +44,23 @@ impl Around {
     }
 
     /// Whether this is the first coordinate of a turned pair and the other its second.
-    pub(super) fn is_pair(&self, other: &Self) -> bool {
+    pub(in crate::analysis) fn is_pair(&self, other: &Self) -> bool {
         !self.is_sine && other.is_sine && self.angle == other.angle && self.radius == other.radius && self.of == other.of
     }
 
     /// The rows of the pair that is turned.
-    pub(super) fn rows(&self, of: impl Fn(usize) -> Dual) -> [Row; 2] {
+    pub(in crate::analysis) fn rows(&self, of: impl Fn(usize) -> Dual) -> [Row; 2] {
         self.of.map(|a| (of(a).gradient, of(a).norm))
     }
 
     /// How fast the pair moves because the angle by which it is turned does.
-    pub(super) fn turning(&self, of: impl Fn(usize) -> Dual) -> f64 {
+    pub(in crate::analysis) fn turning(&self, of: impl Fn(usize) -> Dual) -> f64 {
         let slope: f64 = self.beside.iter().map(|(step, times)| times * of(*step).norm).sum();
         if slope == 0.0 { 0.0 } else { of(self.radius).value.magnitude() * slope * (1.0 + SLACK) }
     }
 
     /// The product with what more is known of it.
-    pub(super) fn bound(&self, dual: Dual, of: impl Fn(usize) -> Dual) -> Dual {
+    pub(in crate::analysis) fn bound(&self, dual: Dual, of: impl Fn(usize) -> Dual) -> Dual {
         let turning = self.turning(&of);
         let norm = matrix_norm(&self.rows(of)) + turning;
         if norm.is_finite() { dual.limited(norm) } else { dual }

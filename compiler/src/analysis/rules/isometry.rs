@@ -1,6 +1,6 @@
 //! Points that are other points turned about the origin, or mirrored: as far from it as those, by whatever angles.
 
-use super::tape::{Step, Steps, Tape};
+use crate::analysis::tape::{Step, Steps, Tape};
 use crate::graph::kernel::Op;
 use smallvec::{SmallVec, smallvec};
 

@@ -8,8 +8,8 @@
 // Axes are three, and the coefficients of a polynomial as many as its degrees say, so every index is in range.
 #![allow(clippy::indexing_slicing)]
 
-use super::tape::{Step, Tape};
-use super::{Domain, Facts, leaf_range};
+use crate::analysis::tape::{Step, Tape};
+use crate::analysis::{Domain, Facts, leaf_range};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
 use crate::graph::{Claim, Graph, Leaf, NodeId};
@@ -286,7 +286,7 @@ struct Part {
 impl Facts {
     /// A constant, at most `most`, of what is known by claims over the cells of noise: looked for cell by cell, with so many boxes. None where it
     /// has none, or too many, or is no polynomial in each.
-    pub(super) fn by_cells(&mut self, graph: &Graph, nodes: &[NodeId], domain: &Domain, most: f64, boxes: usize) -> Option<f64> {
+    pub(in crate::analysis) fn by_cells(&mut self, graph: &Graph, nodes: &[NodeId], domain: &Domain, most: f64, boxes: usize) -> Option<f64> {
         if !domain.point.is_finite() || nodes.len() > 3 || !has_cells(graph, nodes) {
             return None;
         }

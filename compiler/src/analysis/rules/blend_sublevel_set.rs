@@ -1,7 +1,7 @@
 //! Where a blend of two fields can be at or below a level, from the blend's formula alone: not where both fields are above some other level.
 
-use super::region::Walk;
-use super::tape::Step;
+use crate::analysis::region::Walk;
+use crate::analysis::tape::Step;
 use crate::graph::interval::Interval;
 use crate::graph::kernel;
 
@@ -13,7 +13,7 @@ const FIRST: f64 = 1e-3;
 impl Walk<'_> {
     /// The level that one of two operands of a claim has to be at or below where its value is at or below `level`. None where either operand
     /// alone decides, as under an intersection, or where both say nothing.
-    pub(super) fn joined_level(&self, value: usize, [a, b]: [usize; 2], level: f64) -> Option<f64> {
+    pub(in crate::analysis) fn joined_level(&self, value: usize, [a, b]: [usize; 2], level: f64) -> Option<f64> {
         let (ra, rb) = (self.range(a), self.range(b));
         let above = |a, b| self.value_given(value, a, b).lo > level;
         let (top_a, top_b) = ((a, Interval::point(ra.hi)), (b, Interval::point(rb.hi)));
@@ -93,7 +93,7 @@ mod tests {
         let text = format!("scene = for i in 0..20 by {blend} {{ sphere(0.3).translate(0.4 * i - 4, 0, 0) }}\n");
         let loader = MemoryLoader::new().with("main.sdf", text);
         let mut scene = compile(&loader, "main.sdf", &Options::default()).compiled.unwrap();
-        let region = Facts::default().body_region(&mut scene.graph, scene.root, &|_| None, super::super::Box3::cube(1e6));
+        let region = Facts::default().body_region(&mut scene.graph, scene.root, &|_| None, crate::analysis::Box3::cube(1e6));
         region.0.iter().zip([4.3, 0.3, 0.3]).map(|(side, half)| side.hi.max(-side.lo) - half).fold(0.0, f64::max)
     }
 

@@ -1,10 +1,10 @@
 //! Norms of maps of points.
 
 use super::isometry::Mirror;
-use super::dual::{Dual, Duals, add, on_side, pieces, side_of};
-use super::matrix::{Row, Rows, matrix_norm};
-use super::tape::{Step, Steps, Tape};
-use super::{Facts, Pinned};
+use crate::analysis::dual::{Dual, Duals, add, on_side, pieces, side_of};
+use crate::analysis::matrix::{Row, Rows, matrix_norm};
+use crate::analysis::tape::{Step, Steps, Tape};
+use crate::analysis::{Facts, Pinned};
 use crate::analysis::branches::Side;
 use crate::graph::algebra::Algebra;
 use crate::graph::interval::Interval;

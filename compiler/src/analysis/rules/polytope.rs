@@ -4,9 +4,9 @@
 //! than the same sum of the planes' distances (weak duality of linear programs; Chvátal 1983, *Linear Programming*). The best of all triples is the
 //! polytope's own end, and every other one is a bound too, so that rounding does no harm.
 
-use super::Box3;
-use super::region::Walk;
-use super::tape::{Step, Tape};
+use crate::analysis::Box3;
+use crate::analysis::region::Walk;
+use crate::analysis::tape::{Step, Tape};
 use crate::graph::Leaf;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -30,7 +30,7 @@ struct Plane {
 impl Walk<'_> {
     /// The part of a region in which a maximum is at most a level, as far as the linear formulas in it tell. None where they tell no more than each by
     /// itself.
-    pub(super) fn in_polytope(&mut self, maximum: usize, level: f64, region: &Box3) -> Option<Box3> {
+    pub(in crate::analysis) fn in_polytope(&mut self, maximum: usize, level: f64, region: &Box3) -> Option<Box3> {
         let mut planes = Vec::new();
         gather(self.tape, maximum, level, &mut planes, DEEPEST);
         let slanted = |plane: &&Plane| plane.normal.iter().filter(|c| **c != 0.0).count() > 1;

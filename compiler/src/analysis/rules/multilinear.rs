@@ -4,9 +4,9 @@
 //! Such a sum is linear in each of its numbers, so over a box it is least and greatest at corners: those of a few numbers by which all products are
 //! covered, at each of which it is linear in all the others at once (multi-affine forms; Rockafellar 1970, *Convex Analysis*, § 32 for the corners).
 
-use super::dual::{self, Dual};
-use super::products::{self, Sum, collected, multiplied, scaled};
-use super::tape::{Step, Tape};
+use crate::analysis::dual::{self, Dual};
+use crate::analysis::products::{self, Sum, collected, multiplied, scaled};
+use crate::analysis::tape::{Step, Tape};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use smallvec::{SmallVec, smallvec};
@@ -21,7 +21,7 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 type Product = products::Product<usize>;
 /// Multiples of products.
 #[derive(Clone, Debug)]
-pub(super) struct Multilinear {
+pub(in crate::analysis) struct Multilinear {
     terms: Sum<usize>,
     /// The steps that are put to their ends.
     covering: SmallVec<[usize; MOST_COVERING]>,
@@ -29,7 +29,7 @@ pub(super) struct Multilinear {
 
 impl Multilinear {
     /// Those of a tape's steps, in order, of which this says more than step by step is known; what `is_known` says more of by itself is a number.
-    pub(super) fn of(tape: &Tape, is_known: impl Fn(usize) -> bool) -> Vec<(usize, Multilinear)> {
+    pub(in crate::analysis) fn of(tape: &Tape, is_known: impl Fn(usize) -> bool) -> Vec<(usize, Multilinear)> {
         let mut written: Vec<Sum<usize>> = Vec::with_capacity(tape.steps.len());
         let mut found: Vec<(usize, Multilinear)> = Vec::new();
         for (i, step) in tape.steps.iter().enumerate() {
@@ -88,7 +88,7 @@ impl Multilinear {
     }
 
     /// Its values, of those of the steps.
-    pub(super) fn values(&self, value: impl Fn(usize) -> Interval) -> Interval {
+    pub(in crate::analysis) fn values(&self, value: impl Fn(usize) -> Interval) -> Interval {
         self.over(&value, None)
     }
 
@@ -136,7 +136,7 @@ impl Multilinear {
     }
 
     /// A step with what more is known of it.
-    pub(super) fn bound(&self, dual: Dual, of: impl Fn(usize) -> Dual) -> Dual {
+    pub(in crate::analysis) fn bound(&self, dual: Dual, of: impl Fn(usize) -> Dual) -> Dual {
         let value = |step: usize| of(step).value;
         let both = dual.value.intersect(self.values(value));
         let dual = if both.is_empty() { dual } else { Dual { value: both, ..dual } };

@@ -1,8 +1,8 @@
 //! How steep a value is by what is claimed of it.
 
-use super::dual::Dual;
-use super::matrix::{Rows, matrix_norm};
-use super::{Box3, Domain, leaf_range};
+use crate::analysis::dual::Dual;
+use crate::analysis::matrix::{Rows, matrix_norm};
+use crate::analysis::{Box3, Domain, leaf_range};
 use crate::graph::algebra::Intervals;
 use crate::graph::interval::Interval;
 use crate::graph::{Claim, ClaimGroup, Graph, Leaf, NodeId};

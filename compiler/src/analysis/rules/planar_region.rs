@@ -3,7 +3,7 @@
 //! Of a drawing that turns by an angle of which only a range is known, its coordinates may be anything, and the formula says next to nothing of where in
 //! the scene it is solid. In its own plane it is where it is; from there the way back through the turn alone is short.
 
-use super::{Box3, Domain, Facts};
+use crate::analysis::{Box3, Domain, Facts};
 use crate::graph::interval::Interval;
 use crate::graph::{Graph, NodeId};
 use std::collections::VecDeque;
@@ -17,7 +17,7 @@ const STEPS: u64 = 4_000_000;
 impl Facts {
     /// The part of a finite region of its own plane in which an exact drawing is at most `level`: parts are dropped in which the value at the middle is
     /// more than the way to the corners, large ones first.
-    pub(super) fn drawn(&mut self, graph: &Graph, drawing: NodeId, domain: &Domain, region: Box3, level: f64) -> Box3 {
+    pub(in crate::analysis) fn drawn(&mut self, graph: &Graph, drawing: NodeId, domain: &Domain, region: Box3, level: f64) -> Box3 {
         let tape = self.tape(graph, drawing);
         let (mut open, mut kept) = (VecDeque::from([region]), Box3::EMPTY);
         let mut smallest = 0.0;

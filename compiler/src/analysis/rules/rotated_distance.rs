@@ -4,11 +4,11 @@
 //! turning c back does: by n·(axis × c) dt with n the unit gradient, at most R |n| dt wherever the point is. So the gradient is that
 //! of the unturned map with a slip of R ∇t, and not of |p| ∇t.
 
-use super::dual::Dual;
+use crate::analysis::dual::Dual;
 use super::isometry::PlaneTurn;
 use super::jacobian_norm::map_norm;
-use super::tape::{Step, Tape};
-use super::{Box3, Domain, Facts};
+use crate::analysis::tape::{Step, Tape};
+use crate::analysis::{Box3, Domain, Facts};
 use crate::graph::kernel::Op;
 use crate::graph::{Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId};
 
@@ -62,7 +62,7 @@ fn distance_level(graph: &Graph, node: NodeId, depth: u32) -> Option<f64> {
         }
         Node::Call(shape, Function::Field, args) if depth > 0 => {
             let s = graph.shape(*shape)?;
-            let moved = |(i, &a): (usize, &NodeId)| super::region::shift_along(graph, a, i).is_some();
+            let moved = |(i, &a): (usize, &NodeId)| crate::analysis::region::shift_along(graph, a, i).is_some();
             if args.len() > 3 || s.dimensions != 3 || !args.iter().enumerate().all(moved) {
                 return None;
             }

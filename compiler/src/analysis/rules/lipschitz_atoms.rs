@@ -4,9 +4,9 @@
 //! known signs s, then |∇f| <= Σ |∂f/∂a| |∇a| = Σ ∂f/∂a s |∇a|, which is the derivative of f along one direction: there what
 //! cancels between the terms does cancel. So every smooth union that is written out keeps the constant of its operands.
 
-use super::branches::Branches;
-use super::dual::{Dual, side_of};
-use super::tape::{Step, Tape};
+use crate::analysis::branches::Branches;
+use crate::analysis::dual::{Dual, side_of};
+use crate::analysis::tape::{Step, Tape};
 use crate::analysis::branches::Side;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -137,7 +137,7 @@ fn partials(tape: &Tape, duals: &[Dual], branches: Option<&Branches>, i: usize) 
         });
     }
     let value = duals.get(i)?.value;
-    let mut slopes = super::slopes::slopes(op, &values, value);
+    let mut slopes = crate::analysis::slopes::slopes(op, &values, value);
     if matches!(op, Op::Length2 | Op::Length3 | Op::Length4) {
         for slope in &mut slopes {
             *slope = slope.intersect(Interval::new(-1.0, 1.0));

@@ -1,7 +1,7 @@
 //! Axes along which a formula's gradient repeats: one period stands for all of space.
 
-use super::tape::{Step, Tape};
-use super::Box3;
+use crate::analysis::tape::{Step, Tape};
+use crate::analysis::Box3;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Leaf};

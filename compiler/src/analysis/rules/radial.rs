@@ -4,11 +4,11 @@
 //! steepest place of each is a shell. With u the distance or its square, |∇f| is at most |df/du| |∇u|, where |∇u| is at most what the point's
 //! own map is stretched by, or 2√u times that. Both are functions of u alone, so one dimension is searched instead of three.
 
-use super::dual::Dual;
+use crate::analysis::dual::Dual;
 use super::jacobian_norm::point_norm;
-use super::tape::{Step, Steps, Tape};
-use super::{Constant, Domain, Facts, Box3, leaf_dual, dual};
-use super::constant::{Norm, Sought};
+use crate::analysis::tape::{Step, Steps, Tape};
+use crate::analysis::{Constant, Domain, Facts, Box3, leaf_dual, dual};
+use crate::analysis::constant::{Norm, Sought};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Graph, Leaf};
@@ -94,7 +94,7 @@ fn measured(tape: &Tape, step: usize) -> Option<(Steps, bool)> {
 
 impl Facts {
     /// The constant of a tape that reads the point through one distance alone, wherever its value is within an interval; none where it does not.
-    pub(super) fn along_distance(&mut self, graph: &Graph, tape: &Tape, domain: &Domain, within: Interval, budget: usize) -> Option<Constant> {
+    pub(in crate::analysis) fn along_distance(&mut self, graph: &Graph, tape: &Tape, domain: &Domain, within: Interval, budget: usize) -> Option<Constant> {
         let duals = self.all_duals(graph, tape, domain);
         if duals.last().is_none_or(|d| d.jumps != 0) {
             return None;

@@ -10,10 +10,10 @@
 //! N = (Σ aᵢᵏ)^(1/k) has the gradient Σ wᵢ ∇aᵢ with wᵢ = (aᵢ/N)^(k-1) and Σ (aᵢ/N)ᵏ = 1. For k >= 2 the wᵢ², and for k < 0 the wᵢ, add up to no more
 //! than one; for 1 <= k < 2 the norm of the weights is at most n^(1/k - 1/2), by Hölder's inequality.
 
-use super::dual::{Dual, Duals};
+use crate::analysis::dual::{Dual, Duals};
 use super::jacobian_norm::point_norm;
-use super::matrix::{Row, Rows, matrix_norm};
-use super::tape::{Step, Tape};
+use crate::analysis::matrix::{Row, Rows, matrix_norm};
+use crate::analysis::tape::{Step, Tape};
 use crate::graph::algebra::Algebra;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -24,7 +24,7 @@ use std::rc::Rc;
 
 /// A step that is put together of others, by weights of which something is known.
 #[derive(Clone, Debug)]
-pub(super) struct Soft {
+pub(in crate::analysis) struct Soft {
     rows: Vec<Operand>,
     weights: Weights,
     /// Whether it is put together with the sign changed.
@@ -82,12 +82,12 @@ const SAME: f64 = 1e-9;
 
 impl Soft {
     /// Whether a kink of a row goes through to the step: the constant is that of the larger side.
-    pub(super) fn is_share(&self) -> bool {
+    pub(in crate::analysis) fn is_share(&self) -> bool {
         matches!(self.weights, Weights::Share(_)) && self.slope.is_none()
     }
 
     /// The steps that are put together.
-    pub(super) fn steps(&self) -> SmallVec<[usize; 4]> {
+    pub(in crate::analysis) fn steps(&self) -> SmallVec<[usize; 4]> {
         let of = |row: &Operand| match row {
             Operand::Step { step, .. } => SmallVec::from_slice(&[*step]),
             Operand::Inner(inner) => inner.steps(),
@@ -96,7 +96,7 @@ impl Soft {
     }
 
     /// What a step is put together of; none where it is nothing of the kind.
-    pub(super) fn of(tape: &Tape, step: usize) -> Option<Self> {
+    pub(in crate::analysis) fn of(tape: &Tape, step: usize) -> Option<Self> {
         match tape.steps.get(step)? {
             Step::Op(op @ (Op::Add | Op::Sub), args) => {
                 let (a, b) = (*args.first()?, *args.get(1)?);
@@ -116,7 +116,7 @@ impl Soft {
     }
 
     /// The gradient and its norm, of those of the steps.
-    pub(super) fn bound(&self, tape: &Tape, graph: &Graph, values: &[Dual]) -> Option<Row> {
+    pub(in crate::analysis) fn bound(&self, tape: &Tape, graph: &Graph, values: &[Dual]) -> Option<Row> {
         if self.slope.as_ref().is_some_and(|slope| !slope.is_right(tape, values)) {
             return None;
         }

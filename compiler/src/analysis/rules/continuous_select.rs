@@ -1,7 +1,7 @@
 //! Choices that come to the same where they change over: `if a < b { x } else { y }` with x - y a multiple of a - b, as in every fold that swaps
 //! coordinates. They kink there and do not jump.
 
-use super::tape::{Step, Tape};
+use crate::analysis::tape::{Step, Tape};
 use crate::graph::kernel::Op;
 use smallvec::SmallVec;
 
@@ -39,7 +39,7 @@ impl Tape {
     }
 
     /// Whether multiples of steps add up to zero, by the way they are written.
-    pub(super) fn cancels(&self, multiples: &[(usize, f64)]) -> bool {
+    pub(in crate::analysis) fn cancels(&self, multiples: &[(usize, f64)]) -> bool {
         let largest = |of: &[(usize, f64)]| Some(self.linear(of)?.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max));
         // The terms by themselves tell what rounding may leave of their sum.
         let terms = multiples.iter().map(|one| largest(std::slice::from_ref(one)));

@@ -1,7 +1,7 @@
 //! Angles that jump by whole turns: what is made of their sine or cosine does not jump, and of half turns not the magnitude of one.
 
-use super::dual::Dual;
-use super::tape::{Step, Tape};
+use crate::analysis::dual::Dual;
+use crate::analysis::tape::{Step, Tape};
 use super::algebraic_enclosures::is_whole;
 use crate::graph::kernel::Op;
 use crate::graph::{Graph, Leaf};
@@ -10,7 +10,7 @@ use crate::graph::{Graph, Leaf};
 const DEEPEST: usize = 12;
 
 /// Whether an operation does not jump although its angle does, as that only jumps by whole turns.
-pub(super) fn is_same_after_turns(graph: &Graph, op: Op, args: &[usize], tape: &Tape, values: &[Dual]) -> bool {
+pub(in crate::analysis) fn is_same_after_turns(graph: &Graph, op: Op, args: &[usize], tape: &Tape, values: &[Dual]) -> bool {
     let jumps = Jumps { graph, tape, values };
     match (op, args) {
         (Op::Sin | Op::Cos | Op::TurnU | Op::TurnV, [rest @ .., angle]) => rest.iter().all(|&a| jumps.is_smooth(a)) && jumps.are_whole(*angle, 1.0),

@@ -5,8 +5,8 @@
 //! a / |a|² by J / |a|² (a mirror over |a|²: an inversion keeps all angles). Where m is kept at some least number, a / m changes by J / m. So in all of these
 //! cases the slope is no more than J / m, where a look at the quotient alone adds up two terms of that size that cancel.
 
-use super::dual::Dual;
-use super::tape::{Step, Tape};
+use crate::analysis::dual::Dual;
+use crate::analysis::tape::{Step, Tape};
 use crate::graph::Leaf;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -19,7 +19,7 @@ const SLACK: f64 = 1e-12;
 
 /// A coordinate of a vector, divided by the vector's length or its square, or by what is kept from falling below some number.
 #[derive(Clone, Debug)]
-pub(super) struct Direction {
+pub(in crate::analysis) struct Direction {
     /// What the coordinate is multiplied by.
     times: f64,
     /// The vector's coordinates.
@@ -36,7 +36,7 @@ pub(super) struct Direction {
 
 impl Direction {
     /// What a quotient is, if it is such a one.
-    pub(super) fn of(tape: &Tape, args: &[usize]) -> Option<Self> {
+    pub(in crate::analysis) fn of(tape: &Tape, args: &[usize]) -> Option<Self> {
         let &[x, divisor] = args else { return None };
         let (times, x) = match tape.operation(x) {
             Some((Op::Mul, &[a, b])) if let Some(c) = tape.constant(a) => (c.abs(), b),
@@ -59,7 +59,7 @@ impl Direction {
     }
 
     /// Its values, of those of all steps before it.
-    pub(super) fn values(&self, value: impl Fn(usize) -> Interval) -> Interval {
+    pub(in crate::analysis) fn values(&self, value: impl Fn(usize) -> Interval) -> Interval {
         let m = value(self.divisor).lo;
         let most = match self.is_square {
             true if m > 0.0 => self.times / m.sqrt(),
@@ -70,7 +70,7 @@ impl Direction {
     }
 
     /// The quotient with what more is known of it.
-    pub(super) fn bound(&self, dual: Dual, of: impl Fn(usize) -> Dual) -> Dual {
+    pub(in crate::analysis) fn bound(&self, dual: Dual, of: impl Fn(usize) -> Dual) -> Dual {
         let m = of(self.divisor).value.lo;
         let steady = self.least.is_none_or(|least| of(least).norm == 0.0);
         if m <= 0.0 || !steady {
