@@ -10,8 +10,10 @@ use crate::functions::Functions;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Factor, Function, Graph, Node, NodeId, Proof, ShapeId};
+use crate::rules::{Gives, RULES, Row};
 use crate::source::{Sources, Span, written};
 use rustc_hash::FxHashSet;
+use std::rc::Rc;
 
 /// Up to so many times the steps are few more.
 const FEW: f64 = 1.5;
@@ -19,6 +21,10 @@ const FEW: f64 = 1.5;
 const MOST_TOGETHER: f64 = 250.0;
 /// Where nothing is known of how large a scene is, it is taken to be of this size.
 const FAR_ENOUGH: f64 = 4.0;
+/// Boxes of the search that tells what a rule gains.
+const RULE_BOXES: usize = 192;
+/// A rule that gains less is not named.
+const GAINED: f64 = 1.005;
 /// How many samples say how steep a formula is at most places.
 const TYPICAL: usize = 33;
 
@@ -77,7 +83,7 @@ pub struct Explained {
 
 /// A rule for factors, and a scene in which nothing else acts: a line of `tests/corpus/rules.txt`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rule {
+pub struct Law {
     /// Its name.
     pub name: String,
     /// Why its factor is not attained; none where it is.
@@ -89,7 +95,7 @@ pub struct Rule {
 }
 
 /// The rules in a text, one a line, of five parts; lines that begin with `#` are words. A line that is none of these is an error.
-pub fn rules(text: &str) -> Result<Vec<Rule>, String> {
+pub fn rules(text: &str) -> Result<Vec<Law>, String> {
     let lines = text.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
     let rule = |line: &str| {
         let mut parts = line.splitn(5, ';').map(str::trim);
@@ -100,7 +106,7 @@ pub fn rules(text: &str) -> Result<Vec<Rule>, String> {
             _ => return None,
         };
         let loose = (near != "attained").then(|| near.to_owned());
-        Some(Rule { name: name.to_owned(), loose, half: half.parse().ok()?, text })
+        Some(Law { name: name.to_owned(), loose, half: half.parse().ok()?, text })
     };
     lines.map(|line| rule(line).ok_or_else(|| format!("this is no rule: {line}"))).collect()
 }
@@ -166,6 +172,17 @@ pub fn explain(compiled: &Compiled, sources: &Sources) -> Vec<Explained> {
         explained.push(Explained { depth, product: product * factor.lipschitz, ..one });
     }
     explained
+}
+
+/// The rules without which a factor would be larger, those that gain most first, each with that factor: infinite where none would be known.
+pub fn rules_of(compiled: &Compiled, index: u32) -> Vec<(&'static Row, f64)> {
+    let Some(Some(search)) = compiled.functions.searches.get(index as usize) else { return Vec::new() };
+    let found = |rules| Search { rules, ..search.clone() }.run(&compiled.graph, Rc::new([]), RULE_BOXES);
+    let own = found(search.rules);
+    let used = RULES.iter().filter(|row| row.gives != Gives::Region && row.gives != Gives::Bound && search.rules.has(row.rule));
+    let mut gains: Vec<(&Row, f64)> = used.map(|row| (row, found(search.rules.without(row.rule)))).filter(|(_, without)| *without > GAINED * own).collect();
+    gains.sort_by(|a, b| b.1.total_cmp(&a.1));
+    gains
 }
 
 /// What is wrong where factors that stand within each other multiply to more steps than a ray has, though none of them is that large.

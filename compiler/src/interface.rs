@@ -1,5 +1,6 @@
 //! What a module is asked for, and what a host writes into its uniform block.
 
+use crate::rules::RuleSet;
 use crate::source::Span;
 use crate::srgb::{decode, encode};
 use crate::syntax::ast::Type;
@@ -82,6 +83,8 @@ pub struct Options {
     pub live_in_shader: bool,
     /// Radius about the origin within which a scene is drawn that does not say it: what is given, else 100 or what all that is solid needs.
     pub extent: Option<f64>,
+    /// The rules by which bounds may become tighter.
+    pub rules: RuleSet,
 }
 
 impl Default for Options {
@@ -96,6 +99,7 @@ impl Default for Options {
             strict: false,
             live_in_shader: false,
             extent: None,
+            rules: RuleSet::default(),
         }
     }
 }

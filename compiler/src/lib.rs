@@ -1,5 +1,6 @@
 //! From the text of a signed distance field to proven WGSL.
 
+pub mod ablation;
 pub mod analysis;
 pub mod blocks;
 pub mod camera;

@@ -94,7 +94,7 @@ fn run(loaded: &Loaded, options: &Options, memory: &mut Memory, finished: &mut d
     let mut diagnostics = loaded.diagnostics.clone();
     let mut made = None;
     let has_errors = |diagnostics: &[Diagnostic]| diagnostics.iter().any(|d| d.severity == Severity::Error);
-    let facts = Facts::with(std::mem::take(memory));
+    let facts = Facts::with(std::mem::take(memory), options.rules);
     let mut elaboration = program::elaborate(&loaded.modules, &loaded.sources, options, facts);
     diagnostics.append(&mut elaboration.diagnostics);
     finished(Stage::Elaborate);

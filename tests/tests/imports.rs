@@ -17,7 +17,7 @@ const FLOORS: [(&str, &[&str]); 3] = [
     (
         "compiler",
         &[
-            "loader prelude random sampled source spread srgb vector",
+            "loader prelude random rules sampled source spread srgb vector",
             "diagnostic",
             "graph syntax",
             "live interface images camera",
@@ -28,7 +28,7 @@ const FLOORS: [(&str, &[&str]); 3] = [
             "cells compiled",
             "followed physics",
             "mesh reference",
-            "certify contour factors home outlook skipped solid verify",
+            "ablation certify contour factors home outlook skipped solid verify",
             "program",
             "pipeline reference_text",
             "lib",

@@ -133,7 +133,7 @@ impl Facts {
     fn content_of_domain(&mut self, graph: &Graph, domain: &Domain) -> Content {
         let within: Vec<(Content, u64)> =
             domain.within.iter().map(|(node, level)| (self.content(graph, *node), level.to_bits())).collect();
-        digest(&(domain.plain_key(), domain.ids(), within, graph.is_spread))
+        digest(&(domain.plain_key(), domain.ids(), within, graph.is_spread, self.rules))
     }
 
     /// The content of a node.

@@ -10,6 +10,7 @@ use super::Facts;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
 use crate::graph::{Graph, Leaf};
+use crate::rules::Rule;
 
 /// How many times a formula may be run over one box; beyond that the hull of what is left is taken.
 const RUNS: usize = 128;
@@ -274,7 +275,7 @@ fn each_piece_until(
 ) -> usize {
     let mut kink = None;
     let Some(whole) = dual::run(facts, graph, tape, None, &mut kink, leaf) else { return 1 };
-    let Some(kink) = kink else {
+    let Some(kink) = kink.filter(|_| tape.rules.has(Rule::Branches)) else {
         visit(&whole, None);
         return 1;
     };

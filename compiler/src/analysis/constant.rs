@@ -10,6 +10,7 @@ use super::{Box3, Domain, Facts, branches, dual, leaf_dual, leaf_range};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Exactness, Function, Graph, Leaf, Node, NodeId, NodeList};
+use crate::rules::Rule;
 use std::collections::BinaryHeap;
 
 /// A constant of a formula over a domain.
@@ -45,6 +46,7 @@ impl Facts {
             return *known;
         }
         if budget > 1
+            && self.rules.has(Rule::Parts)
             && let Some(constant) = self.by_terms(graph, node, domain, budget)
         {
             self.constants.insert(key, constant);
@@ -65,7 +67,7 @@ impl Facts {
         };
         // A condition on the point says nothing of a distance alone.
         let free = domain.within.is_empty() && domain.tube.is_none();
-        let search = |facts: &mut Self| match Polar::of(&tape, domain.point).filter(|polar| budget > 1 && (free || polar.turns())) {
+        let search = |facts: &mut Self| match Polar::of(&tape, domain.point).filter(|polar| facts.rules.has(Rule::Polar) && budget > 1 && (free || polar.turns())) {
             Some(polar) => {
                 if !polar.turns() && let Some(found) = facts.along_distance(graph, &tape, domain, Interval::ALL, budget) {
                     return found;
@@ -90,7 +92,7 @@ impl Facts {
                 });
                 // Where a number may be anything in a range, the steepest place that was met is one for all of them.
                 let is_met = found.is_close() && !facts.is_ranging(graph, node, domain);
-                if budget <= 1 || is_met { found.constant } else { facts.term_by_term(graph, node, domain, asked, found.constant) }
+                if budget <= 1 || is_met || !facts.rules.has(Rule::SumTerms) { found.constant } else { facts.term_by_term(graph, node, domain, asked, found.constant) }
             }
         };
         if budget > 1 { self.remembered_constant(graph, &[node], domain, budget, search) } else { search(self) }
@@ -158,7 +160,7 @@ impl Facts {
             }
             (Op::Add | Op::Sub, Some(b)) if !domain.point.is_finite() => {
                 let tape = self.tape(graph, node);
-                if period::one_period(&tape, domain.point).is_finite() {
+                if self.rules.has(Rule::Period) && period::one_period(&tape, domain.point).is_finite() {
                     return None;
                 }
                 let whole = self.found(graph, node, domain, budget);
@@ -190,7 +192,7 @@ impl Facts {
         if let Some(known) = self.maps.get(&key) {
             return *known;
         }
-        let tape = Tape::new(graph, point);
+        let tape = Tape::new(graph, point, self.rules);
         let rows: Vec<usize> = tape.roots().collect();
         let budget = match self.affordable(budget) {
             0 | 1 => 1,
@@ -238,7 +240,7 @@ impl Facts {
         if point.iter().enumerate().all(|(i, &p)| shift_along(graph, p, i).is_some() || graph.as_constant(p).is_some()) {
             return true;
         }
-        let tape = Tape::new(graph, point);
+        let tape = Tape::new(graph, point, self.rules);
         let leaf = |leaf| match leaf {
             Leaf::P(i) => Dual::coordinate(usize::from(i), Interval::ALL),
             Leaf::Parameter(i) => Dual::constant(Interval::point(graph.parameters.get(i as usize).map_or(0.0, |p| p.default))),
@@ -258,7 +260,7 @@ impl Facts {
     /// of the angle times the tube's radius, the map is an isometry times the identity and a rank-one term of size a across it, of which
     /// the largest singular value is a/2 + √(1 + a²/4).
     fn turn_constant(&mut self, graph: &Graph, point: &[NodeId], domain: &Domain) -> Option<f64> {
-        let (axis, radius) = domain.tube?;
+        let (axis, radius) = domain.tube.filter(|_| self.rules.has(Rule::Twist))?;
         let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
         let is = |node: &NodeId, k: usize| *graph.node(*node) == Node::Leaf(Leaf::P(k as u8));
         let Node::Op(Op::TurnU | Op::TurnV, args) = graph.node(*point.get(i)?) else { return None };
@@ -302,7 +304,7 @@ impl Facts {
             let above = |range: Option<&Interval>, level: f64| range.is_some_and(|r| r.lo > level);
             domain.leaves_out(&place) || conditions.iter().any(|(tape, level)| above(facts.ranges_of(graph, tape, &here).last(), *level))
         };
-        let mut point = period::one_period(tape, domain.point);
+        let mut point = if self.rules.has(Rule::Period) { period::one_period(tape, domain.point) } else { domain.point };
         // What a condition tells of one period it does not tell of the others.
         for i in (0..3).filter(|&i| conditions.iter().any(|(c, _)| c.reads(i))) {
             point = point.with_axis(i, domain.point.axis(i));

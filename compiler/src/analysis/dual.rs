@@ -13,6 +13,7 @@ use crate::graph::algebra::Algebra;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
 use crate::graph::{Claim, ClaimGroup, Graph, Leaf, ShapeId};
+use crate::rules::Rule;
 use smallvec::SmallVec;
 use std::ops::Range;
 
@@ -288,7 +289,7 @@ pub fn run(
                 Dual::new(plain.value, plain.limited(norm).gradient, norm.min(plain.norm), plain.jumps)
             }
             // A norm of a higher power is no steeper than the length.
-            Step::Op(Op::Sqrt, args) if tape.raised(i).is_some() => {
+            Step::Op(Op::Sqrt, args) if tape.rules.has(Rule::HigherNorm) && tape.raised(i).is_some() => {
                 let norm = map_norm(tape, &values, &tape.raised(i).unwrap_or_default());
                 let (of, n) = few(args);
                 let plain = algebra.op(Op::Sqrt, of.get(..n).unwrap_or(&of));
@@ -311,8 +312,8 @@ pub fn run(
                     }
                 };
                 match of {
-                    [_] if dual.jumps != 0 && super::rules::angle_periodicity::is_same_after_turns(graph, *op, args, tape, &values) => Dual { jumps: 0, ..dual },
-                    [_, a, b] if dual.jumps != 0 && let Some(compared) = tape.meets(i) => {
+                    [_] if dual.jumps != 0 && tape.rules.has(Rule::AnglePeriodicity) && super::rules::angle_periodicity::is_same_after_turns(graph, *op, args, tape, &values) => Dual { jumps: 0, ..dual },
+                    [_, a, b] if dual.jumps != 0 && tape.rules.has(Rule::ContinuousSelect) && let Some(compared) = tape.meets(i) => {
                         let jumps = compared.iter().fold(a.jumps | b.jumps, |jumps, &side| jumps | values.get(side).map_or(JUMPS_HERE, |d| d.jumps));
                         Dual { jumps, ..dual }
                     }
@@ -325,11 +326,11 @@ pub fn run(
                 if *op == Op::Div && graph.is_spread && args.get(1).is_some_and(|&b| tape.vanishes_rarely(b)) {
                     dual.value = dual.value.intersect(super::slopes::quotient_of_positive(of[0].value, of[1].value));
                 }
-                if dual.jumps != 0 && super::rules::angle_periodicity::is_same_after_turns(graph, *op, args, tape, &values) {
+                if dual.jumps != 0 && tape.rules.has(Rule::AnglePeriodicity) && super::rules::angle_periodicity::is_same_after_turns(graph, *op, args, tape, &values) {
                     dual.jumps = 0;
                 }
                 // What is never below zero, and zero on planes alone, does not cross the line on which the angle turns over.
-                if *op == Op::Atan2 && args.iter().all(|&a| values.get(a).is_some_and(|d| d.jumps == 0)) && args.first().is_some_and(|&y| tape.touches_zero(y)) {
+                if *op == Op::Atan2 && tape.rules.has(Rule::UnsignedAngle) && args.iter().all(|&a| values.get(a).is_some_and(|d| d.jumps == 0)) && args.first().is_some_and(|&y| tape.touches_zero(y)) {
                     dual.jumps &= !JUMPS_HERE;
                 }
                 // The angle has two sides where it turns over.
@@ -339,6 +340,7 @@ pub fn run(
                 }
                 dual
             }
+            Step::Claim(Claim::Lipschitz(..), args) if !tape.rules.has(Rule::Claims) => few(args).0[0],
             Step::Claim(claim, args) => {
                 let mut of = gather(args);
                 if let Claim::Lipschitz(_, groups, _) = claim {
@@ -377,7 +379,7 @@ pub fn run(
                 let norm = point_norm(tape, graph, &values, point);
                 let dual = call(facts, graph, *shape, &of, norm);
                 match super::rules::rotated_distance::turned_norm(facts, graph, tape, *shape, args, &values) {
-                    Some(most) if most < dual.norm => dual.limited(most),
+                    Some(most) if tape.rules.has(Rule::RotatedDistance) && most < dual.norm => dual.limited(most),
                     _ => dual,
                 }
             }

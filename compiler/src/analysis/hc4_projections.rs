@@ -6,6 +6,7 @@ use super::region::Walk;
 use super::tape::Step;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
+use crate::rules::Rule;
 
 /// So many steps are few.
 const FEW: usize = 32;
@@ -52,7 +53,7 @@ impl Walk<'_> {
 
     /// What a step is the lesser of, where that is another step and a number between its ends.
     pub(super) fn capped(&self, step: usize) -> Option<(usize, f64)> {
-        let Some(Step::Op(Op::Min, args)) = self.tape.steps.get(step) else { return None };
+        let Some(Step::Op(Op::Min, args)) = self.tape.steps.get(step).filter(|_| self.allows(Rule::CappedSum)) else { return None };
         let &[a, b] = args.as_slice() else { return None };
         let cap = |step: usize| match self.tape.steps.get(step) {
             Some(Step::Constant(c)) => Some(*c),

@@ -31,6 +31,7 @@ pub use constant::Constant;
 pub use domain::{Box3, Domain, Key};
 use dual::Dual;
 use analysis_cache::{Content, Memory};
+use crate::rules::RuleSet;
 use rustc_hash::{FxHashMap, FxHashSet};
 use smallvec::SmallVec;
 use std::rc::Rc;
@@ -110,6 +111,8 @@ pub struct Facts {
     cut_short: bool,
     /// Values of the parameters, where these facts hold for those alone.
     pub pinned: Pinned,
+    /// The rules that may be used.
+    pub rules: RuleSet,
 }
 
 impl Default for Facts {
@@ -153,14 +156,15 @@ impl Default for Facts {
             left: account::ALL,
             cut_short: false,
             pinned: Rc::new([]),
+            rules: RuleSet::default(),
         }
     }
 }
 
 impl Facts {
-    /// No facts, but what earlier compilations found.
-    pub fn with(memory: Memory) -> Self {
-        Self { memory, ..Self::default() }
+    /// No facts, but what earlier compilations found, and the rules that may be used.
+    pub fn with(memory: Memory, rules: RuleSet) -> Self {
+        Self { memory, rules, ..Self::default() }
     }
 
     /// Nothing known yet; these parameters stand at one value.
@@ -206,7 +210,7 @@ impl Facts {
         if let Some(tape) = self.tapes.get(&node) {
             return tape.clone();
         }
-        let tape = Rc::new(Tape::new(graph, &[node]).with_pinned(&self.pinned));
+        let tape = Rc::new(Tape::new(graph, &[node], self.rules).with_pinned(&self.pinned));
         self.tapes.insert(node, tape.clone());
         tape
     }

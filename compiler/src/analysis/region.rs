@@ -10,6 +10,7 @@ use super::{call_domain, Box3, Constant, Domain, Facts};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId};
+use crate::rules::Rule;
 use std::collections::VecDeque;
 
 /// How many boxes the cutting of one region may cost, those of the shapes inside counted in.
@@ -78,7 +79,7 @@ impl Facts {
             return region;
         }
         region = self.sift(graph, node, domain, region, level);
-        if self.closer < CLOSER_STEPS && !self.is_spent() && !region.is_empty() && region.is_finite() {
+        if self.rules.has(Rule::Shave) && self.closer < CLOSER_STEPS && !self.is_spent() && !region.is_empty() && region.is_finite() {
             let first = self.ran;
             region = self.shave(graph, &tape, domain, region, level);
             self.closer += self.ran - first;
@@ -206,7 +207,7 @@ impl Facts {
     /// the distance to the corners. Only of a box that is hardly smaller than the domain. Domains of all sizes lead to the same box, which is
     /// sifted once.
     fn sift(&mut self, graph: &Graph, node: NodeId, domain: &Domain, region: Box3, level: f64) -> Box3 {
-        if self.closer >= CLOSER_STEPS || self.is_spent() || !region.is_finite() || region.size() <= 0.5 * domain.point.size() {
+        if !self.rules.has(Rule::Sift) || self.closer >= CLOSER_STEPS || self.is_spent() || !region.is_finite() || region.size() <= 0.5 * domain.point.size() {
             return region;
         }
         let key = (node, domain.at(region).key(), level.to_bits());
@@ -446,6 +447,10 @@ pub(super) struct Walk<'a> {
 }
 
 impl Walk<'_> {
+    pub(super) fn allows(&self, rule: Rule) -> bool {
+        self.facts.rules.has(rule)
+    }
+
     /// Counts so many steps.
     pub(super) fn counted(&mut self, steps: usize) {
         self.facts.ran += steps as u64;
@@ -495,6 +500,7 @@ impl Walk<'_> {
             Step::Claim(Claim::Lipschitz(..) | Claim::Continuous, args) => {
                 let Some(&value) = args.first() else { return region };
                 if let (Some(&a), Some(&b), true) = (args.get(1), args.get(2), target.lo == f64::NEG_INFINITY)
+                    && self.allows(Rule::BlendSublevelSet)
                     && let Some(level) = self.joined_level(value, [a, b], target.hi)
                 {
                     let below = Interval::new(f64::NEG_INFINITY, level);
@@ -505,7 +511,7 @@ impl Walk<'_> {
             }
             Step::Op(Op::Max, args) => {
                 let region = self.operation(Op::Max, args, target, region);
-                if region.is_empty() { region } else { self.in_polytope(step, target.hi, &region).unwrap_or(region) }
+                if region.is_empty() || !self.allows(Rule::Polytope) { region } else { self.in_polytope(step, target.hi, &region).unwrap_or(region) }
             }
             Step::Op(op, args) => self.operation(*op, args, target, region),
             Step::Call(shape, args) => {
@@ -528,7 +534,7 @@ impl Walk<'_> {
                 // On each side of the kink it is a sum of its own, which says more than the hull of both.
                 (Some((part, cap)), None) => self.capped_sum(b, part, cap, target, region),
                 (None, Some((part, cap))) => self.capped_sum(a, part, cap, target, region),
-                _ if target.lo == f64::NEG_INFINITY && let Some((a, b, slack)) = self.mixed(a, b, target.hi) => {
+                _ if target.lo == f64::NEG_INFINITY && self.allows(Rule::Mix) && let Some((a, b, slack)) = self.mixed(a, b, target.hi) => {
                     let target = Interval::new(target.lo, target.hi + slack);
                     self.either(|walk| walk.step(a, target, region), |walk| walk.step(b, target, region))
                 }
@@ -583,7 +589,7 @@ impl Walk<'_> {
                 }
                 region
             }
-            Op::TurnU | Op::TurnV => self.turned(op, args, target, region),
+            Op::TurnU | Op::TurnV if self.allows(Rule::TurnedPoint) => self.turned(op, args, target, region),
             Op::Select => match self.range(a) {
                 Interval::ONE => self.step(b, target, region),
                 Interval::ZERO => self.step(arg(2), target, region),

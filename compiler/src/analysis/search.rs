@@ -3,6 +3,7 @@
 use super::{Box3, Domain, Facts, Pinned};
 use crate::graph::interval::Interval;
 use crate::graph::{Graph, NodeId, ParameterComponent};
+use crate::rules::RuleSet;
 
 /// Whose constant it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +23,8 @@ pub struct Search {
     pub domain: Domain,
     /// The components of parameters that it depends on.
     pub parameters: Vec<u32>,
+    /// The rules that may be used.
+    pub rules: RuleSet,
 }
 
 impl Search {
@@ -32,7 +35,7 @@ impl Search {
 
     /// The constant, looked for with at most `boxes` boxes; for the values of the parameters if there are any, else for their whole ranges.
     pub fn run(&self, graph: &Graph, pinned: Pinned, boxes: usize) -> f64 {
-        let mut facts = Facts { pinned, steps: boxes.saturating_mul(STEPS_A_BOX), most_searched: u64::MAX, left: u64::MAX, ..Facts::default() };
+        let mut facts = Facts { pinned, rules: self.rules, steps: boxes.saturating_mul(STEPS_A_BOX), most_searched: u64::MAX, left: u64::MAX, ..Facts::default() };
         let nodes = match &self.target {
             Target::Value(node) => std::slice::from_ref(node),
             Target::Map(point) => point.as_slice(),
@@ -103,12 +106,12 @@ impl Search {
     /// How steep it is at one place: the point, the variables, the parameters and the time. Nothing where no finite slope is known.
     fn at(&self, graph: &Graph, place: &[f64]) -> f64 {
         let (here, pinned) = self.here(place);
-        let mut facts = Facts { pinned: pinned.clone(), ..Facts::default() };
+        let mut facts = Facts { pinned: pinned.clone(), rules: self.rules, ..Facts::default() };
         let beyond = |(node, level): &(NodeId, f64)| facts.range(graph, *node, &here).lo > *level;
         if self.domain.leaves_out(&here.point) || self.domain.within.iter().any(beyond) {
             return 0.0;
         }
-        let search = Search { target: self.target.clone(), domain: here, parameters: Vec::new() };
+        let search = Search { target: self.target.clone(), domain: here, parameters: Vec::new(), rules: self.rules };
         let found = search.run(graph, pinned, 1);
         if found.is_finite() { found } else { 0.0 }
     }

@@ -13,6 +13,7 @@ use super::rules::polar_rotation::Around;
 use super::rules::algebraic_enclosures::Tight;
 use crate::graph::interval::Interval;
 use crate::graph::algebra::Intervals;
+use crate::rules::{Rule, RuleSet};
 
 /// Earlier steps that a step needs: a few.
 pub type Steps = SmallVec<[usize; 4]>;
@@ -43,6 +44,8 @@ pub struct Tape {
     /// The node that each step computes.
     pub nodes: Vec<NodeId>,
     roots: Steps,
+    /// The rules that may look at it.
+    pub(super) rules: RuleSet,
     /// Found when they are first asked for: who only wants ranges has no use for them.
     kinks: OnceCell<Kinks>,
     /// What coordinates go through, by their steps.
@@ -64,8 +67,8 @@ struct Kinks {
 }
 
 impl Tape {
-    /// The steps of some nodes; with one root it is the last step.
-    pub fn new(graph: &Graph, roots: &[NodeId]) -> Self {
+    /// The steps of some nodes; with one root it is the last step. `rules` may look at them.
+    pub fn new(graph: &Graph, roots: &[NodeId], rules: RuleSet) -> Self {
         let nodes = graph.reachable(roots);
         let at = |id: &NodeId| nodes.binary_search(id).unwrap_or(0);
         let steps = nodes
@@ -82,7 +85,7 @@ impl Tape {
             })
             .collect();
         let roots = roots.iter().map(at).collect();
-        Self { steps, nodes, roots, kinks: OnceCell::new(), chains: RefCell::default(), by_distance: false, softs: OnceCell::new(), tight: OnceCell::new() }
+        Self { steps, nodes, roots, rules, kinks: OnceCell::new(), chains: RefCell::default(), by_distance: false, softs: OnceCell::new(), tight: OnceCell::new() }
     }
 
     /// The same tape at these values of the parameters, as if they were written in it: more is known of a power whose exponent is a number.
@@ -104,9 +107,9 @@ impl Tape {
     }
 
     /// Steps in order, of which the last is the root, with their nodes.
-    pub(super) fn of_steps(steps: Vec<Step>, nodes: Vec<NodeId>) -> Self {
+    pub(super) fn of_steps(steps: Vec<Step>, nodes: Vec<NodeId>, rules: RuleSet) -> Self {
         let roots = steps.len().checked_sub(1).into_iter().collect();
-        Self { steps, nodes, roots, kinks: OnceCell::new(), chains: RefCell::default(), by_distance: false, softs: OnceCell::new(), tight: OnceCell::new() }
+        Self { steps, nodes, roots, rules, kinks: OnceCell::new(), chains: RefCell::default(), by_distance: false, softs: OnceCell::new(), tight: OnceCell::new() }
     }
 
     /// The same tape, whose first coordinate is a distance that is zero rarely, or the square of one.
@@ -116,11 +119,14 @@ impl Tape {
 
     /// What these coordinates go through; none where they are all that is to be known.
     pub fn chain(&self, graph: &Graph, rows: &[usize]) -> Option<Rc<Chain>> {
+        if !self.rules.has(Rule::IsometryChain) {
+            return None;
+        }
         self.chains.borrow_mut().under(graph, self, rows)
     }
 
     fn softs(&self) -> &[(usize, Soft)] {
-        self.softs.get_or_init(|| (0..self.steps.len()).filter_map(|i| Some((i, Soft::of(self, i)?))).collect())
+        self.softs.get_or_init(|| (0..if self.rules.has(Rule::Soft) { self.steps.len() } else { 0 }).filter_map(|i| Some((i, Soft::of(self, i)?))).collect())
     }
 
     /// What a step is put together of, where that is a soft maximum or a norm.
@@ -307,7 +313,7 @@ impl Tape {
             }
         }
         let mut mirrored = [false; 3];
-        for step in &self.steps {
+        for step in self.steps.iter().filter(|_| self.rules.has(Rule::Mirror)) {
             if let Step::Op(Op::Abs, args) = step
                 && let Some(&a) = args.first()
                 && let Some(Step::Leaf(Leaf::P(i))) = self.steps.get(a)

@@ -12,6 +12,7 @@ use crate::graph::{Node, NodeId};
 use crate::graph::kernel::Op;
 use crate::vector::{Vec3, length, mix, sub};
 use crate::random::Random;
+use crate::rules::Rule;
 use std::array::from_fn;
 
 /// At so many places both sides must agree, and at more where that costs less than so many operations.
@@ -48,7 +49,7 @@ impl Builder<'_> {
     /// Those of some jumps of a formula whose sides agree at all of many places, and those whose sides do not as far as is known. Where any do not,
     /// rays stop anyway, and the others are not worth a long look.
     pub(super) fn agreeing(&mut self, root: NodeId, sites: Vec<Site>, near: &Domain) -> (Vec<Site>, Vec<Site>) {
-        if self.strict {
+        if self.strict || !self.facts.rules.has(Rule::Agreement) {
             return (Vec::new(), sites);
         }
         let first: Vec<Option<bool>> = sites.iter().map(|site| self.agrees(root, site, near, QUICK)).collect();

@@ -9,6 +9,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Factor, Function, Leaf, Node, NodeId, Proof, ShapeId, FAR};
 use crate::prelude::in_prelude;
+use crate::rules::Rule;
 
 /// No formula may be steeper than this, though it is gentle at its surface: 32 bits can't hold what its bound is made of.
 const STEEPEST_OF_ALL: f64 = 1e7;
@@ -100,7 +101,7 @@ impl Builder<'_> {
             Node::Call(inner, Function::Field, args) => {
                 self.bound_of_call(shape, node, inner, &args, domain, continuous)
             }
-            Node::Claim(args, Claim::Lipschitz(formula, groups, _)) => self
+            Node::Claim(args, Claim::Lipschitz(formula, groups, _)) if self.facts.rules.has(Rule::GroupBounds) => self
                 .by_bounds(shape, node, &args, (formula, &groups), domain)
                 .unwrap_or_else(|| self.normalised(shape, node, domain, continuous)),
             _ => self.normalised(shape, node, domain, continuous),
@@ -549,7 +550,7 @@ impl Builder<'_> {
         let factor = Factor { name, lipschitz, reason: reason.to_owned(), span, proof: constant.proof };
         let search = constant.search.map(|(target, domain)| {
             let parameters = self.parameters_of(&target);
-            Search { target, domain, parameters }
+            Search { target, domain, parameters, rules: self.facts.rules }
         });
         let known = self.graph.factors.iter().zip(&self.built.searches).position(|(f, s)| *f == factor && *s == search);
         let index = known.unwrap_or_else(|| {

@@ -9,6 +9,7 @@ use crate::analysis::Domain;
 use crate::analysis::search::{Search, Target};
 use crate::graph::{NodeId, Proof, ShapeId};
 use crate::graph::kernel::Op;
+use crate::rules::Rule;
 
 /// How many places say how large a formula is.
 const PLACES: usize = 65;
@@ -37,9 +38,12 @@ impl Builder<'_> {
     }
 
     fn find_capped(&mut self, node: NodeId, domain: &Domain) -> Option<(NodeId, Treatment)> {
+        if !self.facts.rules.has(Rule::CappedLevel) {
+            return None;
+        }
         let (region, reach) = self.region_of(node, domain)?;
         let near = domain.at(region.grow(reach));
-        let search = Search { target: Target::Value(node), domain: near.clone(), parameters: Vec::new() };
+        let search = Search { target: Target::Value(node), domain: near.clone(), parameters: Vec::new(), rules: self.facts.rules };
         let usual = search.usual_size(self.graph, PLACES).filter(|size| *size > 0.0)?;
         let mut best: Option<(f64, NodeId, f64)> = None;
         for part in LEVELS {

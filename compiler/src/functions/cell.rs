@@ -9,6 +9,7 @@ use crate::analysis::{Constant, Domain};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Leaf, Node, NodeId, WORLD};
+use crate::rules::Rule;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::rc::Rc;
 
@@ -34,6 +35,9 @@ impl Builder<'_> {
     /// A formula of which the pieces are as steep as this one's, and where it is looked at: one cell of the axes along which it goes by cells. None
     /// where it goes by none.
     pub(super) fn one_cell(&mut self, node: NodeId, domain: &Domain) -> Option<Rc<OneCell>> {
+        if !self.facts.rules.has(Rule::OneCell) {
+            return None;
+        }
         let key = (node, domain.key());
         if let Some(known) = self.found.cells.get(&key) {
             return known.clone();

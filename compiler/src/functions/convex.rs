@@ -8,6 +8,7 @@ use crate::analysis::search::{Search, Target};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Function, Leaf, Node, NodeId, ShapeId};
+use crate::rules::Rule;
 use rustc_hash::FxHashMap;
 
 /// A formula is flat if its slope is less than this in such a share of places about its solid.
@@ -35,6 +36,9 @@ impl Builder<'_> {
     /// What a formula that is no steeper than a distance, convex and flat, says of the way to its solid: outside over its gradient, inside as it
     /// is. None for any other.
     pub(super) fn convex_way(&mut self, node: NodeId, domain: &Domain) -> Option<NodeId> {
+        if !self.facts.rules.has(Rule::Convex) {
+            return None;
+        }
         if self.is_crowded() || self.facts.weight(self.graph, node) > LONGEST || !self.is_convex(node, domain) || !self.is_flat(node, domain) {
             return None;
         }
@@ -78,7 +82,7 @@ impl Builder<'_> {
         let domain = domain.at(Box3(region.0.map(|side| Interval::new(side.lo - 0.25 * side.width(), side.hi + 0.25 * side.width()))));
         let target = Target::Value(node);
         let parameters = self.parameters_of(&target);
-        Search { target, domain, parameters }.quantile(self.graph, PLACES, SHARE) < FLAT
+        Search { target, domain, parameters, rules: self.facts.rules }.quantile(self.graph, PLACES, SHARE) < FLAT
     }
 
     /// Whether a formula grows evenly along every straight line, as that of a plane does.

@@ -8,6 +8,7 @@ use super::{Builder, GENTLE};
 use crate::analysis::{Constant, Facts};
 use crate::graph::kernel::Op;
 use crate::graph::{Graph, Node, NodeId};
+use crate::rules::Rule;
 use rustc_hash::FxHashMap;
 
 /// Of more counts nothing is looked for.
@@ -18,7 +19,7 @@ const FEWEST: usize = 2;
 impl Builder<'_> {
     /// A constant of formulas together, or a smaller one that is found count by count where they are counted; `of` finds that of some formulas.
     pub(super) fn by_counts(&mut self, nodes: &[NodeId], known: Constant, of: impl Fn(&mut Facts, &Graph, &[NodeId]) -> Constant) -> Constant {
-        if known.lipschitz <= GENTLE {
+        if known.lipschitz <= GENTLE || !self.facts.rules.has(Rule::Counts) {
             return known;
         }
         let Some(counts) = self.counts(nodes) else { return known };

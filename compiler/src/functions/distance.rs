@@ -209,7 +209,7 @@ impl Builder<'_> {
         if parameters.is_empty() && !self.graph.leaves_under(&[node]).contains(&Leaf::Time) {
             return Steepness::same(constant);
         }
-        let search = Search { target, domain: domain.clone(), parameters };
+        let search = Search { target, domain: domain.clone(), parameters, rules: self.facts.rules };
         let at = |i: usize| {
             let time = i as f64;
             let mut values: Vec<f64> = spread(self.graph, domain, &[], i).1.to_vec();

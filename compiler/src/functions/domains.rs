@@ -6,6 +6,7 @@ use crate::analysis::{Box3, Constant, Domain};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId};
+use crate::rules::Rule;
 use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 
@@ -112,6 +113,9 @@ impl Builder<'_> {
     /// left, wherever sliders stand and at any time. A hole beside its solid is such a one. Both have the same surface, so what follows the surface
     /// need not look at it; the field is another away from it, and stays.
     pub(super) fn without_absorbed(&mut self, node: NodeId, domain: &Domain) -> Option<NodeId> {
+        if !self.facts.rules.has(Rule::Absorbed) {
+            return None;
+        }
         let key = (node, domain.key());
         if let Some(known) = self.found.absorbed.get(&key) {
             return *known;
@@ -240,6 +244,9 @@ impl Builder<'_> {
     }
 
     fn find_cut(&mut self, node: NodeId, domain: &Domain) -> Option<Cut> {
+        if !self.facts.rules.has(Rule::Cut) {
+            return None;
+        }
         let args = self.graph.arguments(node).to_vec();
         let &[a, b] = args.as_slice() else { return None };
         if !domain.point.is_finite() {
@@ -396,6 +403,9 @@ impl Builder<'_> {
     /// Where a map only turns points about an axis: how far from it the solid of the shape reaches, which the turn does not change. None where
     /// that says no more than the region does.
     pub(super) fn tube(&mut self, inner: ShapeId, point: &[NodeId], region: &Box3) -> Option<(usize, f64)> {
+        if !self.facts.rules.has(Rule::Tube) {
+            return None;
+        }
         let turned = |graph: &Graph, axis: usize| {
             let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
             let is = |node: Option<&NodeId>, k: usize| {

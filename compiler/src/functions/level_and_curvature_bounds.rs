@@ -19,6 +19,7 @@ use crate::graph::kernel::Op;
 use crate::evaluate::LANES;
 use crate::graph::NodeId;
 use crate::random::Random;
+use crate::rules::Rule;
 use std::rc::Rc;
 
 /// Such a formula is so many times as steep somewhere as it is in most places.
@@ -93,7 +94,7 @@ impl Builder<'_> {
     fn find_uneven(&mut self, node: NodeId, domain: &Domain, constant: f64) -> Option<Uneven> {
         let target = Target::Value(node);
         let parameters = self.parameters_of(&target);
-        let usual = Search { target, domain: domain.clone(), parameters }.quantile(self.graph, PLACES, SHARE);
+        let usual = Search { target, domain: domain.clone(), parameters, rules: self.facts.rules }.quantile(self.graph, PLACES, SHARE);
         if constant < UNEVEN * usual {
             return None;
         }
@@ -101,10 +102,13 @@ impl Builder<'_> {
         if self.facts.constant(self.graph, node, domain, 1).jumps {
             return Some(Uneven::Levels(Levels::default()));
         }
-        let curved = self.curvature(node, domain).map(Uneven::Curvature);
+        let curved = if self.facts.rules.has(Rule::Curvature) { self.curvature(node, domain) } else { None }.map(Uneven::Curvature);
         let by_curvature = curved.as_ref().map_or(f64::INFINITY, |curved| self.usual_divisor(node, domain, constant, curved));
         if curved.is_some() && by_curvature <= DEAR.max(UNEVEN * usual) {
             return curved;
+        }
+        if !self.facts.rules.has(Rule::Levels) {
+            return Some(curved.unwrap_or(Uneven::Levels(Levels::default())));
         }
         let levels = Uneven::Levels(self.aside(|builder| builder.levels(node, domain, constant)));
         // A slope that changes very fast in one place says next to nothing of all others.
@@ -130,14 +134,14 @@ impl Builder<'_> {
 
     /// How many times as many steps that is at half of the places as if rays knew how steep it is there.
     pub(super) fn steps_over_slope(&mut self, node: NodeId, domain: &Domain, constant: f64, uneven: &Uneven) -> f64 {
-        let search = Search { target: Target::Value(node), domain: domain.clone(), parameters: Vec::new() };
+        let search = Search { target: Target::Value(node), domain: domain.clone(), parameters: Vec::new(), rules: self.facts.rules };
         self.usual_divisor(node, domain, constant, uneven) / search.quantile(self.graph, PLACES, 0.5)
     }
 
     fn levels(&mut self, node: NodeId, domain: &Domain, constant: f64) -> Levels {
         let highest = self.facts.range(self.graph, node, domain).hi;
         // It may be that high in a few places alone.
-        let usual = Search { target: Target::Value(node), domain: domain.clone(), parameters: Vec::new() }.usual_size(self.graph, PLACES);
+        let usual = Search { target: Target::Value(node), domain: domain.clone(), parameters: Vec::new(), rules: self.facts.rules }.usual_size(self.graph, PLACES);
         let mut level = (PART * highest).min(usual.unwrap_or(highest));
         let down_to = PART * level;
         let below = self.graph.op(Op::Neg, &[node]);

@@ -87,7 +87,7 @@ impl Builder<'_> {
     /// A constant over a domain at the defaults of parameters; the one that is known of their ranges where it reads none.
     pub(super) fn as_parameters_stand(&self, node: NodeId, at: &Domain, known: f64) -> f64 {
         let target = Target::Value(node);
-        let search = Search { parameters: self.parameters_of(&target), target, domain: at.clone() };
+        let search = Search { parameters: self.parameters_of(&target), target, domain: at.clone(), rules: self.facts.rules };
         let start: Vec<f64> = self.graph.parameters.iter().map(|p| p.default).collect();
         if search.parameters.is_empty() { known } else { search.run(self.graph, start.into(), BUDGET) }
     }

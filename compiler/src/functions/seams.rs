@@ -11,6 +11,7 @@ use crate::analysis::Domain;
 use crate::graph::kernel::Op;
 use crate::graph::interval::Interval;
 use crate::graph::{Leaf, Node, NodeId};
+use crate::rules::Rule;
 use rustc_hash::FxHashMap;
 use std::f64::consts::{PI, TAU};
 
@@ -38,6 +39,9 @@ impl Builder<'_> {
     }
 
     fn find_height(&mut self, root: NodeId, site: &Site, near: &Domain) -> Option<f64> {
+        if !self.facts.rules.has(Rule::JumpHeight) {
+            return None;
+        }
         let (at, sides) = match site.op {
             Op::Floor => (0.0, [-1.0, 0.0]),
             Op::Ceil => (0.0, [0.0, 1.0]),

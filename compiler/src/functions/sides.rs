@@ -8,6 +8,7 @@ use crate::analysis::search::ROUNDING;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{FAR, Node, NodeId};
+use crate::rules::Rule;
 use rustc_hash::FxHashMap;
 use std::f64::consts::TAU;
 
@@ -233,6 +234,9 @@ impl Builder<'_> {
     /// nothing where they are not. None where one of them is not known well enough. No bound of the pieces changes faster than the way. The other side may
     /// jump at `seams`, at which the formula does not.
     pub(super) fn past_jump(&mut self, node: NodeId, sites: &[Site], seams: &[Site], near: &Domain, treatment: &Treatment) -> Option<NodeId> {
+        if !self.facts.rules.has(Rule::FarSides) {
+            return None;
+        }
         // Just where it changes, a sign is neither of its sides.
         if sites.iter().any(|s| s.op == Op::Sign) {
             return None;

@@ -10,6 +10,7 @@ use super::{Builder, BUDGET, UNIT};
 use crate::analysis::{Box3, Domain};
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Node, NodeId, Proof, ShapeId};
+use crate::rules::Rule;
 
 /// A constant up to here is not worth a look at the parts.
 const GENTLE: f64 = 4.0;
@@ -31,6 +32,9 @@ const DEEPEST: u32 = 4;
 impl Builder<'_> {
     /// The bound of a smooth union by those of its operands; none where it is no such union, or gains nothing.
     pub(super) fn by_operands(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool, whole: &Treatment) -> Option<NodeId> {
+        if !self.facts.rules.has(Rule::SmoothUnionOperands) {
+            return None;
+        }
         if whole.constant <= GENTLE || whole.proof == Proof::Measured || whole.jumps || whole.over == Over::Cell || self.parting >= DEEPEST {
             return None;
         }

@@ -14,6 +14,7 @@ use crate::analysis::search::ROUNDING;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Node, NodeId};
+use crate::rules::Rule;
 
 /// Of more jumps nothing is looked for.
 const MOST: usize = 4;
@@ -26,6 +27,9 @@ impl Builder<'_> {
     /// anything. None where nothing finite is known, or where they stand within other shapes.
     /// `constant` is that of the pieces: no bound of theirs changes faster than the way.
     pub(super) fn over_jumps(&mut self, node: NodeId, sites: &[Site], domain: &Domain, constant: f64) -> Option<NodeId> {
+        if !self.facts.rules.has(Rule::Staircase) {
+            return None;
+        }
         if sites.is_empty() || sites.len() > MOST || self.calls_what_jumps(node, domain) {
             return None;
         }

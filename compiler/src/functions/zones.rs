@@ -6,6 +6,7 @@ use crate::analysis::{Box3, Domain};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{NodeId, Proof, ShapeId};
+use crate::rules::Rule;
 
 /// Zones about the origin of which each is so large a part of the one before, at most so many; each has to be gentler by this than the one before.
 const ZONE: f64 = 1.0 / 3.0;
@@ -17,6 +18,9 @@ impl Builder<'_> {
     /// of two numbers is a bound: what the shape says, over how far the map stretches there, and the way out of the zone, beyond which anything may be. The
     /// largest of the bounds of all zones and of `whole` is one; a value below zero is over what the map stretches all over.
     pub(super) fn in_zones(&mut self, whole: NodeId, call: NodeId, point: &[NodeId], all: &Domain, node: NodeId, shape: ShapeId) -> NodeId {
+        if !self.facts.rules.has(Rule::Zones) {
+            return whole;
+        }
         let stretch = |builder: &mut Self, region: Box3| builder.facts.map_constant(builder.graph, point, &all.at(region), BUDGET).lipschitz;
         let narrowed = |share: f64, axes: [bool; 3]| {
             let sides = all.point.0.into_iter().zip(axes).map(|(side, narrow)| if narrow { Interval::new(share * side.lo, share * side.hi) } else { side });

@@ -205,7 +205,7 @@ pub fn elaborate(modules: &Modules, sources: &Sources, options: &Options, facts:
         return elaboration;
     }
     let ran = elaboration.facts.ran;
-    let mut facts = Facts::with(elaboration.facts.memory);
+    let mut facts = Facts::with(elaboration.facts.memory, elaboration.facts.rules);
     facts.ran = ran;
     elaborate_reading((modules, sources), options, facts, read).0
 }

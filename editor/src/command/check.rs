@@ -8,6 +8,7 @@ use surefoot_compiler::compiled::{Compiled, Parameter};
 use surefoot_compiler::diagnostic::{self, Diagnostic, Severity};
 use surefoot_compiler::factors::{self, Explained, Ranged};
 use surefoot_compiler::graph::Proof;
+use surefoot_compiler::rules::{RULES, Row, RuleSet};
 use surefoot_compiler::skipped::{skipped, unseen};
 use surefoot_compiler::solid::SolidBox;
 use surefoot_compiler::source::Sources;
@@ -29,11 +30,20 @@ pub struct Args {
     /// Make it an error where a factor is measured and not proven.
     #[arg(long)]
     strict: bool,
+    /// Do without a rule for bounds (docs/rules.md lists them): what it gains is seen in the factors.
+    #[arg(long, value_name = "RULE", value_parser = rule)]
+    without_rule: Vec<&'static Row>,
+}
+
+/// The rule of a name.
+fn rule(id: &str) -> Result<&'static Row, String> {
+    Row::named(id).ok_or_else(|| format!("no rule has this name; the rules are {}", RULES.iter().map(|row| row.id).collect::<Vec<_>>().join(", ")))
 }
 
 /// Checks every scene.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
-    let options = Options { strict: args.strict, ..Options::default() };
+    let rules = args.without_rule.iter().fold(RuleSet::default(), |rules, row| rules.without(row.rule));
+    let options = Options { strict: args.strict, rules, ..Options::default() };
     let mut exit = Exit::Fine;
     for scene in &args.scenes {
         let readable = files::read(Path::new(scene));
@@ -68,11 +78,14 @@ struct Report<'a> {
     known: Option<Known<'a>>,
 }
 
+/// The rules that a factor was found by, and what it would be without each.
+type Rules = Vec<(&'static Row, f64)>;
+
 /// What is known of a scene without errors.
 struct Known<'a> {
     compiled: &'a Compiled,
     /// Why each factor is what it is; none where that was not asked.
-    factors: Option<Vec<Explained>>,
+    factors: Option<Vec<(Explained, Rules)>>,
     solid: Option<SolidBox>,
     skipped: Vec<String>,
     unseen: Vec<String>,
@@ -83,7 +96,7 @@ impl<'a> Report<'a> {
         let sources = &outcome.sources;
         let known = outcome.compiled.as_ref().map(|compiled| Known {
             compiled,
-            factors: factors.then(|| factors::explain(compiled, sources)),
+            factors: factors.then(|| with_rules(compiled, sources)),
             solid: compiled.solid_box(),
             skipped: skipped(compiled, sources),
             unseen: unseen(compiled, sources),
@@ -168,7 +181,7 @@ fn scene_json(known: &Known) -> Value {
     })
 }
 
-fn factor_json(factor: &Explained) -> Value {
+fn factor_json((factor, rules): &(Explained, Rules)) -> Value {
     let (file, line, column) = &factor.place;
     let parameter = |p: &Ranged| json!({ "name": p.name, "degrees": p.degrees, "min": p.range[0], "max": p.range[1] });
     // JSON has no infinity: a side without an end is null.
@@ -190,23 +203,24 @@ fn factor_json(factor: &Explained) -> Value {
         "parameters": factor.parameters.iter().map(parameter).collect::<Vec<_>>(),
         "reason": factor.reason,
         "advice": factor.advice,
+        "rules": rules.iter().map(|(row, without)| json!({ "id": row.id, "without": without.is_finite().then_some(without) })).collect::<Vec<_>>(),
     })
 }
 
 /// For a person: a factor and what is known of it, those within it set in. Of those of one place, as copies in a loop have them, the steepest.
-fn factors_text(explained: &[Explained], color: bool) -> String {
+fn factors_text(explained: &[(Explained, Rules)], color: bool) -> String {
     if explained.is_empty() {
         return "  no factor: every step is a whole distance\n".to_owned();
     }
     let mut text = String::new();
     // Those within one that is left out are left out too.
     let mut left_out = None;
-    for (i, factor) in explained.iter().enumerate() {
+    for (i, (factor, rules)) in explained.iter().enumerate() {
         if left_out.is_some_and(|depth| factor.depth > depth) {
             continue;
         }
         let is_alike = |other: &Explained| (&other.operation, &other.place, other.depth, other.proof) == (&factor.operation, &factor.place, factor.depth, factor.proof);
-        let alike = || explained.iter().enumerate().filter(|(_, other)| is_alike(other));
+        let alike = || explained.iter().map(|(other, _)| other).enumerate().filter(|(_, other)| is_alike(other));
         let steepest = alike().rev().max_by(|a, b| a.1.factor.total_cmp(&b.1.factor)).map(|(at, _)| at);
         if steepest != Some(i) {
             left_out = Some(factor.depth);
@@ -223,7 +237,7 @@ fn factors_text(explained: &[Explained], color: bool) -> String {
         let known = format!("{red}{}{plain}: {}", factor.knowledge(), factor.reason);
         let following = factor.following("at the defaults");
         let lower = format!("lower it with {}", factor.advice);
-        for line in [known, following, factor.cost(), lower] {
+        for line in [known, rules_text(rules), following, factor.cost(), lower] {
             if !line.is_empty() {
                 text.push_str(&format!("{indent}  {line}\n"));
             }
@@ -231,6 +245,29 @@ fn factors_text(explained: &[Explained], color: bool) -> String {
     }
     text
 }
+
+/// Each factor with its rules.
+fn with_rules(compiled: &Compiled, sources: &Sources) -> Vec<(Explained, Rules)> {
+    let explained = factors::explain(compiled, sources).into_iter();
+    explained.map(|factor| (factors::rules_of(compiled, factor.index), factor)).map(|(rules, factor)| (factor, rules)).collect()
+}
+
+/// The rules that gain most, and what the factor would be without each.
+fn rules_text(rules: &Rules) -> String {
+    let one = |(row, without): &(&Row, f64)| match *without {
+        without if without < STEEPEST => format!("{} (without it ×{without:.2})", row.id),
+        _ => format!("{} (without it none)", row.id),
+    };
+    match rules.get(..rules.len().min(MOST_RULES)) {
+        Some([]) | None => String::new(),
+        Some(most) => format!("found by the rules {}", most.iter().map(one).collect::<Vec<_>>().join(", ")),
+    }
+}
+
+/// A factor that is larger is none that a ray could go by.
+const STEEPEST: f64 = 1e4;
+/// No more rules of one factor are named.
+const MOST_RULES: usize = 3;
 
 /// A parameter: name, type, default, range, description; of a choice its names.
 pub fn parameter_json(parameter: &Parameter) -> Value {

@@ -11,6 +11,7 @@ use super::multilinear::Multilinear;
 use crate::analysis::tape::{Step, Tape};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
+use crate::rules::Rule;
 use smallvec::{SmallVec, smallvec};
 
 /// Coefficients by ascending powers.
@@ -72,10 +73,10 @@ impl Tight {
                 (_, Step::Op(Op::Div, args)) => Direction::of(tape, args).map(Tight::Direction),
                 _ => None,
             };
-            tight.extend(known.map(|known| (i, known)));
+            tight.extend(known.filter(|known| tape.rules.has(known.rule())).map(|known| (i, known)));
             written.push(found.unwrap_or_else(|| Written { of: i, coefficients: smallvec![0.0, 1.0], again: false }));
         }
-        if has_products_of_sums(tape) {
+        if tape.rules.has(Rule::Multilinear) && has_products_of_sums(tape) {
             let known = |step: usize| tight.binary_search_by_key(&step, |(step, _)| *step).ok().and_then(|i| tight.get(i));
             let mut sums = Multilinear::of(tape, |step| known(step).is_some_and(|(_, known)| !matches!(known, Tight::Mean { .. })));
             // A mean says as much of itself.
@@ -84,6 +85,18 @@ impl Tight {
             tight.sort_by_key(|(step, _)| *step);
         }
         tight
+    }
+
+    /// The rule by which it is known.
+    fn rule(&self) -> Rule {
+        match self {
+            Tight::Part(_) => Rule::FractionalPart,
+            Tight::Mean { .. } => Rule::Mean,
+            Tight::Polynomial { .. } => Rule::Bernstein,
+            Tight::Direction(_) => Rule::NormalizedVector,
+            Tight::Around(_) => Rule::PolarRotation,
+            Tight::Multilinear(_) => Rule::Multilinear,
+        }
     }
 
     /// A step's values, of those of all steps before it.

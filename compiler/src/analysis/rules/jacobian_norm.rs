@@ -10,6 +10,7 @@ use crate::graph::algebra::Algebra;
 use crate::graph::interval::Interval;
 use crate::graph::{Graph, Leaf, WORLD};
 use crate::graph::kernel::{self, Op};
+use crate::rules::Rule;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use std::rc::Rc;
@@ -18,6 +19,10 @@ use std::rc::Rc;
 /// by an angle t counts as that pair with its slip: (∇u - v∇t, ∇v + u∇t), for a turn is an isometry; so does one that is turned by way of its angle. A
 /// point that is another one mirrored counts as that one.
 pub fn map_norm(tape: &Tape, values: &[Dual], rows: &[usize]) -> f64 {
+    if !tape.rules.has(Rule::JacobianNorm) {
+        // Frobenius.
+        return rows.iter().map(|&row| values.get(row).map_or(f64::INFINITY, |d| d.norm.powi(2))).sum::<f64>().sqrt().next_up();
+    }
     norm_of_rows(tape, values, rows, &|_| true)
 }
 
@@ -38,6 +43,9 @@ fn norm_of_rows(tape: &Tape, values: &[Dual], rows: &[usize], is_open: &dyn Fn(u
     for i in 0..rows.len() {
         for j in 0..rows.len() {
             let (Some(&a), Some(&b), Some(false), Some(false)) = (rows.get(i), rows.get(j), paired.get(i), paired.get(j)) else { continue };
+            if !tape.rules.has(Rule::TurnedPair) {
+                continue;
+            }
             let Some((pair, more)) = turned_pair(tape, &dual, [a, b], is_open) else { continue };
             turning += more;
             for (slot, row) in [i, j].into_iter().zip(pair) {
@@ -52,7 +60,7 @@ fn norm_of_rows(tape: &Tape, values: &[Dual], rows: &[usize], is_open: &dyn Fn(u
     let norm = (matrix_norm(&matrix) + turning).min(matrix_norm(&steady) + rest);
     // What is mirrored keeps its lengths, wherever the mirror stands.
     let still = |&step: &usize| dual(step).norm == 0.0;
-    match Mirror::of(tape, rows).filter(|mirror| norm > 0.0 && mirror.normal.iter().all(still)) {
+    match Mirror::of(tape, rows).filter(|mirror| tape.rules.has(Rule::MirroredPoint) && norm > 0.0 && mirror.normal.iter().all(still)) {
         Some(mirror) => norm.min(norm_of_rows(tape, values, &mirror.of, is_open)),
         None => norm,
     }
@@ -317,7 +325,7 @@ impl<'a> Peeled<'a> {
             Leaf::Variable(v) => still.get(v as usize).and_then(|&s| self.values.get(s)).copied().unwrap_or(Dual::constant(Interval::ALL)),
             _ => Dual::constant(Interval::ALL),
         };
-        pieces(&mut Facts::default(), self.graph, &Tape::of_steps(steps, nodes), &leaf).0.norm
+        pieces(&mut Facts { rules: self.tape.rules, ..Facts::default() }, self.graph, &Tape::of_steps(steps, nodes, self.tape.rules), &leaf).0.norm
     }
 
     /// The norm of a map from one cut to another, over all sides of the kinks between. None where they are too many.

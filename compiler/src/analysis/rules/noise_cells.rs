@@ -13,6 +13,7 @@ use crate::analysis::{Domain, Facts, leaf_range};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
 use crate::graph::{Claim, Graph, Leaf, NodeId};
+use crate::rules::RuleSet;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -260,7 +261,7 @@ fn operation(op: Op, args: &[&Value]) -> Option<Value> {
 
 /// Whether nodes are known by claims over the cells of noise.
 pub fn has_cells(graph: &Graph, nodes: &[NodeId]) -> bool {
-    let tape = Tape::new(graph, nodes);
+    let tape = Tape::new(graph, nodes, RuleSet::default());
     let any = |what: fn(&Step) -> bool| tape.steps.iter().any(what);
     any(|s| matches!(s, Step::Claim(Claim::Lipschitz(..), _))) && any(|s| matches!(s, Step::Op(Op::Floor, _)))
 }
@@ -290,7 +291,7 @@ impl Facts {
         if !domain.point.is_finite() || nodes.len() > 3 || !has_cells(graph, nodes) {
             return None;
         }
-        let tape = Tape::new(graph, nodes);
+        let tape = Tape::new(graph, nodes, self.rules);
         let pinned = self.pinned.clone();
         let leaf = |leaf| leaf_range(graph, &pinned, leaf, domain);
         let whole = Place { corner: domain.point.0.map(|s| s.lo), width: domain.point.0.map(|s| s.hi - s.lo) };

@@ -12,6 +12,7 @@ use crate::analysis::constant::{Norm, Sought};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Graph, Leaf};
+use crate::rules::Rule;
 use std::collections::BTreeSet;
 
 /// A tape that reads the point through one step alone.
@@ -62,7 +63,7 @@ impl Radial {
         });
         let nodes = needed.iter().filter_map(|&step| tape.nodes.get(step).copied());
         let rarely = tape.vanishes_rarely(waist);
-        let tape = Tape::of_steps(steps.collect(), nodes.collect()).unmirrored();
+        let tape = Tape::of_steps(steps.collect(), nodes.collect(), tape.rules).unmirrored();
         let tape = if rarely { tape.of_distance() } else { tape };
         (stretch.is_finite() && values.is_finite()).then_some(Self { tape, values, squared, stretch })
     }
@@ -95,6 +96,9 @@ fn measured(tape: &Tape, step: usize) -> Option<(Steps, bool)> {
 impl Facts {
     /// The constant of a tape that reads the point through one distance alone, wherever its value is within an interval; none where it does not.
     pub(in crate::analysis) fn along_distance(&mut self, graph: &Graph, tape: &Tape, domain: &Domain, within: Interval, budget: usize) -> Option<Constant> {
+        if !self.rules.has(Rule::Radial) {
+            return None;
+        }
         let duals = self.all_duals(graph, tape, domain);
         if duals.last().is_none_or(|d| d.jumps != 0) {
             return None;

@@ -1,6 +1,8 @@
 //! `surefoot bench`: run time against error, how long the compiler takes, and how tight its factors are.
 
 #[cfg(feature = "gpu")]
+mod ablation;
+#[cfg(feature = "gpu")]
 mod balls;
 mod edits;
 #[cfg(feature = "gpu")]
@@ -29,7 +31,7 @@ use surefoot_compiler::{Loader, Memory, Options, Stage, compile_remembering, emi
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Scenes whose rays are followed by several methods, each judged by certified truth.
-    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands", "operand", "light", "window"])]
+    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands", "operand", "light", "ablation", "window"])]
     scenes: Vec<String>,
     #[cfg(feature = "gpu")]
     #[command(flatten)]
@@ -70,6 +72,10 @@ pub struct Args {
     /// Shadow and occlusion of these scenes beside the truth.
     #[arg(long, value_name = "SCENES", num_args = 1..)]
     light: Vec<String>,
+    /// What each rule for bounds gains: its own scene and these, compiled without it.
+    #[cfg(feature = "gpu")]
+    #[arg(long, value_name = "SCENES", num_args = 1..)]
+    ablation: Vec<String>,
     /// A window on this scene: how soon a key is seen while the picture is refined, and what a caret costs.
     #[arg(long, value_name = "SCENE", conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands"])]
     window: Option<String>,
@@ -158,6 +164,8 @@ fn drawn(args: &Args) -> Result<Exit, Failure> {
     let page = args.error.page.as_deref();
     if !args.light.is_empty() {
         light::run(&args.light, page)
+    } else if !args.ablation.is_empty() {
+        ablation::run(&args.ablation, page)
     } else if args.many {
         many::run(page)
     } else if !args.balls.is_empty() {
