@@ -115,10 +115,10 @@ codes! {
         "Something else was expected here. The message says what was found and what was expected; the rest of the file is read as if that one place were right.",
         "scene = sphere(1) + ) box(1)";
     Unclosed, "unclosed", Error,
-        "A bracket without its partner. It is sought up to the next declaration, so what follows is still checked.",
+        "A bracket without its partner. The partner is searched for up to the next declaration, so the rest of the file is still checked.",
         "scene = sphere(1";
     TooDeep, "too-deep", Error,
-        "Nested deeper than the compiler follows: 200 brackets, blocks or calls within each other. Name a part of it with `let` or `shape`, and use the name.",
+        "Brackets, blocks or calls are nested deeper than 200 levels, the most that the compiler accepts. Name a part of it with `let` or `shape`, and use the name.",
         "scene = ((…))";
     Encoding, "encoding", Error,
         "The text is not UTF-8. Save the file as UTF-8; the message says where the first wrong byte stands.",
@@ -127,7 +127,7 @@ codes! {
         "A file that can't be read. Paths are relative to the file that names them, and are written with `/`.",
         "import \"nowhere.sdf\"\nscene = sphere(1)";
     BrokenFile, "broken-file", Error,
-        "A mesh that can't be read, or whose bytes are not what its name promises: empty, cut short, or with numbers that make no sense. The rest of the scene is drawn without it.",
+        "A mesh that can't be read, or whose content does not match its file name: empty, cut short, or with invalid numbers. The rest of the scene is drawn without it.",
         "";
     ImportCircle, "import-circle", Error,
         "Files that import each other in a circle. Move what both need into a third file, and import that.",
@@ -142,7 +142,7 @@ codes! {
         "A name that nothing declares: neither this place, this file, its imports, nor the prelude. Names of blocks and loops end with them.",
         "scene = spere(1)";
     UnknownMember, "unknown-member", Error,
-        "A dot before a name that the value does not have: a component that the vector lacks, or a call that does not exist.",
+        "The name after the dot does not exist for this value: the vector has no such component, or there is no such call.",
         "scene = sphere(1).twst(y, 1)";
     UnknownKey, "unknown-key", Error,
         "A block has no such key. The message lists the keys that it has.",
@@ -163,22 +163,22 @@ codes! {
         "A value of another type is needed here. A number stands for a vector of equal components; otherwise types are not converted.",
         "scene = sphere(true)";
     NoPoint, "no-point", Error,
-        "`p`, `normal` or `world` where there is none. `p` exists in `field`, `warp`, `blend` and `material`, and in arguments declared `field`; a `fn` and a `let` of the file see none: pass it.",
+        "`p`, `normal` or `world` is used where it does not exist. `p` exists in `field`, `warp`, `blend` and `material`, and in arguments declared `field`. A `fn` and a `let` of the file have no `p`: pass it as an argument.",
         "fn f(t) = t * p.x\nscene = sphere(f(1))";
     NotConstant, "not-constant", Error,
-        "This must be known while compiling: how many items a list has, how often something is done, how far the scene reaches. It can't depend on a `param`, on `time` or on `p`.",
+        "This must be known at compile time: the length of a list, the number of repetitions, the extent of the scene. It can't depend on a `param`, on `time` or on `p`.",
         "param n = 3 in 1..5\nscene = metaballs([for i in 0..n { (i, 0, 0, 1) }])";
     BadValue, "bad-value", Error,
-        "A value outside of what makes sense: a negative radius, a zero scale, an empty range, a division by zero. A live value is kept within its range instead.",
+        "A value that makes no sense here: a negative radius, a zero scale, an empty range, a division by zero. A live value is kept within its range instead.",
         "scene = sphere(-1)";
     BadRange, "bad-range", Error,
-        "A range or list of choices that does not fit its parameter: its value lies outside, its ends are swapped, or it has none where one is needed.",
+        "A range or list of choices that does not fit its parameter: the value lies outside, the ends are swapped, or a needed range is missing.",
         "param a = 3 in 0..2\nscene = sphere(a)";
     OutOfBounds, "out-of-bounds", Error,
         "An index beyond the end of its list. The first item is `list[0]`, the last `list[list.count - 1]`.",
         "let l = [1, 2]\nscene = sphere(l[2])";
     EndlessCall, "endless-call", Error,
-        "A declaration calls itself and nothing ends it. The `if` that ends it has to be decided while compiling.",
+        "A declaration calls itself without end. The `if` that ends it must be decidable at compile time.",
         "shape a = a\nscene = a";
     TooLarge, "too-large", Error,
         "The scene unfolds to more operations than the compiler takes. Repeat with `grid` or `polar`, which cost one copy, in place of a `for` over many.",
@@ -187,67 +187,67 @@ codes! {
         "The file has no `scene`, so there is nothing to draw. Write `scene = …`; files that are only imported need none.",
         "shape a = sphere(1)";
     NoBound, "no-bound", Error,
-        "No finite bound is known for this formula, so no ray could step safely. Keep divisors away from zero, or cut the formula with `.within(region)`.",
+        "No finite bound is known for this formula, so rays can't step safely. Keep divisors away from zero, or cut the formula with `.within(region)`.",
         "field f = p.x * exp(exp(900 + abs(p.y)))\nscene = f";
     Unproven, "unproven", Warning,
-        "What is drawn is not proven: no finite bound is known for this formula, or one with which no ray would get anywhere, and it is drawn with a factor measured at samples; or it jumps, and both sides agree wherever one looked. Rays may step through. With `--strict` what is proven stands, and where nothing is it is an error. Keep divisors and the arguments of roots away from zero, clamp what grows without end, or cut the formula with `.within(region)`.",
+        "The picture of this formula is not proven: rays may step through its surface. Either no finite bound is known, or the known one makes steps too short to be of use; the formula is then drawn with a factor measured at samples. Or the formula jumps, and both sides of the jump agree at all samples. With `--strict` only proven bounds are used, and a formula without one is an error. Keep divisors and the arguments of roots away from zero, clamp what grows without end, or cut the formula with `.within(region)`.",
         "field f = 1 / p.x\nscene = f";
     NoReach, "no-reach", Error,
-        "The body of a repetition reaches too far, or without end: so many neighbours would have to be looked at. Make the cells larger or cut the body with `.within(region)`.",
+        "The body of a repetition reaches too far, or has no end, so that too many neighbouring copies would have to be evaluated. Make the cells larger or cut the body with `.within(region)`.",
         "scene = for c in grid((1, 1, 1)) { plane(y) }";
     PreludeOnly, "prelude-only", Error,
         "A claim can be made only in the prelude; the compiler derives it for you.",
         "field f exact = length(p) - 1\nscene = f";
     BadImage, "bad-image", Error,
-        "An image that can't be read, is broken, or is too large. Whoever draws the scene says so; the rest of it is drawn. A cubemap is a folder with px, nx, py, ny, pz and nz, squares of one size; all images are PNG, JPEG or HDR.",
+        "An image that can't be read, is broken, or is too large. The rest of the scene is drawn. A cubemap is a folder with px, nx, py, ny, pz and nz, squares of one size; all images are PNG, JPEG or HDR.",
         "";
     ExtentUsed, "extent-used", Warning,
-        "A formula without a bound over all space: it is proven and drawn within the scene's extent, which `render { extent: … }` sets.",
+        "This formula has no bound over all space. It is proven and drawn only within the scene's extent, which `render { extent: … }` sets.",
         "";
     NothingSolid, "nothing-solid", Warning,
-        "Nothing solid lies within the scene's extent, so the picture shows the sky alone. Move the scene toward the origin, or set `render { extent: … }` to more. Shapes that do not meet have no intersection, and a drawing without an inside, such as a `segment`, needs a width: `.round(0.05)`.",
+        "Nothing solid lies within the scene's extent, so the picture shows only the sky. Move the scene toward the origin, or set `render { extent: … }` to more. Shapes that do not meet have no intersection, and a drawing without an inside, such as a `segment`, needs a width: `.round(0.05)`.",
         "scene = sphere(1).translate(150, 0, 0)\nrender { extent: 100 }";
     InsideSolid, "inside-solid", Warning,
-        "The camera stands inside what is solid, so that nothing can be seen rightly: mostly the picture is black. Move its `eye` out; where a shape is meant as a room, take its inside away: `box(9) - box(8)`. Or a light stands there, as a lamp in its bulb, and all lies in the bulb's shadow: `shadow: none` lets it shine through.",
+        "The camera or a light stands inside a solid. From such a camera the picture is mostly black: move its `eye` out. If the shape is meant as a room, subtract its inside: `box(9) - box(8)`. If a light stands inside, like a lamp in its bulb, everything lies in the bulb's shadow: `shadow: none` lets it shine through.",
         "scene = box(4)\ncamera { eye: (0, 0, 1) }";
     NothingSeen, "nothing-seen", Warning,
-        "Nothing solid is in sight of the camera, so the picture shows the sky alone. Look to where something is, or set `render { max_distance: … }` to how far away it is.",
+        "The camera sees nothing solid, so the picture shows only the sky. Point the camera at the scene, or set `render { max_distance: … }` to at least the distance of the scene.",
         "scene = sphere(1)\ncamera { eye: (0, 0, 5), target: (0, 0, 9) }";
     RaysLost, "rays-lost", Warning,
-        "Over a part of the picture rays spend all of their steps before they meet anything: there it shows the sky, or a surface that is none. Say where the shape lies with `.within(box(…))`, or write its formula so that it grows more evenly.",
+        "In a part of the picture, rays use up all their steps before they hit anything. That part shows the sky, or a surface that does not exist. Say where the shape lies with `.within(box(…))`, or write its formula so that it grows more evenly.",
         "field f = { let r = floor(9 * p.z); p.y - 9 / (1 + abs(floor(9 * p.x + 0.5 * r)) + abs(r)) }\nscene = f";
     UnderAPixel, "under-a-pixel", Warning,
-        "What is solid is thinner than a pixel where the camera stands that is chosen for a scene without one, so the picture shows next to nothing. Say where a camera stands that is nearer, or make what is solid thicker.",
+        "The scene has no camera, and from the camera that is chosen for it the solid is thinner than a pixel. The picture shows almost nothing. Add a camera that is nearer, or make the solid thicker.",
         "scene = box((1000, 0.001, 0.001))";
     FewDigits, "few-digits", Warning,
-        "Two large numbers cancel each other here, and the 24 bits that a graphics adapter computes with leave little of what is seen: surfaces and shadows are off by about a pixel or more. Where a length and a radius cancel, as on the ground of a planet that is only moved and turned, the compiler writes another formula; a warp between them hinders that. Make the scene smaller, or leave the warp away.",
+        "Two large numbers cancel each other here. A graphics adapter computes with 24 bits, and too few of them remain: surfaces and shadows are off by about a pixel or more. If a length and a radius cancel, as on the ground of a planet that is only moved and turned, the compiler writes a better formula. A warp between them prevents that. Make the scene smaller, or remove the warp.",
         "scene = sphere(1e6).twist(y, 1e-7).translate(0, -1e6, 0) | sphere(1)\ncamera { eye: (4, 3, 6), target: (0, 0, 0) }";
     Jump, "jump", Warning,
-        "A formula jumps here; rays stop before it and look again, which takes time. Where both sides of the jump are proven to agree, nothing is said.",
+        "The formula jumps here. Rays stop before the jump and evaluate the formula again, which takes time. If both sides of the jump are proven to agree, there is no warning.",
         "field f = length(p) - 1 + floor(4 * p.x) / 9\nscene = f";
     Unused, "unused", Warning,
         "A parameter that nothing reads. Its slider would do nothing.",
         "param a = 1 in 0..2\nscene = sphere(1)";
     RangeReach, "range-reach", Warning,
-        "The range of a parameter reaches what cannot be: a radius below zero, a scale of zero, a blend of less than nothing. There the number is kept at the nearest one that can be, and the slider does nothing more. End the range before that.",
+        "The range of a parameter includes invalid values: a radius below zero, a scale of zero, a negative blend. There the nearest valid value is used, so that part of the slider does nothing. End the range before it.",
         "param r = 1 in -1..2\nscene = sphere(r)";
     BareAngle, "bare-angle", Warning,
-        "An angle of more than a whole turn, written as a bare number: that is in radians. Write `45deg`, or `45rad` where radians are meant.",
+        "An angle of more than a whole turn, written without a unit. Such a number is in radians. Write `45deg`, or `45rad` where radians are meant.",
         "scene = box(1).rotate(y, 45)";
     NotWhole, "not-whole", Warning,
-        "A number that `hash` rounds: it is of whole numbers, so that `hash(1.2)` is `hash(1.4)`. Number what gets a hash, as with the index of a `for` or `floor(p)`; for what changes smoothly write `value_noise(p)`.",
+        "`hash` takes whole numbers and rounds this one, so `hash(1.2)` equals `hash(1.4)`. Pass a whole number, such as the index of a `for` or `floor(p)`. For a value that changes smoothly, write `value_noise(p)`.",
         "scene = sphere(hash(1.2))";
     ColorBytes, "color-bytes", Warning,
-        "A colour whose components go beyond 1, as bytes do. Components of a colour go from 0 to 1, and `#c87828` is read as others write it.",
+        "A colour with components above 1, like bytes. Components of a colour go from 0 to 1. To write bytes, use the form `#c87828`.",
         "material m { color: (200, 120, 40) }\nscene = sphere(1).material(m)";
     Costly, "costly", Warning,
-        "One evaluation of the scene takes so many operations that a picture may take minutes, or factors within each other multiply to more steps than a ray has. Copies that are joined by a `for`, or repeated, are looked at only where they are near.",
+        "One evaluation of the scene takes so many operations that a picture may take minutes, or nested factors multiply to more steps than a ray has. Copies that are joined by a `for`, or repeated, are evaluated only near the point.",
         "";
     Gaps, "gaps", Warning,
-        "Copies of a repetition that are rounded or blended by more than the compiler looks at around each point, so that the gaps between them fill up where the nearest copies are farther away. Round or blend each copy inside the braces, or make the cells larger.",
+        "The copies of a repetition are rounded or blended by more than the distance within which the compiler evaluates copies around a point. Where the nearest copies are farther away, the gaps between them fill up. Round or blend each copy inside the braces, or make the cells larger.",
         "scene = (for c in grid((1, 1, 1)) { if c.x % 9 == 0 { sphere(0.2) } }).round(3)";
     NoRoom, "no-room", Warning,
-        "The balls of a group have no room in the box where they begin: they begin within each other and push apart. Or that box lies outside of the walls.",
+        "The balls of a group do not fit into the box where they start: they overlap at the start and push apart. Or that box lies outside the walls.",
         "scene = plane(y)\nballs b { count: 1000, radius: 0.5, spawn: (0, 1, 0)..(1, 2, 1) }";
 }
 

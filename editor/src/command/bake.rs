@@ -17,19 +17,19 @@ const PLACES: usize = 20_000;
 pub struct Args {
     /// The mesh: an OBJ, STL, PLY, glTF or GLB file.
     mesh: String,
-    /// Where the grid is written; its name ends with .sfgrid.
+    /// The grid to write; its name ends with .sfgrid.
     #[arg(short, long, value_parser = grid, value_name = "FILE")]
     output: PathBuf,
     /// Cells along the longest side, rounded up to whole bricks of 8.
     #[arg(long, default_value_t = 128, value_parser = resolution, value_name = "N")]
     resolution: u32,
-    /// Room around the mesh, as a share of its longest side: 0.01 to 1.
+    /// Margin around the mesh, as a fraction of its longest side: 0.01 to 1.
     #[arg(long, default_value_t = 0.05, value_parser = padding, value_name = "SHARE")]
     padding: f64,
-    /// How the inside is told from the outside.
+    /// How to tell inside from outside.
     #[arg(long, value_enum, default_value_t)]
     sign: Sign,
-    /// Say what was found in the mesh, and how far the grid is from it at random places.
+    /// Report the defects of the mesh, and the error of the grid at random places.
     #[arg(long)]
     report: bool,
 }
@@ -37,14 +37,14 @@ pub struct Args {
 /// The ways to find sides, as the command line names them.
 #[derive(Clone, Copy, Debug, Default, clap::ValueEnum)]
 enum Sign {
-    /// By pseudonormals where the mesh is closed, faces one way and does not cross itself; by winding numbers else.
+    /// By pseudonormals if the mesh is closed, faces one way and does not cross itself; otherwise by winding numbers.
     #[default]
     Auto,
     /// By the normals of the nearest face, edge or corner.
     Pseudonormal,
-    /// By how often the triangles wind about a place, also where they leave holes.
+    /// By the winding number of the triangles about a point; works for meshes with holes.
     Winding,
-    /// By how many triangles a ray crosses, whichever way they face.
+    /// By the number of triangles that a ray crosses, whichever way they face.
     Parity,
 }
 

@@ -24,7 +24,7 @@ pub struct Args {
     /// Write one JSON object for each scene, on a line of its own.
     #[arg(long)]
     json: bool,
-    /// Say of each factor what it comes from, how it is known, what it costs and what would lower it.
+    /// Say for each factor where it comes from, how it is known, what it costs and what would lower it.
     #[arg(long)]
     factors: bool,
     /// Make it an error where a factor is measured and not proven.

@@ -20,14 +20,14 @@ const BUFFERS: &str = "buffers";
 pub struct Args {
     /// The scene.
     scene: String,
-    /// Where to write; stdout where this is `-` or left out.
+    /// The file to write; stdout if this is `-` or left out.
     #[arg(short, long, value_name = "FILE")]
     output: Option<String>,
-    /// The functions wanted, with commas between; what they call is written too.
+    /// The functions to write, separated by commas; functions that they call are written too.
     #[arg(long, value_delimiter = ',', value_parser = export, value_name = "NAMES",
           default_value = "field,bound,distance,gradient,trace,shadow,collision,occlusion,surface")]
     functions: Vec<Export>,
-    /// Before every name. What the translation to another language adds of its own has none.
+    /// Prefix of every name. Names that the translation to another language adds have no prefix.
     #[arg(long, default_value = "sf_", value_parser = prefix)]
     prefix: String,
     /// Bind group of the uniform block.
@@ -36,23 +36,23 @@ pub struct Args {
     /// Binding of the uniform block.
     #[arg(long, default_value_t = 0, value_name = "N")]
     binding: u32,
-    /// The language to write. GLSL needs an entry point, and has one that draws; names that it does not take end in `_`.
+    /// The language to write. GLSL gets an entry point that draws, since it needs one; names that GLSL forbids get a `_` at the end.
     #[arg(long, default_value = "wgsl", value_parser = PossibleValuesParser::new(Target::ALL.map(Target::name)))]
     target: String,
-    /// Where the numbers of large unions stand: in the text, or in two storage buffers, whose bytes go into OUT.table.bin and OUT.lists.bin. Those
-    /// are faster: near a point only what matters there is looked at.
+    /// Where the numbers of large unions are stored: in the text, or in two storage buffers with their bytes in OUT.table.bin and OUT.lists.bin.
+    /// Buffers are faster: near a point only the operands that matter there are evaluated.
     #[arg(long, default_value = TEXT, value_parser = PossibleValuesParser::new([TEXT, BUFFERS]))]
     tables: String,
-    /// Write beside the module, as JSON, what a host must know of it: its functions, the fields of its uniform block, its parameters, what is computed.
+    /// Also write a JSON description of the module for a host: its functions, uniform fields, parameters and the values that the host computes.
     #[arg(long, value_name = "FILE")]
     layout: Option<String>,
     /// Make it an error where a factor is measured and not proven.
     #[arg(long)]
     strict: bool,
-    /// Choose for a parameter that is a choice: the module holds what is chosen alone. Other parameters are the host's to set.
+    /// Fix a parameter that is a choice: the module then contains only the chosen part. The host sets all other parameters.
     #[arg(long, value_parser = values::setting, value_name = "NAME=CHOICE")]
     set: Vec<Setting>,
-    /// Leave what depends on parameters and time alone in the shader, for a host that writes nothing else.
+    /// Compute expressions of only parameters and time in the shader, so that the host needs to write nothing else.
     #[arg(long)]
     live_in_shader: bool,
 }

@@ -6,7 +6,7 @@ use surefoot_compiler::diagnostic::{CODES, CodeRow, Severity};
 /// What to explain.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// What stands in brackets after `error` or `warning`; all are listed without it.
+    /// The code in brackets after `error` or `warning`; without it, all codes are listed.
     code: Option<String>,
 }
 
@@ -34,7 +34,7 @@ fn explanation(row: &CodeRow) -> String {
     };
     let mut text = format!("{severity}[{}]\n\n{}\n", row.name, row.explanation);
     if !row.program.is_empty() {
-        text.push_str("\nThe smallest program that brings it about:\n\n");
+        text.push_str("\nThe smallest program that causes it:\n\n");
         for line in row.program.lines() {
             text.push_str(&format!("    {line}\n"));
         }

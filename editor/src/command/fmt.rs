@@ -11,10 +11,10 @@ use surefoot_compiler::syntax;
 /// What to lay out.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Files to lay out in place; `-` reads stdin and writes stdout.
+    /// Files to format in place; `-` reads stdin and writes stdout.
     #[arg(required = true)]
     files: Vec<String>,
-    /// Change nothing; name the files that are laid out otherwise, and fail if there are any.
+    /// Change nothing; list the files whose format differs, and fail if there are any.
     #[arg(long)]
     check: bool,
 }

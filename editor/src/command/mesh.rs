@@ -16,25 +16,25 @@ use surefoot_compiler::{Compiled, Options};
 pub struct Args {
     /// The scene.
     scene: String,
-    /// Where to write: an STL, OBJ, PLY, GLB or 3MF file, by the end of its name. PLY and GLB have the colours too; in 3MF a unit is a millimetre.
+    /// The file to write: STL, OBJ, PLY, GLB or 3MF, by the ending of its name. PLY and GLB include colours; in 3MF a unit is a millimetre.
     #[arg(short, long, value_parser = output, value_name = "FILE")]
     output: PathBuf,
-    /// Cells along the longest side of what is solid.
+    /// Cells along the longest side of the solid.
     #[arg(long, default_value_t = 128, value_parser = clap::value_parser!(u32).range(2..=i64::from(MOST_CELLS)), value_name = "N")]
     resolution: u32,
-    /// As many cells as it takes until no triangle is found farther from the surface than this.
+    /// Use as many cells as needed until no triangle is found farther from the surface than this.
     #[arg(long, conflicts_with = "resolution", allow_negative_numbers = true, value_parser = above_zero, value_name = "LENGTH")]
     tolerance: Option<f64>,
-    /// Round edges and corners off, by less than a cell; else they stay sharp.
+    /// Round edges and corners off by less than a cell. Without this they stay sharp.
     #[arg(long)]
     smooth: bool,
-    /// Cut the solid off at a box, and close it there. What has no end needs one.
+    /// Cut the solid off at a box, and close it there. An infinite solid needs this.
     #[arg(long, allow_hyphen_values = true, value_parser = corners, value_name = "(X,Y,Z)..(X,Y,Z)")]
     within: Option<[[f64; 3]; 2]>,
-    /// The moment, in seconds.
+    /// The time, in seconds.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = number, value_name = "SECONDS")]
     time: f64,
-    /// Give a parameter another value.
+    /// Set a parameter.
     #[arg(long, value_parser = values::setting, value_name = "NAME=VALUE")]
     set: Vec<Setting>,
 }

@@ -1,4 +1,4 @@
-//! The command line: one file a command.
+//! The command line: one file for each command.
 
 #[cfg(feature = "gpu")]
 mod bake;
@@ -33,8 +33,8 @@ use surefoot_compiler::syntax::words;
     version,
     args_conflicts_with_subcommands = true,
     arg_required_else_help = true,
-    after_help = "Exit codes: 0 fine, 1 the scene has errors (or a violation, for verify), 2 wrong usage or an unreadable file, 3 no graphics adapter \
-                  where --device gpu asked for one."
+    after_help = "Exit codes: 0 success; 1 the scene has errors (for verify: or a violation); 2 wrong usage or an unreadable file; 3 no graphics adapter \
+                  with --device gpu."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -45,33 +45,33 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Open a scene in a live window; what `surefoot SCENE.sdf` does.
+    /// Open a scene in a live window, the same as `surefoot SCENE.sdf`.
     View(view::Args),
-    /// Say what is wrong with scenes, and what the compiler knows of them.
+    /// Report the errors and warnings of scenes, and what the compiler knows about them.
     Check(check::Args),
-    /// Put a scene's bound to the test: whether any ray could step through its surface.
+    /// Test a scene's bound: could any ray step through the surface?
     Verify(verify::Args),
     /// Write the functions of a scene as shader text.
     Compile(compile::Args),
-    /// Lay out the text of scenes.
+    /// Format the text of scenes.
     Fmt(fmt::Args),
-    /// Write pictures of a scene.
+    /// Draw pictures of a scene into files.
     Render(render::Args),
-    /// Write the surface of a scene as a closed mesh, as printers take it.
+    /// Write the surface of a scene as a closed mesh, for example for a 3D printer.
     Mesh(mesh::Args),
-    /// Let a scene's balls fall, and write where they are.
+    /// Simulate a scene's balls and write their positions.
     Simulate(simulate::Args),
-    /// Make a grid of signed distances of a mesh.
+    /// Convert a mesh into a grid of signed distances.
     #[cfg(feature = "gpu")]
     Bake(bake::Args),
-    /// Measure.
+    /// Measure time, error and the tightness of factors.
     Bench(Box<bench::Args>),
-    /// Try what is hard for a field, for rays and for balls.
+    /// Run cases that are hard for fields, rays and balls.
     #[cfg(feature = "gpu")]
     Stress(stress::Args),
-    /// Explain what the compiler says.
+    /// Explain an error or a warning of the compiler.
     Explain(explain::Args),
-    /// Write the language's reference: a page, and its pictures.
+    /// Write the reference of the language: a page and its pictures.
     Reference(reference::Args),
 }
 
@@ -89,7 +89,7 @@ pub fn run() -> ExitCode {
     };
     let command = cli.command.or_else(|| cli.view.map(Command::View));
     let done = match command {
-        // Kept from here by `arg_required_else_help`.
+        // `arg_required_else_help` shows the help in this case.
         None => Err(Failure::usage("say what to do; `surefoot --help` lists the commands")),
         Some(Command::View(args)) => view::run(&args),
         Some(Command::Check(args)) => check::run(&args),
@@ -114,7 +114,7 @@ pub fn run() -> ExitCode {
     ExitCode::from(exit as u8)
 }
 
-/// What is said of a first word that is no scene and nearly a command: it reads as a scene, and then what follows it is not understood.
+/// The message for a misspelled command. Without it the word is read as a scene, and the error is about the words after it.
 fn misspelled(word: &str) -> Option<String> {
     let cli = Cli::command();
     let near = words::nearest(word, cli.get_subcommands().map(clap::Command::get_name))?;

@@ -15,10 +15,10 @@ pub struct Args {
     /// The folder to write to: language.md, and its pictures in pictures/.
     #[arg(short, long, default_value = "docs", value_name = "FOLDER")]
     output: PathBuf,
-    /// Only say whether language.md there is up to date.
+    /// Only check whether language.md in that folder is up to date.
     #[arg(long)]
     check: bool,
-    /// Write the text and leave the pictures as they are.
+    /// Write the text only, and leave the pictures as they are.
     #[arg(long)]
     text_only: bool,
 }

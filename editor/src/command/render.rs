@@ -15,25 +15,25 @@ use surefoot_compiler::diagnostic::Diagnostic;
 pub struct Args {
     /// The scene.
     scene: String,
-    /// The PNG file to write, stdout where this is `-`; with --frames its name gets a number: OUT_0000.png.
+    /// The PNG file to write; `-` is stdout. With --frames its name gets a number: OUT_0000.png.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Width and height in pixels.
     #[arg(long, default_value = "1280x720", value_parser = size, value_name = "WxH")]
     size: (u32, u32),
-    /// Seconds on the scene's clock.
+    /// The scene's time, in seconds.
     #[arg(long, allow_negative_numbers = true, default_value_t = 0.0, value_parser = seconds, value_name = "SECONDS", conflicts_with = "frames")]
     time: f64,
-    /// Draw these frames; the last number is not among them.
+    /// Draw these frames, without the last number.
     #[arg(long, value_parser = frames, value_name = "FIRST..END")]
     frames: Option<Range<u32>>,
-    /// Frames a second.
+    /// Frames per second.
     #[arg(long, default_value_t = 30.0, value_parser = rate, value_name = "N", requires = "frames")]
     fps: f64,
-    /// Give a parameter another value: a number, `0,1,0`, `#d08770`, `45deg`, `true` or the name of a choice.
+    /// Set a parameter: a number, `0,1,0`, `#d08770`, `45deg`, `true` or the name of a choice.
     #[arg(long, value_parser = values::setting, value_name = "NAME=VALUE")]
     set: Vec<Setting>,
-    /// The camera to look through; the scene's first one where this is left out.
+    /// The camera to use; the scene's first one if this is left out.
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
     /// What the picture shows.
@@ -42,11 +42,11 @@ pub struct Args {
     /// What draws it.
     #[arg(long, value_enum, default_value_t)]
     device: Device,
-    /// Look through each pixel at so many places, 1 to 4096, and take their mean. Left out: 16 on a graphics card, 4 where a program or the
-    /// processor draws, and 1 of other views than the shaded.
+    /// Samples per pixel, 1 to 4096; the pixel gets their mean. Default: 16 on a graphics card, 4 on a software adapter or the processor,
+    /// 1 for every view but the shaded one.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096), value_name = "N")]
     samples: Option<u32>,
-    /// Say what the frame is made of: its passes with their time, size and reason, and what was left out.
+    /// List the passes of the frame with their time, size and reason, and what was left out.
     #[arg(long)]
     explain: bool,
     /// Make it an error where a factor is measured and not proven.

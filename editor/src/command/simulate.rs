@@ -16,19 +16,19 @@ use surefoot_compiler::Options;
 pub struct Args {
     /// The scene.
     scene: String,
-    /// How long.
+    /// How long to simulate, in seconds.
     #[arg(long, alias = "time", allow_negative_numbers = true, default_value_t = 10.0, value_parser = above_zero, value_name = "SECONDS")]
     seconds: f64,
-    /// Steps a second; each has the parts that `physics { substeps }` says.
+    /// Steps per second; `physics { substeps }` divides each of them.
     #[arg(long, allow_negative_numbers = true, default_value_t = 60.0, value_parser = above_zero, value_name = "N")]
     rate: f64,
-    /// Write where the balls are at the end: a table (.csv) or points (.ply).
+    /// Write the final positions of the balls: a table (.csv) or points (.ply).
     #[arg(short, long, value_parser = table, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Write the balls after each step into this folder: balls_0001.csv, …
     #[arg(long, value_name = "FOLDER")]
     frames: Option<PathBuf>,
-    /// Give a parameter another value.
+    /// Set a parameter.
     #[arg(long, value_parser = values::setting, value_name = "NAME=VALUE")]
     set: Vec<Setting>,
     /// What computes: the graphics adapter in 32 bits, or the processor in 64.

@@ -12,23 +12,23 @@ use surefoot_compiler::{Options, Outcome};
 /// What to verify.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-At points near and far, inside and outside, at the ends of the parameters' ranges and between, the bound is taken at its word: no surface \
-within it. Every point is probed along 8 directions; of some it is certified in intervals that the ball of 0.99 of the bound is \
-empty. On a graphics adapter the emitted module itself computes the bound, and its numbers, less the allowance for rounding in 32 bits, \
-are held to the same. What can be chosen by name stands as the text says.")]
+The bound says that no surface is nearer than its value. verify tests that at points near and far, inside and outside, with parameters at \
+the ends of their ranges and between. Every point is probed along 8 directions. At some points, interval arithmetic certifies that the ball \
+of 0.99 times the bound is empty. On a graphics adapter the emitted module computes the bound too; its values, less an allowance for \
+rounding in 32 bits, must pass the same test. Parameters that choose by name keep the choice of the text.")]
 pub struct Args {
     /// The scene.
     scene: String,
-    /// Points, over all values of the parameters.
+    /// How many points to test, over all values of the parameters.
     #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
     samples: u32,
-    /// How many of the points are certified.
+    /// How many of the points to certify.
     #[arg(long, default_value_t = 100, value_name = "N")]
     certified: u32,
-    /// Chooses the points; the same number gives the same points.
+    /// Seed of the random points; the same seed gives the same points.
     #[arg(long, default_value_t = 1, value_name = "S")]
     seed: u64,
-    /// What computes the emitted module; on `cpu` only its 64-bit twin is verified.
+    /// The device that runs the emitted module; `cpu` verifies only its 64-bit counterpart.
     #[arg(long, value_enum, default_value_t)]
     device: Device,
     /// Write one JSON object.

@@ -11,7 +11,7 @@ pub struct Args {
     /// The scene.
     #[arg(value_name = "SCENE")]
     pub scene: String,
-    /// Append what happens (compilations, frames, …) to this file, one JSON object a line.
+    /// Append events (compilations, frames, …) to this file, one JSON object on each line.
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
     /// Make it an error where a factor is measured and not proven.

@@ -30,37 +30,37 @@ use surefoot_compiler::{Loader, Memory, Options, Stage, compile_remembering, emi
 /// What to measure.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Scenes whose rays are followed by several methods, each judged by certified truth.
+    /// Trace these scenes with several methods, and compare each with certified results.
     #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands", "operand", "light", "ablation", "window"])]
     scenes: Vec<String>,
     #[cfg(feature = "gpu")]
     #[command(flatten)]
     error: error::Args,
-    /// Compile this scene again and again.
+    /// Measure the compilation of this scene.
     #[arg(long, value_name = "SCENE", conflicts_with = "scenes")]
     compile: Option<String>,
-    /// Edit one number of this scene after another and compile again, with what was found before.
+    /// Measure recompiling this scene, with cached results, after each of its numbers is edited in turn.
     #[arg(long, value_name = "SCENE", conflicts_with_all = ["scenes", "compile"])]
     edits: Option<String>,
-    /// The factors of these scenes: how near they are to the steepest place found, at once, within an edit, and after a long search.
+    /// Compare the factors of these scenes with the steepest place found: at once, within an edit, and after a long search.
     #[arg(long, value_name = "SCENES", num_args = 1.., conflicts_with_all = ["scenes", "compile", "edits"])]
     factors: Vec<String>,
-    /// The rules of this file: the factor of each beside the certified supremum.
+    /// Compare the factor of each rule of this file with the certified supremum.
     #[arg(long, value_name = "RULES", conflicts_with_all = ["scenes", "compile", "edits", "factors"])]
     rules: Option<String>,
-    /// Unions of 10 to 10,000 spheres: what they cost with the lists of their cells, and without.
+    /// Measure unions of 10 to 10,000 spheres, with and without the operand lists of cells.
     #[arg(long, conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules"])]
     many: bool,
-    /// The balls of these scenes, 1,000 to 1,000,000 of them: how many steps a second.
+    /// Measure the steps per second of these scenes with 1,000 to 1,000,000 balls.
     #[arg(long, value_name = "SCENES", num_args = 1.., conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many"])]
     balls: Vec<String>,
-    /// Frames of these scenes, with one part after the other switched off.
+    /// Measure the frames of these scenes with one part of the tracer switched off at a time.
     #[arg(long, value_name = "SCENES", num_args = 1.., conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls"])]
     parts: Vec<String>,
-    /// WGSL that a person wrote (tests/hand/*.wgsl), beside the modules of the same scenes: time and error.
+    /// Compare hand-written WGSL (tests/hand/*.wgsl) with the modules of the same scenes: time and error.
     #[arg(long, value_name = "WGSL", num_args = 1.., conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls"])]
     hand: Vec<std::path::PathBuf>,
-    /// Unions, blends and drawings of many operands: how each ends, its time and its memory, with a small stack.
+    /// Compile unions, blends and drawings of many operands with a small stack: result, time and memory.
     #[arg(long, conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls", "parts", "hand"])]
     operands: bool,
     /// How many operands.
@@ -69,23 +69,22 @@ pub struct Args {
     /// One of these scenes, by its text, in this process.
     #[arg(long, hide = true, conflicts_with_all = ["scenes", "operands"])]
     operand: Option<String>,
-    /// Shadow and occlusion of these scenes beside the truth.
+    /// Compare shadow and occlusion of these scenes with the truth.
     #[arg(long, value_name = "SCENES", num_args = 1..)]
     light: Vec<String>,
-    /// What each rule for bounds gains: its own scene and these, compiled without it.
-    #[cfg(feature = "gpu")]
+    /// Measure what each rule for bounds gains, in its own scene and in these.
     #[arg(long, value_name = "SCENES", num_args = 1..)]
     ablation: Vec<String>,
-    /// A window on this scene: how soon a key is seen while the picture is refined, and what a caret costs.
+    /// Measure a window on this scene: the delay of a key while the picture is refined, and the cost of a caret.
     #[arg(long, value_name = "SCENE", conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands"])]
     window: Option<String>,
-    /// No more balls than this.
+    /// The largest number of balls.
     #[arg(long, default_value_t = 1_000_000, value_name = "N", requires = "balls")]
     most: u32,
-    /// How often.
+    /// The number of runs.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
     runs: u32,
-    /// One JSON object: instead of the table of --compile; of scenes into this file, beside the tables.
+    /// Write one JSON object: with --compile, in place of the table; with scenes, into this file besides the tables.
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<std::path::PathBuf>,
 }

@@ -8,26 +8,26 @@ use surefoot_compiler::{Compiled, MemoryLoader, Options, compile};
 /// How much of it.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Each case must stay finite (no NaN and no infinity in any picture, ray or function), converge (no ray spends its looks between surfaces; \
-balls come to rest), miss nothing (a ray that surely hits does hit, and one that surely misses does miss; no ball passes a wall), and err by \
-less than half a pixel (the 99th percentile of the distance between the hit and the surface; of balls less than a twentieth of a radius). What each ray \
-meets is certified in intervals first. A cell is red where that fails, and the case then says why.")]
+Each case must stay finite: no NaN and no infinity in any picture, ray or function. It must converge: no ray uses up its steps between \
+surfaces, and balls come to rest. It must miss nothing: a ray that certainly hits does hit, one that certainly misses does miss, and no ball \
+passes a wall. It must err by less than half a pixel: the 99th percentile of the distance between hit and surface; for balls, less than a \
+twentieth of a radius. Interval arithmetic first certifies what each ray hits. A cell is red if its check fails, and the case then says why.")]
 pub struct Args {
-    /// Only the cases whose names hold these words.
+    /// Run only the cases whose names contain these words.
     pub(super) words: Vec<String>,
     /// Width and height of the pictures in pixels, a multiple of 32; costly scenes get a half or a quarter of that.
     #[arg(long, default_value_t = 64, value_parser = side, value_name = "N")]
     pub(super) size: u32,
-    /// Balls that come to rest on the adapter, and for how many seconds.
+    /// Number of balls that come to rest on the adapter.
     #[arg(long, default_value_t = 10_000, value_name = "N")]
     pub(super) balls: u32,
-    /// See --balls.
+    /// How many seconds the balls get to come to rest.
     #[arg(long, default_value_t = 60, value_name = "N")]
     pub(super) seconds: u32,
     /// Write the numbers to this file.
     #[arg(long, value_name = "FILE")]
     pub(super) json: Option<PathBuf>,
-    /// Write the table to this page, in place of the one that stands there.
+    /// Write the table to this page; it replaces the old one.
     #[arg(long, value_name = "FILE")]
     pub(super) page: Option<PathBuf>,
 }

@@ -10,25 +10,25 @@ use std::time::Duration;
 // The command's own arguments are a group of that name.
 #[group(skip)]
 pub struct Args {
-    /// The ways to follow a ray, separated by commas; all where this is left out.
+    /// The tracing methods, separated by commas; all if this is left out.
     #[arg(long, value_delimiter = ',', value_name = "NAMES", value_parser = known_method)]
     pub(super) methods: Vec<String>,
-    /// Ours with other tolerances, budgets and bounds too: the curves.
+    /// Also run Surefoot's method with other tolerances, budgets and bounds, for the curves.
     #[arg(long)]
     pub(super) sweep: bool,
-    /// Width and height of each view in pixels; the width a multiple of 8.
+    /// Width and height of each view in pixels; the width is a multiple of 8.
     #[arg(long, default_value = "128x128", value_parser = crate::command::render::size, value_name = "WxH")]
     pub(super) size: (u32, u32),
-    /// Views around what the scene's camera looks at.
+    /// Number of views around the target of the scene's camera.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64), value_name = "N")]
     pub(super) views: u32,
-    /// Timed runs of each method, one after the other in turn; 5 where it is left out, 20 with --hand.
+    /// Timed runs of each method; the methods take turns. Default: 5, or 20 with --hand.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..), value_name = "N")]
     pub rounds: Option<u32>,
     /// Write curves of time against error to this file as SVG.
     #[arg(long, value_name = "FILE")]
     pub(super) plot: Option<PathBuf>,
-    /// Write the tables to this file, as a section of a page, with the curves beside it; of some methods only their errors.
+    /// Write the tables to this file, as a section of a page, and the curves beside it; for a subset of the methods only the errors.
     #[arg(long, value_name = "FILE")]
     pub page: Option<PathBuf>,
 }
