@@ -1,11 +1,11 @@
 //! One frame is a list of passes. A pass that a scene does not need is not in it: nothing of it is compiled and it has no buffers.
 
 use crate::gpu::{DEPTH, Gpu};
-use crate::film::LINEAR;
 use crate::mesh::Mesh;
-use crate::passes::{Bloom, ScenePipeline};
 use crate::passes::scene::{Features, ViewMode};
+use crate::passes::{Bloom, ScenePipeline};
 use crate::physics::Physics;
+use crate::sheets::LINEAR;
 use crate::view::View;
 use std::sync::{Arc, Mutex, PoisonError};
 use surefoot_compiler::compiled::{Compiled, Live};

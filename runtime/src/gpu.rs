@@ -1,8 +1,7 @@
 //! The graphics device: found here, or handed over by a program that has one. Everything that builds a pipeline goes through it, so
 //! that each one is counted and each error comes back as text.
 
-use crate::module;
-use crate::passes::CORNERS;
+use crate::copied_block::with_copied_block;
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -61,8 +60,8 @@ pub(crate) struct PipelineKey {
     pub entries: [&'static str; 2],
     /// How its depth is compared with what is there, where there is depth at all.
     pub depth: Option<wgpu::CompareFunction>,
-    /// Whether it draws a mesh's triangles, out of its buffers, and not such without vertices.
-    pub triangles: bool,
+    /// How what it draws lies in its buffer: corners, where they come out of one.
+    pub corners: Option<wgpu::VertexBufferLayout<'static>>,
 }
 
 /// Format of the depth that passes share: 1 at the near plane, 0 at infinity.
@@ -214,7 +213,7 @@ impl Gpu {
                     module: &module,
                     entry_point: Some(key.entries[0]),
                     compilation_options: compilation_options.clone(),
-                    buffers: if key.triangles { &[Some(CORNERS)] } else { &[] },
+                    buffers: if key.corners.is_some() { std::slice::from_ref(&key.corners) } else { &[] },
                 },
                 primitive: wgpu::PrimitiveState::default(),
                 depth_stencil: key.depth.map(|compare| wgpu::DepthStencilState {
@@ -314,7 +313,7 @@ impl Gpu {
 
     fn module(&self, label: &str, wgsl: &str) -> wgpu::ShaderModule {
         self.counters.modules.fetch_add(1, Ordering::Relaxed);
-        let wgsl = if self.software { module::with_copied_block(wgsl) } else { Cow::Borrowed(wgsl) };
+        let wgsl = if self.software { with_copied_block(wgsl) } else { Cow::Borrowed(wgsl) };
         let descriptor = wgpu::ShaderModuleDescriptor { label: Some(label), source: wgpu::ShaderSource::Wgsl(wgsl) };
         let checks = wgpu::ShaderRuntimeChecks {
             force_loop_bounding: false,

@@ -1,5 +1,6 @@
 //! Draws what the compiler emits, with wgpu, and swaps it while it runs. Knows no syntax.
 
+mod copied_block;
 pub mod explain;
 pub mod film;
 pub mod frame;
@@ -11,6 +12,8 @@ pub mod mesh;
 mod module;
 pub mod passes;
 pub mod physics;
+mod readback;
+mod sheets;
 pub mod stage;
 pub mod tighten;
 pub mod view;

@@ -34,7 +34,7 @@ const FLOORS: [(&str, &[&str]); 3] = [
             "lib",
         ],
     ),
-    ("runtime", &["images view", "gpu module mesh", "headless physics film passes", "frame", "live explain tighten", "stage", "lib"]),
+    ("runtime", &["copied_block images mesh view", "gpu", "module readback sheets", "passes physics", "frame", "film", "headless", "explain live tighten", "stage", "lib"]),
     ("editor", &["files meshes", "picture window", "command", "main"]),
 ];
 

@@ -7,6 +7,7 @@
 //! - A save is rarely one event. Events are gathered until they pause; an error in a file that changed just now is held back for a
 //!   moment, because a file is often empty before it is full.
 
+mod compilation;
 mod overhear;
 mod record;
 mod rehearsal;

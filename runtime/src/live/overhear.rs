@@ -1,8 +1,8 @@
 //! What is wrong with a text that is written while the picture of an older one is still being built: said at once, and not after it.
 //! Building may take seconds, compiling takes milliseconds.
 
-use super::worker::{Compilation, DOUBT, LONGER_DOUBT, STACK, wait};
-use super::{Setup, Shared, Words};
+use crate::live::compilation::{Compilation, DOUBT, LONGER_DOUBT, STACK};
+use crate::live::state::{Setup, Shared, Words};
 use std::sync::Arc;
 use std::thread::Scope;
 use std::time::{Duration, Instant};
@@ -51,7 +51,7 @@ fn next(shared: &Shared, last: Option<Heard>) -> Option<Heard> {
         if state.asked.is_some() && whole && last != Some(heard) {
             return Some(heard);
         }
-        state = wait(shared, state, NAP);
+        state = shared.wait(state, NAP);
     }
 }
 
@@ -61,7 +61,7 @@ fn say(setup: &Setup, shared: &Shared, built: &Words) -> bool {
     let mut state = shared.lock();
     // A file that is empty or gone is most likely about to be written.
     if recorder.is_hollow() && !state.pushed && state.last_event.is_some_and(|at| at.elapsed() < LONGER_DOUBT) {
-        drop(wait(shared, state, NAP));
+        drop(shared.wait(state, NAP));
         return false;
     }
     if state.building && failure.is_none() {

@@ -1,39 +1,32 @@
 //! The thread that compiles and builds.
 
-use super::overhear;
-use super::record::Recorder;
-use super::rehearsal::Rehearsal;
-use super::watch::Watch;
-use super::{Ready, Setup, Shared, State, Times, Update, Words, Work};
 use crate::frame::Picture;
 use crate::headless;
+use crate::live::compilation::{Compilation, DOUBT, LONGER_DOUBT, STACK, broken};
+use crate::live::overhear;
+use crate::live::record::Recorder;
+use crate::live::rehearsal::Rehearsal;
+use crate::live::state::{Ready, Setup, Shared, Times, Update, Words, Work};
+use crate::live::watch::Watch;
 use crate::mesh::Assets;
 use crate::passes::scene::ViewMode;
 use crate::physics::{Contact, Passes};
-use std::any::Any;
 use std::mem::take;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use surefoot_compiler::compiled::{Compiled, Outcome};
+use surefoot_compiler::compiled::Compiled;
 use surefoot_compiler::diagnostic::Diagnostic;
-use surefoot_compiler::source::Sources;
 
 /// Events that follow each other faster than this belong to one save…
 const PAUSE: Duration = Duration::from_millis(5);
 /// …but nobody waits longer than this for them to end.
 const LONGEST_PAUSE: Duration = Duration::from_millis(40);
-/// How long an error in a file that changed just now is held back.
-pub(super) const DOUBT: Duration = Duration::from_millis(50);
-/// The same of a scene's file that is empty or not there: who saves it is about to write it, and may be held up on a busy machine.
-pub(super) const LONGER_DOUBT: Duration = Duration::from_millis(250);
 /// Nobody waits longer than this for files that change again and again, and are wrong each time.
 const LONGEST_DOUBT: Duration = Duration::from_secs(1);
 /// How often the files are read again meanwhile.
 const DOUBT_STEP: Duration = Duration::from_millis(5);
-/// Deep nesting takes stack, here and in naga.
-pub(super) const STACK: usize = 64 << 20;
 
 pub(super) fn spawn(setup: Setup, shared: Arc<Shared>) -> std::io::Result<JoinHandle<()>> {
     std::thread::Builder::new().name("surefoot live".to_owned()).stack_size(STACK).spawn(
@@ -147,7 +140,7 @@ impl Worker {
                 break;
             }
             let patience = self.watch.patience().saturating_sub(looked.elapsed());
-            state = wait(&shared, state, patience);
+            state = shared.wait(state, patience);
             if state.asked.is_none() && looked.elapsed() >= self.watch.patience() {
                 drop(state);
                 // Without the lock: the watcher's thread may be waiting for it.
@@ -166,7 +159,7 @@ impl Worker {
             if quiet >= PAUSE || begun.elapsed() >= LONGEST_PAUSE {
                 break;
             }
-            state = wait(&shared, state, PAUSE - quiet);
+            state = shared.wait(state, PAUSE - quiet);
         }
         state.busy = true;
         let since = state.asked.take().unwrap_or(begun);
@@ -368,67 +361,7 @@ impl Worker {
             if left.is_zero() || state.stop || state.pushed {
                 return false;
             }
-            drop(wait(&self.shared, state, left.min(DOUBT_STEP)));
+            drop(self.shared.wait(state, left.min(DOUBT_STEP)));
         }
     }
-}
-
-pub(super) fn wait<'a>(
-    shared: &'a Shared,
-    state: MutexGuard<'a, State>,
-    time: Duration,
-) -> MutexGuard<'a, State> {
-    shared.changed.wait_timeout(state, time).unwrap_or_else(PoisonError::into_inner).0
-}
-
-/// What came of one run of the compiler.
-pub(super) struct Compilation {
-    /// What it read.
-    pub recorder: Recorder,
-    pub outcome: Outcome,
-    /// What went wrong with the compiler itself.
-    pub failure: Option<String>,
-    /// How long it took, without what the camera sees.
-    pub took: Duration,
-}
-
-impl Compilation {
-    /// Of the newest text.
-    pub fn run(setup: &Setup, shared: &Shared) -> Self {
-        let (path, options, texts) = {
-            let mut state = shared.lock();
-            state.report.compilations += 1;
-            (state.path.clone(), state.options.clone(), state.texts.clone())
-        };
-        let recorder = Recorder::new(setup.loader.clone(), texts);
-        let start = Instant::now();
-        let compile = || (setup.compile)(&recorder, &path, &options);
-        let (mut outcome, failure) = match catch_unwind(AssertUnwindSafe(compile)) {
-            Ok(outcome) => (outcome, None),
-            Err(panic) => (nothing(&path), Some(broken("the compiler", panic.as_ref()))),
-        };
-        let took = start.elapsed();
-        // What the camera sees is worth a word, and no failure.
-        let _ = catch_unwind(AssertUnwindSafe(|| outcome.look()));
-        Self { recorder, outcome, failure, took }
-    }
-}
-
-/// The outcome of a compiler that did not come to its end.
-fn nothing(path: &str) -> Outcome {
-    Outcome {
-        sources: Sources::default(),
-        diagnostics: Vec::new(),
-        files: vec![path.to_owned()],
-        compiled: None,
-    }
-}
-
-fn broken(what: &str, panic: &(dyn Any + Send)) -> String {
-    let words = panic
-        .downcast_ref::<String>()
-        .map(String::as_str)
-        .or_else(|| panic.downcast_ref::<&str>().copied())
-        .unwrap_or("no reason given");
-    format!("a mistake in Surefoot, please report it: {what} stopped with: {words}")
 }

@@ -1,7 +1,8 @@
 //! The meshes of a scene, read once and kept while their files stay as they are.
 
-use super::Mesh;
 use crate::images::Gallery;
+use crate::mesh::raw::LARGEST_FILE;
+use crate::mesh::triangles::Mesh;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -80,7 +81,7 @@ impl Assets {
             let first = blocks.iter().take(i).all(|before| before.file != block.file);
             let kept = self.meshes.entry(block.file.clone()).or_default();
             let as_it_was = |kept: &Kept| {
-                let same = |(path, then): (&String, &Option<u64>)| content(&loader.read_up_to(path, super::LARGEST_FILE)) == *then;
+                let same = |(path, then): (&String, &Option<u64>)| content(&loader.read_up_to(path, LARGEST_FILE)) == *then;
                 !kept.seen.is_empty() && kept.seen.iter().all(same)
             };
             if first && !as_it_was(kept) {

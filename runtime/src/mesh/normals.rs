@@ -1,7 +1,7 @@
 //! Normals where a file has none: the mean of those of the triangles about a corner, weighted by their angles there (Thürmer and Wüthrich,
 //! "Computing Vertex Normals from Polygonal Facets", 1998), and none across an edge that is sharper than a crease.
 
-use super::{MOST_VERTICES, Raw, Vertex};
+use crate::mesh::raw::{MOST_VERTICES, Raw, Vertex};
 use glam::Vec3;
 use std::collections::HashMap;
 

@@ -1,6 +1,6 @@
 //! The formats: OBJ, STL, PLY, glTF and GLB.
 
-use super::{MOST_TRIANGLES, MOST_VERTICES, Raw};
+use crate::mesh::raw::{LARGEST_FILE, MOST_TRIANGLES, MOST_VERTICES, Raw};
 use base64::Engine;
 use glam::{Mat4, Vec3};
 use gltf::accessor::{DataType, Dimensions};
@@ -215,7 +215,7 @@ fn gltf(loader: &dyn Loader, path: &str, bytes: &[u8]) -> Result<Raw, String> {
                 }
                 None => {
                     let name = join(path, &unescape(uri));
-                    loader.read_up_to(&name, super::LARGEST_FILE).map_err(|why| format!("its buffer `{name}` can't be read: {why}"))?
+                    loader.read_up_to(&name, LARGEST_FILE).map_err(|why| format!("its buffer `{name}` can't be read: {why}"))?
                 }
             },
         };

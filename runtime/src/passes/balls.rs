@@ -152,7 +152,7 @@ fn pipeline(
         format: Some(format),
         entries: ["ball_vertex", "ball_fragment"],
         depth: Some(wgpu::CompareFunction::GreaterEqual),
-        triangles: false,
+        corners: None,
     };
     let module = module::layout(gpu, &compiled.module, wgpu::ShaderStages::VERTEX_FRAGMENT);
     let scene = surroundings::layout(gpu, features);

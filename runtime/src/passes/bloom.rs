@@ -1,7 +1,7 @@
 //! The pass that scatters light: from a picture of linear light to one that is developed, still linear, ended by the tone curve.
 
-use crate::film::{self, LINEAR};
 use crate::gpu::{Gpu, PipelineKey, UniformBlock, uniform_layout};
+use crate::sheets::{self, LINEAR, attachment, sheet};
 use std::sync::{Mutex, PoisonError};
 use surefoot_compiler::reference::film::glow_levels;
 
@@ -37,7 +37,7 @@ const LABEL: &str = "surefoot bloom";
 impl Bloom {
     /// With the text of a tone curve.
     pub fn new(gpu: &Gpu, tone: &str) -> Result<Self, String> {
-        let layout = film::layout(gpu, true);
+        let layout = sheets::layout(gpu, true);
         let pipeline = |fragment| {
             let key = PipelineKey {
                 wgsl: format!("{tone}\n{}", include_str!("bloom/bloom.wgsl")),
@@ -45,7 +45,7 @@ impl Bloom {
                 format: Some(LINEAR),
                 entries: ["vertex", fragment],
                 depth: None,
-                triangles: false,
+                corners: None,
             };
             gpu.screen_pipeline(LABEL, key, &[Some(&layout)])
         };
@@ -80,13 +80,13 @@ impl Bloom {
         let Kept { uniforms, halves, spread, developed, size: of } = &mut *kept;
         if *of != size {
             let sizes: Vec<[u32; 2]> = (1..=glow_levels(size.into())).map(|level| size.map(|side| side.div_ceil(1 << level).max(1))).collect();
-            *halves = sizes.iter().map(|size| film::sheet(&self.gpu, *size, LINEAR)).collect();
-            *spread = sizes.iter().rev().skip(1).rev().map(|size| film::sheet(&self.gpu, *size, LINEAR)).collect();
+            *halves = sizes.iter().map(|size| sheet(&self.gpu, *size, LINEAR)).collect();
+            *spread = sizes.iter().rev().skip(1).rev().map(|size| sheet(&self.gpu, *size, LINEAR)).collect();
             *of = size;
         }
         let developed = match developed.take().filter(|t| t.size() == picture.size()) {
             Some(texture) => developed.insert(texture),
-            None => developed.insert(film::sheet(&self.gpu, [picture.width(), picture.height()], LINEAR)),
+            None => developed.insert(sheet(&self.gpu, [picture.width(), picture.height()], LINEAR)),
         };
         let share = if self.idle { 0.0 } else { self.share };
         uniforms.write(self.gpu.queue(), bytemuck::cast_slice(&[size[0] as f32, size[1] as f32, share, 0.0]));
@@ -104,7 +104,7 @@ impl Bloom {
             });
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some(LABEL),
-                color_attachments: &[Some(film::attachment(&view))],
+                color_attachments: &[Some(attachment(&view))],
                 ..Default::default()
             });
             pass.set_pipeline(pipeline);

@@ -5,13 +5,14 @@ use super::balls::BallsPipeline;
 use super::meshes::MeshesPipeline;
 use super::scene::{Features, SceneUniforms};
 use super::surroundings::{self, SceneGroup, SceneImages};
-use crate::film::LINEAR;
 use crate::gpu::{DEPTH, Gpu, PipelineKey};
-use crate::{headless, module};
+use crate::module;
+use crate::readback::read;
+use crate::sheets::LINEAR;
 use half::f16;
+use surefoot_compiler::camera::Basis;
 use surefoot_compiler::compiled::{Compiled, Frame, Rounding};
 use surefoot_compiler::mesh::Placed;
-use surefoot_compiler::camera::Basis;
 use surefoot_compiler::vector::Vec3;
 
 const LABEL: &str = "surefoot capture";
@@ -93,7 +94,7 @@ impl Capture {
             format: Some(LINEAR),
             entries,
             depth,
-            triangles: false,
+            corners: None,
         };
         let text = format!("{}\n{}", compiled.module.code(), features.wgsl(compiled));
         let field = key(text, features.constants(LINEAR), ["vertex", "fragment"], features.depth().then_some(wgpu::CompareFunction::Always));
@@ -293,7 +294,7 @@ impl Capture {
             let submitted = self.gpu.queue().submit([encoder.finish()]);
             (buffer, submitted)
         })?;
-        let bytes = headless::read(&self.gpu, &buffer, submitted)?;
+        let bytes = read(&self.gpu, &buffer, submitted)?;
         let number = |pair: &[u8]| f16::from_le_bytes(pair.try_into().unwrap_or_default()).to_f32();
         let rows = bytes.chunks_exact(stride as usize).flat_map(|row| row.chunks_exact(8).take(side as usize));
         Ok(rows.map(|pixel| [0, 1, 2, 3].map(|i| pixel.get(2 * i..2 * i + 2).map_or(0.0, number))).collect())

@@ -2,7 +2,7 @@
 
 use crate::gpu::{Gpu, in_and_out_layout};
 use crate::module::{self, ModuleGroup};
-use crate::headless;
+use crate::readback::read;
 use surefoot_compiler::compiled::{Compiled, Export, Live};
 
 /// The passes' texts, and how many numbers each answers for a point.
@@ -95,7 +95,7 @@ impl Program {
             encoder.copy_buffer_to_buffer(&output, 0, &answers, 0, answer_size);
             (answers, gpu.queue().submit([encoder.finish()]))
         })?;
-        let bytes = headless::read(gpu, &answers, submitted)?;
+        let bytes = read(gpu, &answers, submitted)?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 }

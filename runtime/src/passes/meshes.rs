@@ -179,7 +179,7 @@ fn key(wgsl: String, constants: Vec<(&'static str, f64)>, format: wgpu::TextureF
         format: Some(format),
         entries: ["mesh_vertex", "mesh_fragment"],
         depth: Some(wgpu::CompareFunction::GreaterEqual),
-        triangles: true,
+        corners: Some(CORNERS),
     }
 }
 
@@ -271,7 +271,7 @@ impl Uploaded {
 }
 
 /// How a mesh's corners lie in their buffer.
-pub(crate) const CORNERS: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
+pub(super) const CORNERS: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
     array_stride: size_of::<Vertex>() as u64,
     step_mode: wgpu::VertexStepMode::Vertex,
     attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2],

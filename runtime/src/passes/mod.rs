@@ -14,6 +14,5 @@ mod surroundings;
 
 pub use balls::BallsPipeline;
 pub(crate) use bloom::Bloom;
-pub(crate) use meshes::CORNERS;
 pub use meshes::MeshesPipeline;
 pub use pipeline::ScenePipeline;

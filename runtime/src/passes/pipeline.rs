@@ -48,7 +48,7 @@ impl ScenePipeline {
             entries: ["vertex", "fragment"],
             // The field is drawn first, whatever was there.
             depth: features.depth().then_some(wgpu::CompareFunction::Always),
-            triangles: false,
+            corners: None,
         };
         gpu.catch(|| {
             let module_layout = module::layout(gpu, &compiled.module, stage);

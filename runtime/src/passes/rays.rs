@@ -1,8 +1,8 @@
 //! Many rays through a scene, followed on the GPU by a function that can be chosen: what tracers are measured with.
 
 use crate::gpu::{Gpu, UniformBlock, in_and_out_layout, uniform_layout};
-use crate::headless;
 use crate::module::{self, ModuleGroup};
+use crate::readback::{read, wait};
 use bytemuck::{Pod, Zeroable};
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::{Compiled, Live};
@@ -148,7 +148,7 @@ impl<'g> Rays<'g> {
             self.encode(&mut encoder);
             self.gpu.queue().submit([encoder.finish()])
         })?;
-        headless::wait(self.gpu, submitted)?;
+        wait(self.gpu, submitted)?;
         Ok(began.elapsed())
     }
 
@@ -159,7 +159,7 @@ impl<'g> Rays<'g> {
             encoder.copy_buffer_to_buffer(&self.output, 0, &self.answers, 0, self.output.size());
             self.gpu.queue().submit([encoder.finish()])
         })?;
-        let bytes = headless::read(self.gpu, &self.answers, submitted)?;
+        let bytes = read(self.gpu, &self.answers, submitted)?;
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 

@@ -3,12 +3,12 @@
 
 use super::layers;
 use crate::images::MOST_TEXTURES;
-use crate::film::LINEAR;
+use crate::sheets::LINEAR;
 use bytemuck::{Pod, Zeroable};
 use std::borrow::Cow;
+use surefoot_compiler::camera::Basis;
 use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, MAX_BOUNCES, Rounding, Shadow, Tone};
 use surefoot_compiler::reference::area;
-use surefoot_compiler::camera::Basis;
 use surefoot_compiler::reference::shade::{self, MAX_LIGHTS};
 use surefoot_compiler::vector::{scale, sub};
 

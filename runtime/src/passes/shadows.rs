@@ -1,7 +1,7 @@
 //! Shadow maps: what balls and meshes throw, and the field where a light asks for it. A light that is infinitely far has one map, whose frame
 //! is the box of all that throws; one that has a place has six, the sides of a cube.
 
-use super::meshes::Triangles;
+use super::meshes::{CORNERS, Triangles};
 use super::scene::Features;
 use crate::gpu::{DEPTH, DEPTH_AS_READ, Gpu, PipelineKey, UniformBlock, storage_layout, uniform_layout};
 use bytemuck::{Pod, Zeroable};
@@ -435,7 +435,7 @@ impl Casters {
         const BASE: &str = include_str!("shadows/base.wgsl");
         const BALL: &str = include_str!("../physics/ball.wgsl");
         const CAST: [&str; 3] = [BASE, include_str!("shadows/box.wgsl"), include_str!("shadows/cast.wgsl")];
-        let pipeline = |before: &[&str], last: &str, triangles: bool, groups: &[Option<&wgpu::BindGroupLayout>], constants| {
+        let pipeline = |before: &[&str], last: &str, corners, groups: &[Option<&wgpu::BindGroupLayout>], constants| {
             let wgsl = [before, &CAST, &[last]].concat().join("\n");
             let key = PipelineKey {
                 wgsl,
@@ -443,7 +443,7 @@ impl Casters {
                 format: None,
                 entries: ["map_vertex", "map_fragment"],
                 depth: Some(wgpu::CompareFunction::Less),
-                triangles,
+                corners,
             };
             gpu.screen_pipeline(LABEL, key, groups)
         };
@@ -452,20 +452,20 @@ impl Casters {
             let layout = storage_layout(gpu, LABEL, On::COMPUTE | On::VERTEX_FRAGMENT, 1);
             let text = [BASE, BALL, include_str!("shadows/bounds.wgsl")].join("\n");
             bounds = Some(gpu.compute_pipeline(LABEL, &text, "bounds", &[None, None, Some(&layout), Some(measure)])?);
-            let drawn = pipeline(&[BALL], include_str!("shadows/ball.wgsl"), false, &[None, None, Some(&layout), Some(cast)], Vec::new())?;
+            let drawn = pipeline(&[BALL], include_str!("shadows/ball.wgsl"), None, &[None, None, Some(&layout), Some(cast)], Vec::new())?;
             balls = Some((drawn, layout));
         }
         if features.meshes {
             let layout = storage_layout(gpu, LABEL, On::VERTEX_FRAGMENT, 1);
             let place = include_str!("meshes/place.wgsl");
-            meshes = Some(pipeline(&[place], include_str!("shadows/mesh.wgsl"), true, &[None, None, Some(&layout), Some(cast)], Vec::new())?);
+            meshes = Some(pipeline(&[place], include_str!("shadows/mesh.wgsl"), Some(CORNERS), &[None, None, Some(&layout), Some(cast)], Vec::new())?);
         }
         if features.field_maps {
             let stage = On::VERTEX_FRAGMENT;
             let module = crate::module::layout(gpu, &compiled.module, stage);
             let text = include_str!("shadows/field.wgsl");
             let constants = vec![("side", f64::from(side))];
-            field = Some(pipeline(&[compiled.module.code()], text, false, &[Some(&module), None, None, Some(cast)], constants)?);
+            field = Some(pipeline(&[compiled.module.code()], text, None, &[Some(&module), None, None, Some(cast)], constants)?);
         }
         Ok(Self { bounds, balls, meshes, field })
     }

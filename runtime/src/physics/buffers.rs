@@ -1,7 +1,7 @@
 //! Buffers of the balls: their state twice, the grid, and the lists of neighbours.
 
-use super::{BALL_SIZE, Cell, Step};
 use crate::gpu::Gpu;
+use crate::physics::state::{BALL_SIZE, Cell, Step};
 use surefoot_compiler::physics::NEIGHBOURS;
 
 /// What the passes over balls are bound to: group 1 of each of them.

@@ -23,18 +23,20 @@
 
 mod buffers;
 mod contact;
+mod state;
 
 pub use contact::Contact;
+pub use state::BALL_SIZE;
 
 use crate::gpu::Gpu;
-use crate::headless;
+use crate::readback::{read, wait};
 use buffers::{Balls, Layout};
-use bytemuck::{Pod, Zeroable};
+use state::{ANOTHER, BY_HAND, BY_TIME, Cell, STILL, Step};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::{Compiled, Live};
-use surefoot_compiler::physics::{Ball, Law, MEETINGS, State, meet, spawn};
+use surefoot_compiler::physics::{Ball, Law, MEETINGS, meet, spawn};
 
 /// Balls of a scene on a device.
 #[derive(Debug)]
@@ -70,98 +72,8 @@ pub struct Passes {
     meet: wgpu::ComputePipeline,
 }
 
-/// The numbers of a step, as `state.wgsl` declares them.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-struct Step {
-    gravity: [f32; 3],
-    h: f32,
-    low: [f32; 3],
-    restitution: f32,
-    high: [f32; 3],
-    friction: f32,
-    rolling: f32,
-    rest: f32,
-    extent: f32,
-    side: f32,
-    count: u32,
-    mask: u32,
-    walls: u32,
-    moves: u32,
-    place: [f32; 3],
-    held: u32,
-}
-
-// How the field came to be as it is, as `state.wgsl` says.
-const STILL: u32 = 0;
-const BY_HAND: u32 = 1;
-const ANOTHER: u32 = 2;
-const BY_TIME: u32 = 3;
-
-/// A ball, as `state.wgsl` declares it.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-struct Cell {
-    position: [f32; 3],
-    radius: f32,
-    velocity: [f32; 3],
-    word: u32,
-    spin: [f32; 3],
-    quiet: f32,
-    anchor: [f32; 3],
-    touching: u32,
-}
-
-/// Bytes of a ball in [`Physics::buffer`].
-pub const BALL_SIZE: u64 = size_of::<Cell>() as u64;
-
 /// Seconds of a step where time passes by itself.
 pub const STEP: f64 = 1.0 / 60.0;
-
-const ASLEEP: u32 = 1 << 16;
-const GONE: u32 = 1 << 17;
-const GROUNDED: u32 = 1 << 18;
-
-impl Cell {
-    fn of(ball: &Ball) -> Self {
-        let narrow = |v: [f64; 3]| v.map(|c| c as f32);
-        let state = match ball.state {
-            State::Awake => 0,
-            State::Asleep => ASLEEP,
-            State::Gone => GONE,
-        };
-        Self {
-            position: narrow(ball.position),
-            radius: ball.radius as f32,
-            velocity: narrow(ball.velocity),
-            word: ball.group & 0xffff | state | if ball.grounded { GROUNDED } else { 0 },
-            spin: narrow(ball.spin),
-            quiet: ball.quiet as f32,
-            anchor: narrow(ball.anchor),
-            touching: ball.touching,
-        }
-    }
-
-    fn ball(&self) -> Ball {
-        let wide = |v: [f32; 3]| v.map(f64::from);
-        Ball {
-            position: wide(self.position),
-            radius: f64::from(self.radius),
-            velocity: wide(self.velocity),
-            spin: wide(self.spin),
-            group: self.word & 0xffff,
-            state: match self.word {
-                word if word & GONE != 0 => State::Gone,
-                word if word & ASLEEP != 0 => State::Asleep,
-                _ => State::Awake,
-            },
-            quiet: f64::from(self.quiet),
-            anchor: wide(self.anchor),
-            touching: self.touching,
-            grounded: self.word & GROUNDED != 0,
-        }
-    }
-}
 
 impl Physics {
     /// The balls of a scene where they begin; none where the scene has no balls, and then nothing is built.
@@ -220,7 +132,7 @@ impl Physics {
 
     /// Waits until all that was ordered is done.
     pub fn wait(&self) -> Result<(), String> {
-        headless::wait(&self.gpu, self.gpu.queue().submit([]))
+        wait(&self.gpu, self.gpu.queue().submit([]))
     }
 
     /// The balls as they are now.
@@ -240,7 +152,7 @@ impl Physics {
             encoder.copy_buffer_to_buffer(self.balls.current(), 0, &copy, 0, size);
             (copy, self.gpu.queue().submit([encoder.finish()]))
         })?;
-        let bytes = headless::read(&self.gpu, &copy, submitted)?;
+        let bytes = read(&self.gpu, &copy, submitted)?;
         Ok(bytemuck::pod_collect_to_vec::<u8, Cell>(&bytes).iter().map(Cell::ball).collect())
     }
 
