@@ -1,6 +1,7 @@
 //! The live window. [`session::Session`] holds all that it knows; panels read it and push [`command::Command`]s; one function,
-//! [`command::apply`], does them.
+//! [`apply::apply`], does them.
 
+mod apply;
 mod canvas;
 mod command;
 mod document;
@@ -23,8 +24,9 @@ pub use recovery::Recovery;
 pub use trial::Measured;
 
 use crate::files::FileLoader;
+use apply::apply;
 use canvas::{Canvas, Order};
-use command::{Command, apply};
+use command::Command;
 use document::Document;
 use eframe::egui_wgpu::{RenderState, WgpuSetup};
 use egui::containers::panel::PanelState;

@@ -1,14 +1,11 @@
 //! The balls: how many there are and what a step of them takes; one step, back to the start, more of them where the pointer is, and one
 //! that is thrown.
 
-use crate::window::command::Command;
+use crate::window::command::{Command, DROP};
 use crate::window::panels::icons::{self, Icon};
 use crate::window::session::Session;
 use crate::window::theme;
 use egui::{CursorIcon, Key, Modifiers, PointerButton, Response, RichText, Ui};
-
-/// Balls of one drop.
-pub const DROP: u32 = 64;
 
 /// Shows what the toolbar has of them.
 pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {

@@ -1,6 +1,7 @@
 //! The panels. Each reads the session and pushes commands.
 
 pub mod balls;
+pub mod cursor;
 mod history;
 pub mod icons;
 pub mod lines;

@@ -2,8 +2,8 @@
 
 use crate::window::command::Command;
 use crate::window::document::Document;
+use crate::window::panels::cursor::selection;
 use crate::window::panels::icons;
-use crate::window::panels::source;
 use crate::window::session::{Place, Search, Session};
 use crate::window::theme;
 use egui::text::{CCursor, CCursorRange, CharIndex};
@@ -172,7 +172,7 @@ fn cursor(ui: &Ui, document: &Document, search: Option<&Search>) -> Range<usize>
     match search {
         Some(search) if has_keyboard(ui) => search.at.clone(),
         _ => {
-            let selection = source::selection(ui, document);
+            let selection = selection(ui, document);
             let byte = |character: usize| document.text.char_indices().nth(character).map_or(document.text.len(), |(at, _)| at);
             byte(selection.start)..byte(selection.end)
         }

@@ -2,6 +2,7 @@
 
 use crate::window::command::Command;
 use crate::window::document::Document;
+use crate::window::panels::cursor::{id, selection};
 use crate::window::panels::icons::{self, Icon};
 use crate::window::panels::{history, lines, notes, problems, search};
 use crate::window::session::{Place, Problem, Session};
@@ -171,11 +172,6 @@ fn blinks(ui: &Ui, id: Id) -> bool {
     now - last < BLINKS
 }
 
-/// What the text's cursor is called.
-fn id(document: &Document) -> Id {
-    Id::unique(("source", &document.name))
-}
-
 /// Page Up and Page Down move the cursor, and with Shift what is selected, by as many lines as are seen; answers whether they did.
 fn page(ui: &Ui, id: Id, text: &str) -> bool {
     let Some(range) = TextEditState::load(ui.ctx(), id).and_then(|state| state.cursor.char_range()) else { return false };
@@ -215,14 +211,6 @@ fn keep_in_view(ui: &Ui, output: &TextEditOutput, gutter: f32) {
     let seen = ui.clip_rect().y_range();
     let far = rect.max.y < seen.min - seen.span() || rect.min.y > seen.max + seen.span();
     ui.scroll_to_rect(rect, far.then_some(Align::Center));
-}
-
-/// What is selected in a text, in characters; where the cursor is, where nothing is.
-pub fn selection(ui: &Ui, document: &Document) -> Range<usize> {
-    let range = TextEditState::load(ui.ctx(), id(document)).and_then(|state| state.cursor.char_range());
-    let [start, end] = range.map_or([0, 0], |range| range.sorted_cursors().map(|cursor| cursor.index.0));
-    let count = document.text.chars().count();
-    start.min(count)..end.min(count)
 }
 
 /// Keys that change whole lines: Ctrl+/ makes comments of them; with several selected the tabulator moves them in, and Shift with it any out.

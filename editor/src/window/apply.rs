@@ -1,0 +1,470 @@
+//! The one function that does what is asked of the session.
+
+use crate::window::command::{Answer, Command, DROP};
+use crate::window::document::{Disk, Document, Resolution};
+use crate::window::orbit::Orbit;
+use crate::window::recovery::{Found, Recovery};
+use crate::window::session::{Question, Session, factors, problems};
+use crate::window::world::World;
+use serde_json::json;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+use surefoot_compiler::camera::Basis;
+use surefoot_compiler::compiled::{Camera, Compiled, Live};
+use surefoot_compiler::diagnostic::Severity;
+use surefoot_compiler::outlook::is_blind;
+use surefoot_compiler::physics::{Ball, State};
+use surefoot_compiler::reference::Reference;
+use surefoot_compiler::reference::march::Ray;
+use surefoot_compiler::source::FileId;
+use surefoot_compiler::syntax::{self, revise};
+use surefoot_compiler::vector::{add, dot, length, scale, sub};
+use surefoot_runtime::Physics;
+use surefoot_runtime::live::{Update, Words};
+
+/// Does what is asked.
+pub fn apply(session: &mut Session, world: &mut World, command: Command) {
+    match command {
+        Command::Edit(text) => session.documents.current_mut().edit(text, Instant::now()),
+        Command::Save => {
+            let shown = session.documents.shown;
+            // What must be decided before is asked above the text.
+            session.open.source |= !save(session, world, shown) && session.notice.is_none();
+        }
+        Command::Format => format(session),
+        Command::Resolve(resolution) => {
+            if session.documents.current_mut().resolve(resolution) {
+                take_back(session.documents.current_mut(), world);
+            }
+        }
+        Command::KeepBoth => keep_both(session, world),
+        Command::Recover { file, keep } => recover(session, world, &file, keep),
+        Command::Show(file) => show(session, world, &file),
+        Command::Jump(place) => {
+            show(session, world, &place.file);
+            session.open.source = true;
+            session.documents.jump = Some(place);
+        }
+        Command::Search(wanted) => {
+            session.open.source |= wanted.is_some();
+            session.search = wanted;
+        }
+        Command::Jumped => session.documents.jump = None,
+        Command::Focus => session.documents.focus = true,
+        Command::Focused => session.documents.focus = false,
+        Command::Set(name, value) => {
+            session.stage.set(&name, &value);
+        }
+        Command::Choose(name, choice) => {
+            session.options.choose.retain(|(known, _)| *known != name);
+            session.options.choose.push((name, choice));
+            world.live.set_options(session.options.clone());
+        }
+        Command::Reset(name) => reset(session, world, &name),
+        Command::ResetAll => {
+            let names = |p: &surefoot_compiler::compiled::Parameter| p.name.clone();
+            let all: Vec<_> =
+                session.scene().iter().flat_map(|s| s.parameters.iter().map(names)).collect();
+            for name in all {
+                reset(session, world, &name);
+            }
+        }
+        Command::KeepValues => {
+            let moved = session.moved();
+            revise(session, |text| revise::parameters(text, &moved));
+        }
+        Command::Play(playing) => session.stage.playing = playing,
+        Command::Time(seconds) => {
+            session.stage.set_time(seconds);
+            if seconds == 0.0 {
+                session.stage.reset_balls();
+            }
+        }
+        Command::StepBalls => session.stage.step_balls(),
+        Command::ResetBalls => session.stage.reset_balls(),
+        Command::DropBalls { at, size } => drop_balls(session, at, size),
+        Command::TakeBall { at, size } => take_ball(session, at, size),
+        Command::PullBall { at, size } => pull_ball(session, at, size),
+        Command::ThrowBall { speed } => throw_ball(session, speed),
+        Command::Turn(right, down) => move_camera(session, |orbit| orbit.turn(right, down)),
+        Command::Pan(right, down) => move_camera(session, |orbit| orbit.pan(right, down)),
+        Command::Dolly(factor) => move_camera(session, |orbit| orbit.dolly(factor)),
+        Command::Home => session.look.orbit = None,
+        Command::KeepView => keep_view(session),
+        Command::Camera(name) => {
+            session.look.orbit = None;
+            session.look.camera = Some(name);
+        }
+        Command::Mode(mode) => {
+            session.look.mode = mode;
+            world.live.set_mode(mode);
+        }
+        Command::ShowSource(open) => session.open.source = open,
+        Command::ShowParameters(open) => session.open.parameters = open,
+        Command::LookAround => {
+            let scene = session.documents.all.first().map(|d| d.name.clone()).unwrap_or_default();
+            session.open.beside = crate::files::scenes_beside(&scene);
+        }
+        Command::Open(path) => {
+            if session.is_unsaved() {
+                session.question = Some(Question::Open(path));
+            } else {
+                open(session, world, &path);
+            }
+        }
+        Command::Answer(answer) => self::answer(session, world, answer),
+        Command::Dismiss => session.notice = None,
+        Command::Arrived(update) => arrived(session, world, *update),
+        Command::Said(words) => said(session, words),
+        Command::OnDisk(name, disk) => on_disk(session, world, &name, &disk),
+        Command::Drawn(error) => session.said.drawing = error,
+    }
+}
+
+/// Writes a text; answers whether the disk holds it now.
+fn save(session: &mut Session, world: &mut World, index: usize) -> bool {
+    let Some(document) = session.documents.all.get_mut(index) else { return true };
+    if document.read_only || !document.is_unsaved() {
+        return true;
+    }
+    // The disk may have changed a moment ago, and nobody has said so yet.
+    document.on_disk(&world.read(&document.name));
+    if document.has_conflict() {
+        session.documents.shown = index;
+        return false;
+    }
+    match crate::files::write(Path::new(&document.name), &document.bytes()) {
+        Ok(()) => {
+            document.was_saved();
+            take_back(document, world);
+            true
+        }
+        Err(why) => {
+            session.notice = Some(format!("{} can't be written: {why}", document.name));
+            false
+        }
+    }
+}
+
+/// Ends what was left behind of the text that is shown. A text that is taken can be undone.
+fn recover(session: &mut Session, world: &mut World, file: &Path, keep: bool) {
+    let Some(at) = session.found.iter().position(|found| found.file == file) else { return };
+    if keep {
+        match Recovery::read(&session.found[at]) {
+            Ok(text) => session.documents.current_mut().edit(text, Instant::now()),
+            Err(why) => {
+                session.notice = Some(format!("The unsaved text can't be read: {why}."));
+                return;
+            }
+        }
+        // It lies there under this window's name before the other one goes.
+        world.keep_unsaved(session);
+    }
+    if let Some(at) = session.found.iter().position(|found| found.file == file) {
+        world.recovery.remove(&session.found.remove(at));
+    }
+}
+
+/// The compiler reads the disk again.
+fn take_back(document: &mut Document, world: &mut World) {
+    if document.lent {
+        document.lent = false;
+        world.live.set_text(&document.name, None);
+    }
+}
+
+fn format(session: &mut Session) {
+    let document = session.documents.current_mut();
+    match syntax::format(&document.text) {
+        Ok(text) => document.edit(text, Instant::now()),
+        // The errors are in the list of problems already.
+        Err(_) => {
+            session.notice = Some("a text with errors can't be laid out".to_owned());
+        }
+    }
+}
+
+/// Changes the scene's own text, as an edit that can be undone, and shows it.
+fn revise(session: &mut Session, change: impl FnOnce(&str) -> String) {
+    session.documents.shown = 0;
+    let document = session.documents.current_mut();
+    let is_whole = syntax::parse(FileId(0), &document.text).1.is_empty();
+    if is_whole && document.is_editable() {
+        let text = change(&document.text);
+        document.edit(text, Instant::now());
+    } else {
+        session.notice = Some("nothing is written into a text that can't be read as a scene".to_owned());
+    }
+}
+
+/// Writes where the orbiting camera stands into the scene's text.
+fn keep_view(session: &mut Session) {
+    let Some(camera) = session.look.orbit.map(|orbit| orbit.camera()) else { return };
+    let away = length(sub(camera.eye, camera.target));
+    // A thousandth of the way to what it looks at is a pixel or so.
+    let decimals = (3.0 - away.max(1e-9).log10()).round().clamp(0.0, 9.0) as usize;
+    let point = |place: [f64; 3]| {
+        let numbers = place.map(|c| (format!("{c:.decimals$}").parse::<f64>().unwrap_or(c) + 0.0).to_string());
+        format!("({})", numbers.join(", "))
+    };
+    let mut entries = vec![("eye", point(camera.eye)), ("target", point(camera.target))];
+    // Its angle nobody moves.
+    if session.scene().is_some_and(|scene| scene.blocks.cameras.is_empty()) {
+        entries.push(("fov", format!("{:.1}deg", camera.fov.to_degrees())));
+    }
+    let name = session.look.camera.clone();
+    revise(session, |text| revise::camera(text, name.as_deref(), &entries));
+}
+
+/// Writes the edits as `name.mine.sdf`, then shows what is on the disk.
+fn keep_both(session: &mut Session, world: &mut World) {
+    let document = session.documents.current_mut();
+    let stem = document.name.strip_suffix(".sdf").unwrap_or(&document.name);
+    let free = |n: u32| match n {
+        1 => format!("{stem}.mine.sdf"),
+        n => format!("{stem}.mine{n}.sdf"),
+    };
+    let name = (1..).map(free).find(|name| !Path::new(name).exists()).unwrap_or_default();
+    match crate::files::write(Path::new(&name), &document.bytes()) {
+        Ok(()) => {
+            if document.resolve(Resolution::TakeFile) {
+                take_back(document, world);
+            }
+            session.notice = Some(format!("the edits are in {name}"));
+        }
+        Err(why) => session.notice = Some(format!("{name} can't be written: {why}")),
+    }
+}
+
+/// Shows a text, and opens it where it is not open yet.
+fn show(session: &mut Session, world: &mut World, file: &str) {
+    if let Some(index) = session.documents.find(file) {
+        session.documents.shown = index;
+        return;
+    }
+    // What belongs to the compiler is not on the disk; its words hold the text.
+    let own = file.starts_with('<');
+    let sources = &session.said.words.sources;
+    let known = sources.iter().find(|(_, f)| f.name == file).map(|(_, f)| f.text.clone());
+    let document = match (world.read(file), known) {
+        (Disk::Text(text), _) if !own => Document::new(file, &text),
+        (_, Some(text)) if own => Document::read_only(file, &text),
+        (Disk::Unreadable(why), _) => {
+            session.notice = Some(format!("{file} can't be read: {why}"));
+            return;
+        }
+        (Disk::Gone, _) => {
+            session.notice = Some(format!("{file} is not there"));
+            return;
+        }
+        (Disk::Text(_), _) => return,
+    };
+    if !document.read_only {
+        world.follow(file);
+    }
+    session.documents.all.push(document);
+    session.documents.shown = session.documents.all.len() - 1;
+}
+
+fn reset(session: &mut Session, world: &mut World, name: &str) {
+    let Some(parameter) = session.parameter(name) else { return };
+    if parameter.first.is_some() {
+        let default = parameter.default.clone();
+        session.stage.set(name, &default);
+    } else if session.options.choose.iter().any(|(known, _)| known == name) {
+        session.options.choose.retain(|(known, _)| known != name);
+        world.live.set_options(session.options.clone());
+    }
+}
+
+fn move_camera(session: &mut Session, change: impl FnOnce(&mut Orbit)) {
+    if let Some(camera) = session.camera() {
+        let orbit = session.look.orbit.get_or_insert_with(|| Orbit::from_camera(&camera));
+        change(orbit);
+    }
+}
+
+/// The ray of a place of the picture, and how the camera stands.
+fn ray_at(session: &Session, at: [f64; 2], size: [u32; 2]) -> Option<(Ray, Camera, Basis)> {
+    let (camera, scene, live) = (session.camera()?, session.scene()?, session.stage.live()?);
+    let basis = Basis::of(&camera);
+    let direction = basis.direction(at.into(), size.into());
+    Some((Ray { origin: basis.start(camera.eye, at.into(), size.into()), direction, t_min: 0.0, t_max: scene.frame(live).max_distance }, camera, basis))
+}
+
+/// How far along a ray the field is seen.
+fn seen_at(session: &Session, ray: Ray, footprint: f64) -> Option<f64> {
+    let (scene, live) = (session.scene()?, session.stage.live()?);
+    let hits = Reference::new(scene, live).ok()?.trace(&[ray], footprint, scene.blocks.extent);
+    hits.first().filter(|hit| hit.hit).map(|hit| hit.t)
+}
+
+/// Balls above what is seen at a place of the picture; where nothing is, as far as what the camera looks at.
+fn drop_balls(session: &mut Session, at: [f64; 2], size: [u32; 2]) {
+    let (Some((ray, camera, basis)), Some((scene, live))) = (ray_at(session, at, size), session.scene().zip(session.stage.live())) else { return };
+    let target = length(sub(camera.target, camera.eye));
+    let most = scene.groups(live).first().map_or(0.0, |group| group.radius[1]);
+    let [x, y, z] = ray.at(seen_at(session, ray, basis.footprint(size[1])).unwrap_or(target));
+    session.stage.drop_balls([x, y + 14.0 * most, z], DROP);
+}
+
+/// Takes the nearest ball at a place of the picture that the field does not hide.
+fn take_ball(session: &mut Session, at: [f64; 2], size: [u32; 2]) {
+    let Some((ray, camera, basis)) = ray_at(session, at, size) else { return };
+    let Some(Ok(balls)) = session.stage.balls().map(Physics::read) else { return };
+    let footprint = basis.footprint(size[1]);
+    // A hand need not meet a small ball to the pixel.
+    let touched = |ball: &Ball| {
+        let way = sub(ball.position, camera.eye);
+        let along = dot(way, ray.direction);
+        let aside = length(sub(way, scale(ray.direction, along)));
+        (ball.state != State::Gone && along > 0.0 && aside <= ball.radius + 6.0 * footprint * along).then_some(along - ball.radius)
+    };
+    let nearest = balls.iter().enumerate().filter_map(|(i, b)| Some((touched(b)?, i, b))).min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((t, index, ball)) = nearest else { return };
+    if seen_at(session, ray, footprint).is_some_and(|seen| seen < t - 2.0 * ball.radius) {
+        return;
+    }
+    session.held = Some(dot(sub(ball.position, camera.eye), basis.forward));
+    session.stage.hold_ball(index as u32, ball.position);
+}
+
+/// Pulls the ball that is held, in the plane across the picture in which it was taken.
+fn pull_ball(session: &mut Session, at: [f64; 2], size: [u32; 2]) {
+    let (Some(depth), Some((ray, _, basis))) = (session.held, ray_at(session, at, size)) else { return };
+    match session.stage.balls().and_then(Physics::held) {
+        Some(index) => session.stage.hold_ball(index, ray.at(depth / dot(ray.direction, basis.forward))),
+        // Other balls are there by now.
+        None => session.held = None,
+    }
+}
+
+/// Lets go of the ball that is held, as fast as the hand goes in its plane.
+fn throw_ball(session: &mut Session, [right, down]: [f64; 2]) {
+    let (Some(depth), Some(camera)) = (session.held.take(), session.camera()) else { return };
+    let basis = Basis::of(&camera);
+    let height = 2.0 * basis.tan_half_fov * depth;
+    session.stage.throw_ball(add(scale(basis.right, right * height), scale(basis.up, -down * height)));
+}
+
+fn open(session: &mut Session, world: &mut World, path: &str) {
+    match world.read(path) {
+        Disk::Text(text) => {
+            for document in &mut session.documents.all {
+                take_back(document, world);
+            }
+            // What a hand moved belongs to the old scene, even where the new one has parameters of the same names.
+            let parameters: Vec<_> = session.scene().iter().flat_map(|scene| scene.parameters.clone()).collect();
+            for parameter in parameters.iter().filter(|p| p.first.is_some()) {
+                session.stage.set(&parameter.name, &parameter.default);
+            }
+            session.search = None;
+            world.open(path, &mut session.options);
+            session.documents.all = vec![Document::new(path, &text)];
+            session.documents.shown = 0;
+            session.look.orbit = None;
+            session.look.camera = None;
+            session.stage.set_time(0.0);
+            session.stage.reset_balls();
+        }
+        Disk::Unreadable(why) => session.notice = Some(format!("{path} can't be read: {why}")),
+        Disk::Gone => session.notice = Some(format!("{path} is not there")),
+    }
+}
+
+fn answer(session: &mut Session, world: &mut World, answer: Answer) {
+    let Some(question) = session.question.take() else { return };
+    let go_on = match answer {
+        Answer::Stay => false,
+        Answer::Discard => true,
+        Answer::Save => (0..session.documents.all.len()).all(|i| save(session, world, i)),
+    };
+    session.documents.focus = !go_on;
+    if answer == Answer::Save && !go_on && session.notice.is_none() {
+        let name = session.documents.current().short_name();
+        session.notice = Some(format!("Nothing is closed yet: the disk holds something else of {name}. Decide above its text what is to be kept."));
+    }
+    if go_on {
+        match question {
+            Question::Open(path) => open(session, world, &path),
+            Question::Close => {
+                world.recovery.forget_all();
+                world.close = true;
+            }
+        }
+    }
+}
+
+fn arrived(session: &mut Session, world: &mut World, update: Update) {
+    let swapped = update.ready.is_some();
+    if let Some(ready) = update.ready {
+        session.said.reads_time = ready.compiled.reads_time();
+        session.said.factors = factors(&ready.compiled, &update.words);
+        let before = session.scene().cloned().zip(session.stage.live().cloned());
+        session.stage.put(ready);
+        session.said.swaps += 1;
+        if let Some((old, live)) = before {
+            go_home(session, &old, &live);
+            follow_choices(session, world, &old);
+        }
+    }
+    said(session, update.words);
+    session.said.failure = update.failure;
+    session.said.times = update.times;
+    let errors = session.said.problems.iter().filter(|p| p.severity == Severity::Error).count();
+    let times = session.said.times;
+    let built = world.stats();
+    world.log.event(
+        "compiled",
+        json!({
+            "errors": errors,
+            "failure": session.said.failure,
+            "swapped": swapped,
+            "swaps": session.said.swaps,
+            "compile_ms": times.compile.as_secs_f64() * 1e3,
+            "pipeline_ms": times.pipeline.as_secs_f64() * 1e3,
+            "total_ms": times.total.as_secs_f64() * 1e3,
+            "pipelines": built.pipelines,
+            "modules": built.modules,
+        }),
+    );
+}
+
+/// Problems are those of the newest text, also while its picture is being built.
+fn said(session: &mut Session, words: Arc<Words>) {
+    session.said.problems = problems(&words);
+    session.said.words = words;
+}
+
+/// A choice that a hand made ends where the text makes another one than before.
+fn follow_choices(session: &mut Session, world: &World, old: &Compiled) {
+    let Some(new) = session.scene().cloned() else { return };
+    let chosen = |scene: &Compiled, name: &str| scene.parameters.iter().find(|p| p.name == name)?.choice().map(str::to_owned);
+    let before = session.options.choose.len();
+    session.options.choose.retain(|(name, _)| chosen(old, name) == chosen(&new, name));
+    if session.options.choose.len() < before {
+        world.live.set_options(session.options.clone());
+    }
+}
+
+/// A camera that a hand moved and that saw the old scene is none for the new one where it stands in its solid or sees nothing of it, and the
+/// scene's own does; nor where the scene's own stands in the same place by now.
+fn go_home(session: &mut Session, old: &Compiled, was: &Live) {
+    let Some(orbit) = session.look.orbit.take() else { return };
+    let moved = orbit.camera();
+    let blind = |camera: &Camera| session.scene().zip(session.stage.live()).is_some_and(|(new, live)| is_blind(new, live, camera));
+    let better = blind(&moved) && !is_blind(old, was, &moved) && session.camera().is_some_and(|own| !blind(&own));
+    let near = |a: [f64; 3], b: [f64; 3]| length(sub(a, b)) <= 2e-3 * length(sub(moved.eye, moved.target));
+    let same = session.camera().is_some_and(|own| near(own.eye, moved.eye) && near(own.target, moved.target) && (own.fov - moved.fov).abs() < 1e-3);
+    session.look.orbit = (!better && !same).then_some(orbit);
+}
+
+fn on_disk(session: &mut Session, world: &mut World, name: &str, disk: &Disk) {
+    session.found.iter_mut().filter(|found| found.is_of(name)).for_each(Found::look);
+    let Some(index) = session.documents.find(name) else { return };
+    let Some(document) = session.documents.all.get_mut(index) else { return };
+    if document.on_disk(disk) {
+        take_back(document, world);
+    }
+}
