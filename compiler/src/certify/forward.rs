@@ -8,8 +8,9 @@
 // A step names only steps before it, so every index is in range.
 #![allow(clippy::indexing_slicing)]
 
-use super::code::{Code, Known, Step, known};
-use super::forms::Form;
+use crate::certify::code::Code;
+use crate::certify::form::Form;
+use crate::certify::step::{Known, Step, known};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 
@@ -236,7 +237,8 @@ pub(super) fn full<const D: usize>(code: &Code, domain: &Domain<D>, slots: &mut 
 /// What is known of a step, with what its form tells of the gradient.
 pub(super) fn formed<const D: usize>(code: &Code, slots: &[Slot<D>], form: Form, [value, of @ ..]: [u32; 4]) -> Slot<D> {
     let known = slots[value as usize];
-    let mut gradient = form.gradient(&code.polynomials, of.map(|a| &slots[a as usize]));
+    let of = of.map(|a| &slots[a as usize]);
+    let mut gradient = form.gradient(&code.polynomials, of.map(|a| a.range), of.map(|a| a.gradient));
     gradient.iter_mut().zip(known.gradient).for_each(|(g, other)| *g = g.intersect(other));
     let (gradient, norm, _) = with_norm(gradient, known.norm, known.jump);
     Slot { gradient, norm, ..known }

@@ -8,8 +8,9 @@
 // A step names only steps before it, so every index is in range.
 #![allow(clippy::indexing_slicing)]
 
-use super::code::{Code, Known, Step, known};
-use super::forward::{self, Domain, Slot};
+use crate::certify::code::{Code, Room};
+use crate::certify::forward::{self, Domain, Slot};
+use crate::certify::step::{Known, Step, known};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use std::f64::consts::FRAC_PI_2;
@@ -224,7 +225,7 @@ fn replaced(code: &Code, at: usize, by: &[Step]) -> Code {
 /// Steps of a code, only those that the last one needs.
 fn tidied(code: &Code, steps: Vec<Step>) -> Code {
     let code = Code { steps, polynomials: code.polynomials.clone() };
-    code.shorter(|_| Interval::ALL, &mut super::code::Room::default()).unwrap_or(code)
+    code.shorter(|_| Interval::ALL, &mut Room::default()).unwrap_or(code)
 }
 
 /// What of a part of space can lie in all of the guards' pieces, none where nothing can; guards that hold all of it are dropped.

@@ -18,16 +18,18 @@
 //!
 //! [`falsify`] is the quick way for millions of points.
 
-mod prover;
 mod ball;
 mod code;
 mod falsify;
+mod form;
 mod forms;
 mod forward;
 mod jumps;
 mod pieces;
+mod prover;
 mod ray;
 mod steepest;
+mod step;
 
 pub use prover::{Box3, Prover, Truth};
 use prover::{BRANCHES, NATURAL, Over, SHORT, SLOPES, joined, side};

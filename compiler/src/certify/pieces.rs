@@ -8,8 +8,9 @@
 // A step names only steps before it, so every index is in range.
 #![allow(clippy::indexing_slicing)]
 
-use super::code::{Code, Known, Step, known};
-use super::forward::{Slot, derive, formed};
+use crate::certify::code::Code;
+use crate::certify::forward::{Slot, derive, formed};
+use crate::certify::step::{Known, Step, known};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use rustc_hash::FxHashMap;
