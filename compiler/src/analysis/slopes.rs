@@ -2,19 +2,20 @@
 
 use crate::graph::algebra::Intervals;
 use crate::graph::interval::Interval;
-use crate::graph::kernel::{self, Op};
+use crate::graph::kernel::{EXP_LIMIT, LOG_LEAST, Op};
+use crate::graph::partials::partials;
 
 /// The partial derivatives of an operation. What is cut off, a power of e at its greatest and a logarithm at its least, does not change there.
 pub(super) fn slopes(op: Op, values: &[Interval], value: Interval) -> [Interval; 4] {
-    let mut slopes = kernel::partials(&mut Intervals, op, values, value);
+    let mut slopes = partials(&mut Intervals, op, values, value);
     let a = values.first().copied().unwrap_or(Interval::ALL);
     let is_cut = match op {
-        Op::Exp => a.hi >= kernel::EXP_LIMIT,
-        Op::Log => a.lo <= kernel::LOG_LEAST,
+        Op::Exp => a.hi >= EXP_LIMIT,
+        Op::Log => a.lo <= LOG_LEAST,
         _ => false,
     };
     if let (Some(slope), true) = (slopes.first_mut(), is_cut) {
-        let a = a.intersect(Interval::new(kernel::LOG_LEAST, f64::INFINITY));
+        let a = a.intersect(Interval::new(LOG_LEAST, f64::INFINITY));
         *slope = match op {
             Op::Log if a.is_empty() => Interval::ZERO,
             Op::Log => Interval::ONE.div(a).hull(Interval::ZERO),

@@ -7,7 +7,8 @@ use super::outlines::Outline;
 use super::Builder;
 use crate::analysis::chain::DEEP;
 use crate::graph::kernel::Op;
-use crate::graph::{Exactness, Function, Leaf, Node, NodeId, ShapeId, kernel};
+use crate::graph::partials::partials;
+use crate::graph::{Exactness, Function, Leaf, Node, NodeId, ShapeId};
 use rustc_hash::FxHashMap;
 use smallvec::{SmallVec, smallvec};
 use std::rc::Rc;
@@ -219,7 +220,7 @@ impl Builder<'_> {
                 if inner.iter().all(|g| *g == flat) {
                     return flat;
                 }
-                let partials = kernel::partials(self.graph, op, &args, id);
+                let partials = partials(self.graph, op, &args, id);
                 self.chain_rule(&partials, &inner)
             }
             Node::Call(shape, Function::Field, args) => {
@@ -300,7 +301,7 @@ fn is_wall(op: Op) -> bool {
 mod tests {
     use crate::evaluate::Tape;
     use crate::graph::algebra::Reals;
-    use crate::graph::{Function, kernel};
+    use crate::graph::{Function, kernel, partials};
     use crate::{MemoryLoader, Options, compile};
 
     /// Of a scene at a place: the direction of its gradient, and the estimate of the distance.
@@ -326,7 +327,7 @@ mod tests {
         for row in kernel::KERNEL {
             let args = [0.3, 0.7, 0.2, 0.9];
             let args = &args[..usize::from(row.arity)];
-            let slopes = kernel::partials(&mut Reals, row.op, args, (row.value)([0.3, 0.7, 0.2, 0.9]));
+            let slopes = partials::partials(&mut Reals, row.op, args, (row.value)([0.3, 0.7, 0.2, 0.9]));
             assert_eq!(slopes == [0.0; 4], row.op.is_flat(), "{}", row.name);
         }
     }

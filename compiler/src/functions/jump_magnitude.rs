@@ -7,7 +7,7 @@ use super::Builder;
 use crate::analysis::Domain;
 use crate::analysis::constant::terms;
 use crate::graph::interval::Interval;
-use crate::graph::kernel::{Kind, Op, kind};
+use crate::graph::kernel::{Kind, Op};
 use crate::graph::{Node, NodeId};
 
 /// So many pairs of formulas are looked at, and lists no longer than that.
@@ -196,7 +196,7 @@ impl Builder<'_> {
                 continue;
             }
             // A condition is no number that something changes with.
-            if kind(self.graph, x) == Kind::Condition || kind(self.graph, y) == Kind::Condition {
+            if [x, y].iter().any(|&id| self.graph.kind(id) == Kind::Condition) {
                 return f64::INFINITY;
             }
             let most = self.apart(x, y, domain, left);

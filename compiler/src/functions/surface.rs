@@ -4,7 +4,8 @@ use super::bodies::bodies;
 use super::uniform_material::Dress;
 use super::{Builder, Layer, Look, Surface};
 use crate::graph::kernel::Op;
-use crate::graph::{Function, Graph, Leaf, Material, MaterialId, Node, NodeId, ShapeId, kernel, WORLD};
+use crate::graph::partials::partials;
+use crate::graph::{Function, Graph, Leaf, Material, MaterialId, Node, NodeId, ShapeId, WORLD};
 use crate::images::TextureKind;
 use crate::blocks::MeshNodes;
 use rustc_hash::FxHashSet;
@@ -413,7 +414,7 @@ pub(super) fn slope(graph: &mut Graph, node: NodeId, by: NodeId) -> NodeId {
                     if inner.iter().all(|s| *s == zero) {
                         zero
                     } else {
-                        let partials = kernel::partials(graph, op, &args, id);
+                        let partials = partials(graph, op, &args, id);
                         let mut total = zero;
                         for (partial, s) in partials.iter().zip(inner) {
                             let term = graph.op(Op::Mul, &[*partial, s]);

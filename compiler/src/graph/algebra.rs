@@ -1,8 +1,8 @@
 //! What a walk over the graph computes with.
 
-use super::interval::Interval;
-use super::kernel::{self, Op};
-use super::{Claim, Graph, NodeId};
+use crate::graph::interval::Interval;
+use crate::graph::kernel::{self, Op};
+use crate::graph::{Claim, Graph, NodeId};
 
 /// Values and the operations of the kernel on them. One walk ([`Graph::evaluate`]) serves them all.
 pub trait Algebra {

@@ -1,6 +1,6 @@
 //! A few nodes in their order: the arguments of a node, the components of a vector.
 
-use super::NodeId;
+use crate::graph::id::NodeId;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::ops::Deref;

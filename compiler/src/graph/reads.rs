@@ -1,6 +1,5 @@
 //! What the nodes of a graph read of the space in which they stand: found once, as a node is made.
 
-use super::{Graph, NodeId};
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
@@ -21,13 +20,6 @@ impl Reads {
     /// Whether it is the same wherever it stands: it reads nothing of a space.
     pub fn nothing(self) -> bool {
         !self.point && self.variables == 0
-    }
-}
-
-impl Graph {
-    /// The variables that a node reads, in ascending order.
-    pub(crate) fn variables_of(&self, id: NodeId) -> Arc<[u32]> {
-        self.sets.get(self.reads(id).variables)
     }
 }
 

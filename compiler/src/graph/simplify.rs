@@ -1,8 +1,8 @@
 //! Simpler terms for terms: what an operation comes to when something is known of its arguments, as constants, squares, turns and lengths that are
 //! written out. The graph and the bodies of functions that are written share it through [`Terms`].
 
-use super::kernel::Op;
-use super::{FAR, Graph, Node, NodeId};
+use crate::graph::kernel::Op;
+use crate::graph::node::FAR;
 
 /// Where operations are made and looked into: a graph, or what is made of one.
 pub trait Terms {
@@ -18,28 +18,6 @@ pub trait Terms {
     fn op(&mut self, op: Op, args: &[Self::Id]) -> Self::Id;
     /// Whether turns and lengths that are written out are gathered into the operations, of which more is known.
     fn gathers(&self) -> bool;
-}
-
-impl Terms for Graph {
-    type Id = NodeId;
-    fn as_constant(&self, id: NodeId) -> Option<f64> {
-        Graph::as_constant(self, id)
-    }
-    fn operation(&self, id: NodeId) -> Option<(Op, &[NodeId])> {
-        match self.node(id) {
-            Node::Op(op, args) if !self.labels.stands_apart(id) => Some((*op, args)),
-            _ => None,
-        }
-    }
-    fn constant(&mut self, value: f64) -> NodeId {
-        Graph::constant(self, value)
-    }
-    fn op(&mut self, op: Op, args: &[NodeId]) -> NodeId {
-        Graph::op(self, op, args)
-    }
-    fn gathers(&self) -> bool {
-        true
-    }
 }
 
 /// A sine or cosine of a constant. Those of quarter turns are whole: what is left of pi is not meant.
