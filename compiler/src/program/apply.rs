@@ -1,9 +1,8 @@
 //! What comes of a call: a declared function with values for its parameters.
 
-use super::bind::Bound;
-use super::load::ItemRef;
-use super::value::Value;
-use super::{Elaborated, Elaborator, Env, Stop};
+use crate::program::load::ItemRef;
+use crate::program::value::{Bound, Value};
+use crate::program::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::Code;
 use crate::graph::{Claim, ClaimGroup, Function, Leaf, Made, Node, NodeId, NodeList, ShapeId, ValueRange};
 use crate::source::Span;
@@ -59,7 +58,7 @@ impl Elaborator<'_> {
                 .iter()
                 .take(operand_count)
                 .flatten()
-                .find_map(|b| if let Value::Shape(id) = b.value { Some(self.dimensions(id)) } else { None })
+                .find_map(|b| if let Value::Shape(id) = b.value { Some(self.graph.dimensions(id)) } else { None })
                 .unwrap_or(3),
         };
         let leaf_point: NodeList = {
@@ -110,7 +109,7 @@ impl Elaborator<'_> {
             let number = values.iter().take(operand_count).position(|v| matches!(v, Value::Number(..)));
             if let Some(i) = number {
                 let at = places.get(i).map_or(span, |(at, _)| *at);
-                let found = values.get(i).map(|v| v.describe(self)).unwrap_or_default();
+                let found = values.get(i).map(|v| v.describe(&self.graph)).unwrap_or_default();
                 let help = match values.get(i) {
                     Some(Value::Number(node, _)) => self.instead_of_number(*node),
                     _ => "write a shape",
@@ -227,7 +226,7 @@ impl Elaborator<'_> {
         let name = &function.name.text;
         let moved = self.expression(&function.body, &here)?;
         if let Value::Number(..) = moved {
-            let found = moved.describe(self);
+            let found = moved.describe(&self.graph);
             return Err(self.error(
                 Code::TypeMismatch,
                 function.body.span,
@@ -239,14 +238,14 @@ impl Elaborator<'_> {
         match receiver {
             Some(Value::Vector(_)) => Ok(Value::Vector(moved)),
             Some(Value::Nothing) => Ok(Value::Nothing),
-            Some(Value::Shape(id)) if usize::from(self.dimensions(id)) == n => {
+            Some(Value::Shape(id)) if usize::from(self.graph.dimensions(id)) == n => {
                 let at = self.fit_point(&moved, id, span)?;
                 let value = self.graph.field(id, at);
                 self.locate(value, span);
                 Ok(Value::Shape(self.make_shape(n as u8, value, span)))
             }
             Some(other) => {
-                let found = other.describe(self);
+                let found = other.describe(&self.graph);
                 Err(self.error(
                     Code::TypeMismatch,
                     span,

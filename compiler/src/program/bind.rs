@@ -1,11 +1,11 @@
 //! How arguments meet parameters: by place or name, one by one or a vector at once, and within what the documentation requires.
 
-use super::apply::is_operand;
-use super::builtin::is_function;
-use super::load::{ItemRef, Modules, is_of_prelude, prelude_items};
-use super::value::{points, type_words, Value};
-use super::blocks::short;
-use super::{Elaborated, Elaborator, Env, Stop};
+use crate::program::apply::is_operand;
+use crate::program::blocks::short;
+use crate::program::builtin::is_function;
+use crate::program::load::{ItemRef, Modules, is_of_prelude, prelude_items};
+use crate::program::value::{Bound, Value, points, type_words};
+use crate::program::{Elaborated, Elaborator, Env, Stop};
 use crate::prelude::in_prelude;
 use crate::diagnostic::Code;
 use crate::graph::kernel::Op;
@@ -80,17 +80,6 @@ fn listed(line: &str) -> Vec<Vec<&'static str>> {
 
 /// Where a live value must be above a limit, it is kept so far above it.
 const LEAST: f64 = 1e-5;
-
-/// A value that was given for a parameter.
-#[derive(Clone)]
-pub struct Bound {
-    /// It.
-    pub value: Value,
-    /// Where it stands.
-    pub span: Span,
-    /// Where each component stands, for a vector whose components are written out.
-    pub parts: Vec<Span>,
-}
 
 /// An argument before it has a value, or with one.
 enum Given<'a> {
@@ -307,21 +296,21 @@ impl Elaborator<'_> {
             let after_axis = parameters.iter().take_while(|p| p.name.text != parameter.name.text).any(|p| &*p.name.text == "axis");
             let typed = value.and_then(|(value, at)| match &parameter.ty {
                 Some(_) if is_solid => {
-                    let found = value.describe(self);
+                    let found = value.describe(&self.graph);
                     Err(self.error(Code::MissingArgument, at, format!("`{name}` needs `k`, a number, and this is {found}"), of_many(name, parameters)))
                 }
                 Some((ty, _)) if after_axis && matches!(value, Value::Vector(_)) && !self.fits(&value, ty) && !self.is_axis_of_a_drawing(&value, ty, at) => {
-                    let found = value.describe(self);
+                    let found = value.describe(&self.graph);
                     let help = format!("the axis stands first: write `{}`", written(name, parameters, hidden, false));
                     Err(self.error(Code::TypeMismatch, at, format!("{} is needed here, and this is {found}", type_words(ty)), help))
                 }
                 Some((Type::Float | Type::Int, _)) if matches!(value, Value::Vector(_)) && self.names_an_axis(at) && !parameters.iter().any(|p| matches!(p.ty, Some((Type::Vec(3), _)))) => {
                     let needed: Vec<_> = parameters.iter().take_while(|p| p.default.is_none()).cloned().collect();
                     let help = format!("`{name}` has no axis: write `{}`", written(name, &needed, hidden, false));
-                    Err(self.error(Code::TypeMismatch, at, format!("a number is needed here, and this is {}", value.describe(self)), help))
+                    Err(self.error(Code::TypeMismatch, at, format!("a number is needed here, and this is {}", value.describe(&self.graph)), help))
                 }
                 Some((Type::Float, _)) if !self.names_an_axis(at) && let Some(help) = in_one_vector(&value, name, parameters, hidden) => {
-                    let found = value.describe(self);
+                    let found = value.describe(&self.graph);
                     Err(self.error(Code::TypeMismatch, at, format!("{} is needed here, and this is {found}", type_words(&Type::Float)), help))
                 }
                 Some((ty, _)) => self.coerce(value, ty, at, place),
@@ -331,7 +320,7 @@ impl Elaborator<'_> {
                         let kind = self.expression(default, &Env::top(env.module));
                         match kind {
                             Ok(k) if std::mem::discriminant(&k) != std::mem::discriminant(&value) => {
-                                let (wanted, found) = (k.describe(self), value.describe(self));
+                                let (wanted, found) = (k.describe(&self.graph), value.describe(&self.graph));
                                 Err(self.error(
                                     Code::TypeMismatch,
                                     at,

@@ -130,7 +130,7 @@ impl Elaborator<'_> {
             (Value::Bool(_), None) => Type::Bool,
             (Value::Vector(v), None) => Type::Vec(v.len() as u8),
             (other, None) => {
-                let found = other.describe(self);
+                let found = other.describe(&self.graph);
                 return Err(self.error(
                     Code::TypeMismatch,
                     value.span,
@@ -240,7 +240,7 @@ impl Elaborator<'_> {
         };
         let value = self.expression(domain, env)?;
         let Value::Range(range) = &value else {
-            let found = value.describe(self);
+            let found = value.describe(&self.graph);
             return Err(self.error(
                 Code::BadRange,
                 domain.span,
@@ -570,7 +570,7 @@ impl Elaborator<'_> {
     /// The numbers of a range's ends: those of the lesser first.
     pub(super) fn range_of(&mut self, value: &Value, ty: &Type, span: Span, env: &Env) -> Elaborated<Vec<NodeId>> {
         let Value::Range(range) = value else {
-            let found = value.describe(self);
+            let found = value.describe(&self.graph);
             return Err(self.error(
                 Code::TypeMismatch,
                 span,
@@ -611,7 +611,7 @@ impl Elaborator<'_> {
         let Some(expr) = expr else { return Ok(default.map(|c| self.graph.constant(c))) };
         let value = self.expression(expr, env)?;
         if matches!(value, Value::Number(..)) {
-            let found = value.describe(self);
+            let found = value.describe(&self.graph);
             return Err(self.error(
                 Code::TypeMismatch,
                 expr.span,

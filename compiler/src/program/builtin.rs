@@ -190,7 +190,7 @@ impl Elaborator<'_> {
                 self.turn_about([a, b, c], [i, j, k], angle, place(1))
             }
             ("at", [Value::Shape(id), q]) => {
-                let n = usize::from(self.dimensions(*id));
+                let n = usize::from(self.graph.dimensions(*id));
                 let q = self.to_vector(q, n, place(1))?;
                 let q = self.fit_point(&q, *id, place(1))?;
                 let node = self.graph.field(*id, q);
@@ -208,7 +208,7 @@ impl Elaborator<'_> {
             ("material", [Value::Nothing, Value::Material(_)]) => Ok(Value::Nothing),
             ("paint", [Value::Shape(id), Value::Shape(mask), m]) => {
                 let Value::Material(m) = m else { return Err(self.not_material(m, place(2))) };
-                if self.dimensions(*id) != self.dimensions(*mask) {
+                if self.graph.dimensions(*id) != self.graph.dimensions(*mask) {
                     return Err(self.error(
                         Code::TypeMismatch,
                         place(1),
@@ -233,7 +233,7 @@ impl Elaborator<'_> {
                     self.check_domain(name, one, span)?;
                     return self.each(one, span, row.op);
                 }
-                let found: Vec<String> = values.iter().map(|v| v.describe(self)).collect();
+                let found: Vec<String> = values.iter().map(|v| v.describe(&self.graph)).collect();
                 let (usage, count) = usage(name);
                 if values.len() < count {
                     return Err(self.error(
@@ -266,7 +266,7 @@ impl Elaborator<'_> {
         const ENDLESS: f64 = 1e6;
         let graph = &mut self.graph;
         let region = self.facts.closer_and_closer(|facts, within| facts.body_region(graph, shape, &|_| None, within), Box3::cube(ENDLESS));
-        let dimensions = usize::from(self.dimensions(shape));
+        let dimensions = usize::from(self.graph.dimensions(shape));
         let cells = (0..dimensions)
             .map(|i| {
                 let side = region.axis(i);
@@ -320,7 +320,7 @@ impl Elaborator<'_> {
     }
 
     fn not_material(&mut self, value: &Value, span: Span) -> super::Stop {
-        let found = value.describe(self);
+        let found = value.describe(&self.graph);
         let help = match value {
             Value::Vector(v) if v.len() == 3 => "of a colour alone write `swatch(#f00)`; more is declared with `material name { color: #f00, roughness: 0.3 }`",
             _ => "declare one with `material name { color: #808080 }`, and write its name here",
@@ -334,7 +334,7 @@ impl Elaborator<'_> {
             Value::Number(n, _) => Ok([*n].into()),
             Value::Vector(v) => Ok(v.clone()),
             other => {
-                let found = other.describe(self);
+                let found = other.describe(&self.graph);
                 Err(self.error(
                     Code::TypeMismatch,
                     span,

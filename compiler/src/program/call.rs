@@ -211,7 +211,7 @@ impl Elaborator<'_> {
         if self.modules.lacks(env.module, name) {
             return Stop;
         }
-        let found = receiver.describe(self);
+        let found = receiver.describe(&self.graph);
         let candidates: Vec<&str> = self
             .modules
             .visible(env.module)
@@ -362,7 +362,7 @@ impl Elaborator<'_> {
             if let Value::Number(..) | Value::Bool(_) | Value::Text(_) | Value::Matrix(..) = &value
                 && !self.is_called(&name.text, env)
             {
-                let found = value.describe(self);
+                let found = value.describe(&self.graph);
                 let help = if matches!(value, Value::Number(..)) && name.text.len() == 1 {
                     "a number has no components; use it as it is"
                 } else {
@@ -460,7 +460,7 @@ impl Elaborator<'_> {
                 if DECLARATIONS.contains(&&*name) {
                     return Err(Stop);
                 }
-                let found = value.describe(self);
+                let found = value.describe(&self.graph);
                 let is_ours = modules.visible(modules.prelude()).contains(&&*name) || is_function(&name);
                 let hides = !modules.is_prelude(item.module) && is_ours;
                 let help = match hides {
@@ -520,11 +520,11 @@ impl Elaborator<'_> {
             FunctionKind::Field => own_space(3, self),
             FunctionKind::Field2 => own_space(2, self),
             FunctionKind::Warp | FunctionKind::Warp2 => match &receiver {
-                Some((Value::Shape(id), _)) => own_space(self.dimensions(*id), self),
+                Some((Value::Shape(id), _)) => own_space(self.graph.dimensions(*id), self),
                 _ => env.clone(),
             },
             FunctionKind::Blend => match known.first() {
-                Some((Value::Shape(id), _)) => own_space(self.dimensions(*id), self),
+                Some((Value::Shape(id), _)) => own_space(self.graph.dimensions(*id), self),
                 _ => env.clone(),
             },
             FunctionKind::Fn | FunctionKind::Shape | FunctionKind::Shape2 => env.clone(),

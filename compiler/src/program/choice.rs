@@ -51,7 +51,7 @@ impl Elaborator<'_> {
             (Value::Nothing, Value::Nothing) => Ok(Value::Nothing),
             (Value::Shape(_) | Value::Nothing, Value::Shape(_) | Value::Nothing) => {
                 let dimensions = match (a, b) {
-                    (Value::Shape(id), _) | (_, Value::Shape(id)) => self.dimensions(*id),
+                    (Value::Shape(id), _) | (_, Value::Shape(id)) => self.graph.dimensions(*id),
                     _ => 3,
                 };
                 let x = self.to_shape(a, dimensions, span)?;
@@ -78,7 +78,7 @@ impl Elaborator<'_> {
                 Ok(Value::number(self.graph.op(Op::Select, &[condition, x, y])))
             }
             _ => {
-                let (left, right) = (a.describe(self), b.describe(self));
+                let (left, right) = (a.describe(&self.graph), b.describe(&self.graph));
                 Err(self.error(
                     Code::TypeMismatch,
                     span,
@@ -145,7 +145,7 @@ impl Elaborator<'_> {
         let node = match self.expression(condition, env)? {
             Value::Bool(node) => node,
             other => {
-                let found = other.describe(self);
+                let found = other.describe(&self.graph);
                 return Err(self.error(
                     Code::TypeMismatch,
                     condition.span,
@@ -177,10 +177,10 @@ impl Elaborator<'_> {
             ));
         }
         if let Some(other) = otherwise
-            && !a.is_like(&b, self)
+            && !a.is_like(&b, &self.graph)
             && !(env.point.is_some() && a.is_field() && b.is_field())
         {
-            let (left, right) = (a.describe(self), b.describe(self));
+            let (left, right) = (a.describe(&self.graph), b.describe(&self.graph));
             let error = Diagnostic::new(
                 Code::TypeMismatch,
                 result_of(other),

@@ -327,8 +327,8 @@ impl Elaborator<'_> {
     pub(super) fn list_of(&mut self, values: Vec<Value>, places: &[Span], span: Span) -> Elaborated<Value> {
         if let Some((first, rest)) = values.split_first() {
             for (i, value) in rest.iter().enumerate() {
-                if !first.is_like(value, self) {
-                    let (wanted, found) = (first.describe(self), value.describe(self));
+                if !first.is_like(value, &self.graph) {
+                    let (wanted, found) = (first.describe(&self.graph), value.describe(&self.graph));
                     let at = places.get(i + 1).copied().unwrap_or(span);
                     let mut error = Diagnostic::new(
                         Code::TypeMismatch,
@@ -369,7 +369,7 @@ impl Elaborator<'_> {
                 cells.chunks(usize::from(*n)).map(|c| Value::Vector(c.into())).collect()
             }
             other => {
-                let found = other.describe(self);
+                let found = other.describe(&self.graph);
                 return Err(self.error(
                     Code::TypeMismatch,
                     list.span,

@@ -1,15 +1,16 @@
 //! Faces of two solids that lie in one plane. A blend of both would bulge over it, as it fills every place to which both are near: it is cut off
 //! at the plane. Both lie on one side of that, so nothing of either is lost, and the cut is a half-space, whose field is a distance.
 
-use super::bind::flush_by;
-use super::load::ItemRef;
-use super::value::Value;
-use super::Elaborator;
 use crate::analysis::Box3;
-use crate::live::Live;
 use crate::evaluate::Tape;
 use crate::graph::kernel::Op;
 use crate::graph::{Graph, Leaf, Node, NodeId, Opened, ShapeId};
+use crate::live::Live;
+use crate::program::Elaborator;
+use crate::program::bind::flush_by;
+use crate::program::faces::{Face, Faces, ROUNDING};
+use crate::program::load::ItemRef;
+use crate::program::value::Value;
 use crate::source::Span;
 use crate::syntax::ast;
 use rustc_hash::FxHashSet;
@@ -23,59 +24,8 @@ const PLACES: usize = 9;
 const NEAR: f64 = 1e-2;
 /// Of a side without an end so much is looked at, on both sides of the origin.
 const WIDE: f64 = 10.0;
-/// Numbers that differ by less, as a share of their size, differ by rounding: constants have 32 bits.
-const ROUNDING: f64 = 2e-7;
 /// A chain of blends in which so many cuts stand within others gets no more of those: each of them parts what is one union without it.
 const MOST_WITHIN: usize = 4;
-
-/// A flat face across an axis: all of the solid lies where the coordinate times `outward`, which is 1 or -1, is at most `at`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Face {
-    axis: usize,
-    outward: f64,
-    at: f64,
-    /// All of it lies in here.
-    within: Box3,
-}
-
-impl Face {
-    /// Whether both lie in one plane, but for rounding, and their solids on the same side of it.
-    fn is_flush_with(&self, other: &Face) -> bool {
-        let near = ROUNDING * (1.0 + self.at.abs());
-        self.axis == other.axis && self.outward == other.outward && (self.at - other.at).abs() <= near
-    }
-
-    /// How far another face of the same plane is away from it.
-    fn gap(&self, other: &Face) -> f64 {
-        let apart = |axis: usize| {
-            let (a, b) = (self.within.axis(axis), other.within.axis(axis));
-            (b.lo - a.hi).max(a.lo - b.hi).max(0.0)
-        };
-        (0..3).filter(|axis| *axis != self.axis).map(apart).fold(0.0, f64::hypot)
-    }
-
-    /// How far a box reaches in the direction in which the face looks.
-    fn end(&self, of: &Box3) -> f64 {
-        let side = of.axis(self.axis);
-        if self.outward > 0.0 { side.hi } else { -side.lo }
-    }
-}
-
-/// What is known of a shape's faces.
-#[derive(Clone, Debug)]
-pub struct Faces {
-    flat: Rc<[Face]>,
-    /// All of it lies in here, but for what a blend adds.
-    region: Box3,
-    /// The same without its cuts.
-    uncut: ShapeId,
-    /// Where it was cut off.
-    cuts: Rc<[Face]>,
-    /// Whether it is a blend of two.
-    joined: bool,
-    /// How many cuts stand within others.
-    within: usize,
-}
 
 /// What a blend of two is made of, and where it is cut off.
 pub struct Flush {
@@ -148,7 +98,7 @@ impl Elaborator<'_> {
             Some(outside) => {
                 let inside = self.graph.field(blend, point);
                 let value = self.graph.op(Op::Max, &[inside, outside]);
-                let dimensions = self.dimensions(blend);
+                let dimensions = self.graph.dimensions(blend);
                 self.make_shape(dimensions, value, span)
             }
         };

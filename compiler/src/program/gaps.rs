@@ -4,13 +4,14 @@
 //! is rounded or blended by more than the cap does: it would grow into the gaps between sparse copies. So the surface of what reads the value is
 //! looked for at some places, with the cap and with a higher one. Where they differ, the repetition looks as far as it is read.
 
-use super::Elaborator;
 use crate::analysis::{Box3, Domain};
-use crate::live::Live;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluate::{Evaluator, LANES, Lanes, Tape, lanes};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, FAR, Function, Graph, Leaf, Node, NodeId, ParameterComponent, ShapeId};
+use crate::live::Live;
+use crate::program::Elaborator;
+use crate::program::capped::Capped;
 use crate::source::Span;
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -33,20 +34,6 @@ const MOST: usize = 100_000_000;
 const TIMES: [f64; 4] = [0.7, 1.9, 3.1, 4.7];
 /// With a higher cap there is another surface: so often is it looked for.
 const ROUNDS: usize = 3;
-
-/// The value of a repetition that does not look at all copies.
-pub(super) struct Capped {
-    /// The lesser of the next two.
-    value: NodeId,
-    /// The least of the copies that are looked at.
-    nearest: NodeId,
-    /// What any other copy is at least.
-    cap: NodeId,
-    /// The least value of the cap.
-    least: f64,
-    /// Where a person wrote it.
-    place: Span,
-}
 
 impl Elaborator<'_> {
     /// Remembers that a repetition's `value` is the lesser of the `nearest` copies and of a cap, which is nowhere below `least`.

@@ -109,7 +109,7 @@ impl Elaborator<'_> {
                 match self.expression(condition, &inner)? {
                     Value::Bool(node) => running = self.graph.op(Op::And, &[running, node]),
                     other => {
-                        let found = other.describe(self);
+                        let found = other.describe(&self.graph);
                         return Err(self.error(
                             Code::TypeMismatch,
                             condition.span,
@@ -158,7 +158,7 @@ impl Elaborator<'_> {
     fn turns(&mut self, source: &Expr, env: &Env) -> Elaborated<(Vec<Value>, Option<NodeId>)> {
         let range = self.expression(source, env)?;
         let Value::Range(range) = &range else {
-            let found = range.describe(self);
+            let found = range.describe(&self.graph);
             return Err(self.error(
                 Code::TypeMismatch,
                 source.span,
@@ -213,7 +213,7 @@ impl Elaborator<'_> {
     /// What a repetition repeats, as a shape. Where it is a solid, and the head repeats drawings, the head is wrong.
     pub(super) fn repeated(&mut self, body: &Value, dimensions: u8, each: &For, head: &str) -> Elaborated<ShapeId> {
         if let (Value::Shape(id), 2) = (body, dimensions)
-            && self.dimensions(*id) == 3
+            && self.graph.dimensions(*id) == 3
         {
             let help = format!("write `{head}` for solids");
             let error = Diagnostic::new(Code::TypeMismatch, each.source.span, "this repeats drawings, and the body is a solid", help);
@@ -258,7 +258,7 @@ impl Elaborator<'_> {
                 Value::List(items) => Some((items.to_vec(), None)),
                 Value::Range(_) => None,
                 other => {
-                    let found = other.describe(self);
+                    let found = other.describe(&self.graph);
                     return Err(self.error(
                         Code::TypeMismatch,
                         each.source.span,
@@ -334,7 +334,7 @@ impl Elaborator<'_> {
                             self.to_number(body, body_span, env)?
                         }
                         other => {
-                            let found = other.describe(self);
+                            let found = other.describe(&self.graph);
                             return Err(self.error(
                                 Code::TypeMismatch,
                                 body_span,

@@ -219,7 +219,7 @@ impl Elaborator<'_> {
         material: MaterialId,
         span: Span,
     ) -> Value {
-        let dimensions = self.dimensions(shape);
+        let dimensions = self.graph.dimensions(shape);
         let point = self.graph.point();
         let value = self.graph.field(shape, point);
         let (own, paints) = match mask {

@@ -9,9 +9,13 @@ pub mod blocks;
 pub mod builtin;
 pub mod call;
 mod camera;
+mod capped;
 mod choice;
+mod convert;
 mod elsewhere;
+mod env;
 pub mod expression;
+mod faces;
 mod film;
 mod flush;
 mod gaps;
@@ -32,92 +36,21 @@ mod texture;
 mod turn;
 pub mod value;
 
+pub use env::{Elaborated, Env, Scope, Stop};
+
 use crate::analysis::Facts;
 use crate::blocks::SceneBlocks;
-use crate::interface::{Options, Parameter};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::{Exactness, Graph, NodeId, NodeList, Shape, ShapeId};
+use crate::interface::{Options, Parameter};
 use crate::source::{Sources, Span};
 use crate::syntax::ast::{self, FunctionKind, ItemKind};
-use gaps::Capped;
+use capped::Capped;
+use faces::Faces;
 use load::{ItemRef, Modules};
 use rustc_hash::{FxHashMap, FxHashSet};
-use std::rc::Rc;
 use std::sync::Arc;
-use value::Value;
-
-/// An error has been reported; what depends on it is left out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stop;
-
-/// A value, or an error that has been reported.
-pub type Elaborated<T> = Result<T, Stop>;
-
-/// Local names, newest first.
-pub struct Scope {
-    name: Arc<str>,
-    value: Value,
-    /// In a claim the name of an argument is its constant, and this is the argument.
-    argument: Option<Value>,
-    outer: Option<Rc<Scope>>,
-}
-
-/// Where an expression stands.
-#[derive(Clone)]
-pub struct Env {
-    /// Which text's names it sees.
-    pub module: usize,
-    /// Local names.
-    pub scope: Option<Rc<Scope>>,
-    /// `p`, where there is one: two or three coordinates.
-    pub point: Option<NodeList>,
-    /// Whether `normal` can be read.
-    pub normal: bool,
-}
-
-impl Env {
-    /// The top of a text.
-    pub fn top(module: usize) -> Self {
-        Self { module, scope: None, point: None, normal: false }
-    }
-
-    /// With one more local name.
-    pub fn with(&self, name: &Arc<str>, value: Value) -> Self {
-        self.clone().and(name, value)
-    }
-
-    /// This with one more local name.
-    pub fn and(mut self, name: &Arc<str>, value: Value) -> Self {
-        let outer = self.scope.take();
-        self.scope = Some(Rc::new(Scope { name: name.clone(), value, argument: None, outer }));
-        self
-    }
-
-    /// This with the constant of one more argument in a claim, and the argument itself.
-    pub fn and_argument(mut self, name: &Arc<str>, constant: Value, argument: Value) -> Self {
-        let outer = self.scope.take();
-        self.scope = Some(Rc::new(Scope { name: name.clone(), value: constant, argument: Some(argument), outer }));
-        self
-    }
-
-    /// With another `p`.
-    pub fn at(&self, point: Option<NodeList>) -> Self {
-        Self { point, ..self.clone() }
-    }
-
-    fn scopes(&self) -> impl Iterator<Item = &Scope> {
-        std::iter::successors(self.scope.as_deref(), |s| s.outer.as_deref())
-    }
-
-    fn local(&self, name: &str) -> Option<&Value> {
-        self.scopes().find(|s| &*s.name == name).map(|s| &s.value)
-    }
-
-    /// The value of an argument in a claim.
-    fn argument(&self, name: &str) -> Option<&Value> {
-        self.scopes().filter(|s| &*s.name == name).find_map(|s| s.argument.as_ref())
-    }
-}
+use value::{Bound, Value};
 
 /// How many nodes a program may make.
 pub const NODE_LIMIT: usize = 400_000;
@@ -168,7 +101,7 @@ pub struct Elaborator<'a> {
     /// While a declaration that nothing calls is tried with stand-in arguments: only errors that hold for all arguments are kept.
     trial: bool,
     /// What is known of the faces of shapes that are blended.
-    faces: FxHashMap<ShapeId, flush::Faces>,
+    faces: FxHashMap<ShapeId, Faces>,
     /// Where `x`, `y` and `z` stand for unit vectors.
     axes: FxHashSet<Span>,
     /// The scene's extent, needed while repetitions are made.
@@ -474,7 +407,7 @@ impl Elaborator<'_> {
             }
             _ => None,
         };
-        let args = args.into_iter().map(|a| a.map(|value| bind::Bound { value, span: function.name.span, parts: Vec::new() })).collect();
+        let args = args.into_iter().map(|a| a.map(|value| Bound { value, span: function.name.span, parts: Vec::new() })).collect();
         self.apply(item, receiver, args, function.name.span, None).map(|_| ())
     }
 

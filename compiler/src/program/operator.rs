@@ -26,7 +26,7 @@ impl Elaborator<'_> {
                 let point = self.graph.point();
                 let field = self.graph.field(*id, point);
                 let value = self.graph.op(Op::Neg, &[field]);
-                let dimensions = self.dimensions(*id);
+                let dimensions = self.graph.dimensions(*id);
                 Ok(Value::Shape(self.make_shape(dimensions, value, span)))
             }
             (UnaryOp::Not, Value::Nothing) => {
@@ -40,7 +40,7 @@ impl Elaborator<'_> {
                 "what is left of `b` without `a` is `b - a`; the complement of a shape is written `!s`",
             )),
             (UnaryOp::Neg, other) => {
-                let found = other.describe(self);
+                let found = other.describe(&self.graph);
                 Err(self.error(
                     Code::TypeMismatch,
                     span,
@@ -49,7 +49,7 @@ impl Elaborator<'_> {
                 ))
             }
             (UnaryOp::Not, other) => {
-                let found = other.describe(self);
+                let found = other.describe(&self.graph);
                 Err(self.error(
                     Code::TypeMismatch,
                     span,
@@ -88,7 +88,7 @@ impl Elaborator<'_> {
             };
             if *op == BinaryOp::Union
                 && let (Value::Shape(a), Value::Shape(b)) = (left, right_value)
-                && self.dimensions(*a) == self.dimensions(*b)
+                && self.graph.dimensions(*a) == self.graph.dimensions(*b)
             {
                 if pending.is_empty() {
                     pending.push(*a);
@@ -114,7 +114,7 @@ impl Elaborator<'_> {
 
     /// The union of shapes of one number of dimensions.
     pub fn union(&mut self, shapes: &[ShapeId], span: Span) -> ShapeId {
-        let dimensions = shapes.first().map_or(3, |s| self.dimensions(*s));
+        let dimensions = shapes.first().map_or(3, |s| self.graph.dimensions(*s));
         let point = self.graph.point();
         let fields: Vec<NodeId> = shapes.iter().map(|s| self.graph.field(*s, point)).collect();
         let value = self.graph.balanced(Op::Min, &fields, FAR);
@@ -141,7 +141,7 @@ impl Elaborator<'_> {
                 return self.combine(op, &a, &b, spans);
             }
             if op != BinaryOp::Sub {
-                let found = if is_shape(&a) { b.describe(self) } else { a.describe(self) };
+                let found = if is_shape(&a) { b.describe(&self.graph) } else { a.describe(&self.graph) };
                 let at = if is_shape(&a) { spans.2 } else { spans.0 };
                 let help = match (&a, &b) {
                     (Value::Bool(_), _) | (_, Value::Bool(_)) => {
@@ -175,7 +175,7 @@ impl Elaborator<'_> {
             (a, b) = (Value::Vector(self.to_vector(&a, 2, spans.0)?), Value::Vector(self.to_vector(&b, 2, spans.2)?));
         }
         if arithmetic && !computes(op, &a, &b) {
-            let (left, right) = (a.describe(self), b.describe(self));
+            let (left, right) = (a.describe(&self.graph), b.describe(&self.graph));
             let error = Diagnostic::new(
                 Code::TypeMismatch,
                 spans.1,
@@ -242,7 +242,7 @@ impl Elaborator<'_> {
                     Ok(Value::Bool(self.graph.op(kernel, &[*x, *y])))
                 }
                 (Value::Bool(_), other) | (other, _) => {
-                    let found = other.describe(self);
+                    let found = other.describe(&self.graph);
                     let at = if matches!(a, Value::Bool(_)) { spans.2 } else { spans.0 };
                     let instead = match (other, op) {
                         (Value::Shape(_), BinaryOp::And) => "what two shapes share is `a & b`, with one sign",
@@ -271,11 +271,11 @@ impl Elaborator<'_> {
     ) -> Elaborated<Value> {
         let span = spans.0.to(spans.2);
         let dimensions = match (a, b) {
-            (Value::Shape(id), _) | (_, Value::Shape(id)) => self.dimensions(*id),
+            (Value::Shape(id), _) | (_, Value::Shape(id)) => self.graph.dimensions(*id),
             _ => return Ok(Value::Nothing),
         };
         if let (Value::Shape(x), Value::Shape(y)) = (a, b)
-            && self.dimensions(*x) != self.dimensions(*y)
+            && self.graph.dimensions(*x) != self.graph.dimensions(*y)
         {
             let is_plane = [spans.0, spans.2].into_iter().any(|at| self.sources.text(at).starts_with("plane("));
             let help = match is_plane {
@@ -283,7 +283,7 @@ impl Elaborator<'_> {
                 false => "make a solid of the drawing with `.extrude(height)` or `.revolve()`",
             };
             let error = Diagnostic::new(Code::TypeMismatch, spans.1, "a drawing and a solid do not go together", help);
-            return Err(self.report(error.label(spans.0, a.describe(self)).label(spans.2, b.describe(self))));
+            return Err(self.report(error.label(spans.0, a.describe(&self.graph)).label(spans.2, b.describe(&self.graph))));
         }
         let a = self.to_shape(a, dimensions, span)?;
         let b = self.to_shape(b, dimensions, span)?;

@@ -93,7 +93,7 @@ impl Elaborator<'_> {
             }
         }
         if best.is_none() {
-            let found = known.first().map(|(v, _)| v.describe(self)).unwrap_or_default();
+            let found = known.first().map(|(v, _)| v.describe(&self.graph)).unwrap_or_default();
             let at = known.first().map_or(span, |(_, s)| *s);
             let name = functions.first().map(|(_, f)| f.name.text.clone()).unwrap_or_default();
             let wanted: Vec<String> = functions.iter().map(|(_, f)| signature(f)).collect();
@@ -118,13 +118,13 @@ impl Elaborator<'_> {
     fn first_fits(&self, f: &ast::Function, value: &Value) -> u32 {
         match f.kind {
             FunctionKind::Warp => match value {
-                Value::Shape(id) if self.dimensions(*id) == 3 => 2,
+                Value::Shape(id) if self.graph.dimensions(*id) == 3 => 2,
                 Value::Vector(v) if v.len() == 3 => 2,
                 Value::Nothing => 1,
                 _ => 0,
             },
             FunctionKind::Warp2 => match value {
-                Value::Shape(id) if self.dimensions(*id) == 2 => 2,
+                Value::Shape(id) if self.graph.dimensions(*id) == 2 => 2,
                 Value::Vector(v) if v.len() == 2 => 2,
                 _ => 0,
             },

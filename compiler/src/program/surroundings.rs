@@ -72,7 +72,7 @@ impl Elaborator<'_> {
                 Ok(ImageFile { path: join(from, &name.replace('\\', "/")), span })
             }
             other => {
-                let found = other.describe(self);
+                let found = other.describe(&self.graph);
                 Err(self.error(
                     Code::TypeMismatch,
                     span,

@@ -60,7 +60,7 @@ impl Texture {
                 }
             }
             _ => {
-                let found = value.describe(e);
+                let found = value.describe(&e.graph);
                 let help = match key {
                     "texture_scale" | "texture_sharpness" | "bump_height" => "write a number",
                     "bump" => "write a formula of a height, or the name of an image file, for example \"stone.png\"",
