@@ -260,6 +260,7 @@ fn rules_text(rules: &Rules) -> String {
     };
     match rules.get(..rules.len().min(MOST_RULES)) {
         Some([]) | None => String::new(),
+        Some([only]) => format!("found by the rule {}", one(only)),
         Some(most) => format!("found by the rules {}", most.iter().map(one).collect::<Vec<_>>().join(", ")),
     }
 }
