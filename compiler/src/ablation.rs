@@ -113,8 +113,8 @@ fn looks(outcome: &Outcome, [low, high]: [Vec3; 2]) -> Option<f64> {
             let (up, turn) = (next(-1.0, 1.0), next(0.0, std::f64::consts::TAU));
             let out = (1.0 - up * up).sqrt();
             let origin = add(middle, scale([out * turn.cos(), up, out * turn.sin()], size));
-            let [x, y, z] = [0, 1, 2].map(|i| (low.get(i).copied().unwrap_or(0.0), high.get(i).copied().unwrap_or(0.0)));
-            let way = sub([next(x.0, x.1), next(y.0, y.1), next(z.0, z.1)], origin);
+            let ([x, y, z], [right, top, front]) = (low, high);
+            let way = sub([next(x, right), next(y, top), next(z, front)], origin);
             Ray { origin, direction: scale(way, 1.0 / length(way).max(1e-9)), t_min: 0.0, t_max: 4.0 * size }
         })
         .collect();

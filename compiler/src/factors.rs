@@ -81,9 +81,9 @@ pub struct Explained {
     pub advice: String,
 }
 
-/// A rule for factors, and a scene in which nothing else acts: a line of `tests/corpus/rules.txt`.
+/// A scene in which one rule for factors acts alone: a line of `tests/corpus/rules.txt`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Law {
+pub struct RuleScene {
     /// Its name.
     pub name: String,
     /// Why its factor is not attained; none where it is.
@@ -95,7 +95,7 @@ pub struct Law {
 }
 
 /// The rules in a text, one a line, of five parts; lines that begin with `#` are words. A line that is none of these is an error.
-pub fn rules(text: &str) -> Result<Vec<Law>, String> {
+pub fn rules(text: &str) -> Result<Vec<RuleScene>, String> {
     let lines = text.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
     let rule = |line: &str| {
         let mut parts = line.splitn(5, ';').map(str::trim);
@@ -106,7 +106,7 @@ pub fn rules(text: &str) -> Result<Vec<Law>, String> {
             _ => return None,
         };
         let loose = (near != "attained").then(|| near.to_owned());
-        Some(Law { name: name.to_owned(), loose, half: half.parse().ok()?, text })
+        Some(RuleScene { name: name.to_owned(), loose, half: half.parse().ok()?, text })
     };
     lines.map(|line| rule(line).ok_or_else(|| format!("this is no rule: {line}"))).collect()
 }
@@ -174,7 +174,8 @@ pub fn explain(compiled: &Compiled, sources: &Sources) -> Vec<Explained> {
     explained
 }
 
-/// The rules without which a factor would be larger, those that gain most first, each with that factor: infinite where none would be known.
+/// The rules without which a factor would be larger, each with that larger factor. The rule that gains most comes first. A factor is infinite where
+/// none would be known.
 pub fn rules_of(compiled: &Compiled, index: u32) -> Vec<(&'static Row, f64)> {
     let Some(Some(search)) = compiled.functions.searches.get(index as usize) else { return Vec::new() };
     let found = |rules| Search { rules, ..search.clone() }.run(&compiled.graph, Rc::new([]), RULE_BOXES);

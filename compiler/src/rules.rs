@@ -1,7 +1,10 @@
-//! The table of rules by which bounds become tighter: one row a rule, with its name, what it does, its source, and a scene that needs it.
+//! The table of rules that make bounds tighter. A row has a rule's name, what it does, its source, and a scene that needs it.
 //!
-//! A rule is optional: without it every bound is still safe, and rays need more steps. So each can be switched off (`--without-rule ID`), and
-//! `docs/rules.md` says what each gains. The searches themselves, and the walk back from a value to the coordinates, are no rules.
+//! Every bound is safe without any rule, but rays need more steps. So each rule can be switched off (`--without-rule ID`), and `docs/rules.md`
+//! says what each gains. The searches themselves, and the walk back from a value to the coordinates, are not rules.
+//!
+//! Four rules have no row yet, since no scene is known that gets worse without them: `lipschitz_atoms`, `noise_cells` and `planar_region` in
+//! `analysis/rules`, and `meets_at_walls` in `functions/jump_magnitude.rs`.
 
 /// When a rule is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -89,6 +92,9 @@ macro_rules! rules {
         ];
     };
 }
+
+// A set has a bit for each rule.
+const _: () = assert!(RULES.len() <= u64::BITS as usize);
 
 /// Rules that may be used: all of them by default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -33,7 +33,19 @@ fn each_rule_stands_where_its_row_says() {
         assert!(ids.insert(row.id), "two rules are named {}", row.id);
         assert!(source.join(row.file).is_file(), "{}: there is no {}", row.id, row.file);
     }
-    // Each is asked somewhere, and none twice under two names.
+    let mut files = vec![source.clone()];
+    let mut texts = String::new();
+    while let Some(file) = files.pop() {
+        match file.is_dir() {
+            true => files.extend(std::fs::read_dir(&file).unwrap().map(|entry| entry.unwrap().path())),
+            false if file != source.join("rules.rs") => texts += &std::fs::read_to_string(&file).unwrap(),
+            false => {}
+        }
+    }
+    for row in RULES {
+        let is_asked = [')', ','].iter().any(|end| texts.contains(&format!("Rule::{:?}{end}", row.rule)));
+        assert!(is_asked, "nothing asks whether {} is switched on", row.id);
+    }
     let page = std::fs::read_to_string(source.join("../../docs/rules.md")).unwrap();
     for id in ids {
         assert!(page.contains(&format!("| `{id}` |")), "docs/rules.md does not name {id}");

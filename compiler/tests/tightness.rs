@@ -3,18 +3,18 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 use surefoot_compiler::evaluate::Tape;
-use surefoot_compiler::factors::{Judged, Law, judge, rules};
+use surefoot_compiler::factors::{Judged, RuleScene, judge, rules};
 use surefoot_compiler::graph::Function;
 use surefoot_compiler::reference_text::{CHAPTERS, entries};
 use surefoot_compiler::verify::{Settings, Side, WORK, verify};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use surefoot_compiler::{Compiled, Live, MemoryLoader, Options, compile};
 
-fn all() -> Vec<Law> {
+fn all() -> Vec<RuleScene> {
     rules(include_str!("../../tests/corpus/rules.txt")).unwrap()
 }
 
-fn scene(rule: &Law) -> Compiled {
+fn scene(rule: &RuleScene) -> Compiled {
     let outcome = compile(&MemoryLoader::new().with("rule.sdf", rule.text.clone()), "rule.sdf", &Options::default());
     let said = surefoot_compiler::diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
     outcome.compiled.unwrap_or_else(|| panic!("{}: {said}", rule.name))
@@ -43,7 +43,7 @@ fn mutated(scene: &Compiled, times: f64) -> impl Fn(&Live, &[[f32; 3]]) -> Resul
 }
 
 /// What is wrong with a rule: its factor is below what is attained, or well above it; or a third less is not found out.
-fn faults(rule: &Law) -> Vec<String> {
+fn faults(rule: &RuleScene) -> Vec<String> {
     let scene = scene(rule);
     let Judged { factor, attained, at_most } = judge(&scene, rule.half, 600);
     println!("{:<40} factor {factor:.4}  attained {attained:.4}  at most {at_most:?}", rule.name);

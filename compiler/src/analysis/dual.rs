@@ -6,6 +6,7 @@
 use super::branches::{self, Branches, Side};
 use super::rules::claims::claimed;
 use super::rules::jacobian_norm::{chain_norm, map_norm, point_norm};
+use super::rules::rotated_distance::turned_norm;
 use super::slopes::slopes;
 use super::tape::{Step, Tape};
 use super::{leaf_range, Box3, Domain, Facts, Pinned};
@@ -378,8 +379,9 @@ pub fn run(
                 let point = args.get(..3).unwrap_or(args);
                 let norm = point_norm(tape, graph, &values, point);
                 let dual = call(facts, graph, *shape, &of, norm);
-                match super::rules::rotated_distance::turned_norm(facts, graph, tape, *shape, args, &values) {
-                    Some(most) if tape.rules.has(Rule::RotatedDistance) && most < dual.norm => dual.limited(most),
+                let turned = tape.rules.has(Rule::RotatedDistance).then(|| turned_norm(facts, graph, tape, *shape, args, &values)).flatten();
+                match turned {
+                    Some(most) if most < dual.norm => dual.limited(most),
                     _ => dual,
                 }
             }

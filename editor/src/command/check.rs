@@ -51,7 +51,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         outcome.look();
         let broken = outcome.compiled.as_ref().map_or_else(Vec::new, crate::picture::broken_meshes);
         outcome.diagnostics.extend(broken);
-        let report = Report::of(scene, &outcome, args.json || args.factors);
+        let report = Report::of(scene, &outcome, (args.json || args.factors, args.factors));
         let text = match args.json {
             true => format!("{}\n", report.in_json()),
             false => report.in_words(colored(&std::io::stdout())),
@@ -68,7 +68,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
 
 /// What `check --json` says of a scene.
 pub(super) fn in_json(scene: &str, outcome: &Outcome) -> Value {
-    Report::of(scene, outcome, true).in_json()
+    Report::of(scene, outcome, (true, false)).in_json()
 }
 
 /// All that is said of a scene: what a person reads and what a machine reads are both written from it.
@@ -78,8 +78,8 @@ struct Report<'a> {
     known: Option<Known<'a>>,
 }
 
-/// The rules that a factor was found by, and what it would be without each.
-type Rules = Vec<(&'static Row, f64)>;
+/// The rules that a factor was found by, and what it would be without each; none where that was not asked.
+type Rules = Option<Vec<(&'static Row, f64)>>;
 
 /// What is known of a scene without errors.
 struct Known<'a> {
@@ -92,11 +92,12 @@ struct Known<'a> {
 }
 
 impl<'a> Report<'a> {
-    fn of(scene: &'a str, outcome: &'a Outcome, factors: bool) -> Self {
+    /// With its factors, and with their rules, where these are asked for.
+    fn of(scene: &'a str, outcome: &'a Outcome, (factors, rules): (bool, bool)) -> Self {
         let sources = &outcome.sources;
         let known = outcome.compiled.as_ref().map(|compiled| Known {
             compiled,
-            factors: factors.then(|| with_rules(compiled, sources)),
+            factors: factors.then(|| explained(compiled, sources, rules)),
             solid: compiled.solid_box(),
             skipped: skipped(compiled, sources),
             unseen: unseen(compiled, sources),
@@ -203,7 +204,7 @@ fn factor_json((factor, rules): &(Explained, Rules)) -> Value {
         "parameters": factor.parameters.iter().map(parameter).collect::<Vec<_>>(),
         "reason": factor.reason,
         "advice": factor.advice,
-        "rules": rules.iter().map(|(row, without)| json!({ "id": row.id, "without": without.is_finite().then_some(without) })).collect::<Vec<_>>(),
+        "rules": rules.as_ref().map(|rules| rules.iter().map(|(row, without)| json!({ "id": row.id, "without": without.is_finite().then_some(without) })).collect::<Vec<_>>()),
     })
 }
 
@@ -246,10 +247,10 @@ fn factors_text(explained: &[(Explained, Rules)], color: bool) -> String {
     text
 }
 
-/// Each factor with its rules.
-fn with_rules(compiled: &Compiled, sources: &Sources) -> Vec<(Explained, Rules)> {
-    let explained = factors::explain(compiled, sources).into_iter();
-    explained.map(|factor| (factors::rules_of(compiled, factor.index), factor)).map(|(rules, factor)| (factor, rules)).collect()
+/// Each factor, with its rules where they are asked for: each of them is a search.
+fn explained(compiled: &Compiled, sources: &Sources, rules: bool) -> Vec<(Explained, Rules)> {
+    let rules_of = |factor: &Explained| rules.then(|| factors::rules_of(compiled, factor.index));
+    factors::explain(compiled, sources).into_iter().map(|factor| (rules_of(&factor), factor)).map(|(rules, factor)| (factor, rules)).collect()
 }
 
 /// The rules that gain most, and what the factor would be without each.
@@ -258,10 +259,11 @@ fn rules_text(rules: &Rules) -> String {
         without if without < STEEPEST => format!("{} (without it ×{without:.2})", row.id),
         _ => format!("{} (without it none)", row.id),
     };
-    match rules.get(..rules.len().min(MOST_RULES)) {
-        Some([]) | None => String::new(),
-        Some([only]) => format!("found by the rule {}", one(only)),
-        Some(most) => format!("found by the rules {}", most.iter().map(one).collect::<Vec<_>>().join(", ")),
+    let rules = rules.as_deref().unwrap_or_default();
+    match rules.get(..MOST_RULES).unwrap_or(rules) {
+        [] => String::new(),
+        [only] => format!("found by the rule {}", one(only)),
+        most => format!("found by the rules {}", most.iter().map(one).collect::<Vec<_>>().join(", ")),
     }
 }
 

@@ -123,6 +123,7 @@ fn check_explains_factors_and_strict_refuses_what_is_measured() {
         "for all rate in 0..2; ×",
         "at the defaults",
         "times the steps near it",
+        "found by the rule twist (without it ×",
         "lower it with a narrower range of `rate`",
         "good.sdf: fine\n  no factor: every step is a whole distance\n",
     ] {
@@ -136,6 +137,18 @@ fn check_explains_factors_and_strict_refuses_what_is_measured() {
     assert!(factor["live"].as_f64() < factor["factor"].as_f64());
     assert!(factor["region"]["max"][1].as_f64().unwrap() >= 1.0);
     assert_eq!(factor["parameters"][0]["name"], "rate");
+    assert_eq!(factor["rules"], Value::Null);
+    let (_, out, _) = run(&folder, &["check", "--json", "--factors", "column.sdf"]);
+    let asked: Value = serde_json::from_str(&out).unwrap();
+    let rule = &asked["scene"]["factors"][0]["rules"][0];
+    assert_eq!(rule["id"], "twist");
+    // What it is said to gain is what switching it off costs.
+    let (_, out, _) = run(&folder, &["check", "--json", "--without-rule", "twist", "column.sdf"]);
+    let less: Value = serde_json::from_str(&out).unwrap();
+    let [without, said] = [&less["scene"]["factors"][0]["factor"], &rule["without"]].map(|number| number.as_f64().unwrap());
+    assert!(without > 1.05 * factor["factor"].as_f64().unwrap() && (without - said).abs() < 0.01 * said, "{without} {said}");
+    let (code, _, words) = run(&folder, &["check", "--without-rule", "twister", "column.sdf"]);
+    assert!(code != 0 && words.contains("the rules are claims, "), "{words}");
     let (_, wgsl, _) = run(&folder, &["compile", "column.sdf"]);
     let line = "factor: derived, twist at column.sdf:2:24";
     assert!(wgsl.lines().any(|l| l.contains(factor["uniform"].as_str().unwrap()) && l.contains(line)), "{wgsl}");

@@ -2,7 +2,7 @@
 //!
 //! A fractional part x - ⌊x⌋ lies between zero and one. A mean a(1 - t) + bt lies between a and b. A polynomial of one number, as t²(3 - 2t) is, lies
 //! between the least and the greatest of its Bernstein coefficients over that number's range (Bernstein form: Lane and Riesenfeld 1981), and so does its
-//! slope. What is known of a coordinate over the length of its vector stands in `directions`, of products of sums in `multilinear`.
+//! slope. What is known of a coordinate over the length of its vector stands in `normalized_vector`, of products of sums in `multilinear`.
 
 use super::polar_rotation::Around;
 use super::normalized_vector::Direction;

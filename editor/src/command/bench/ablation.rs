@@ -11,13 +11,7 @@ use surefoot_compiler::ablation::{Price, about};
 use surefoot_compiler::rules::{RULES, Row, RuleSet};
 use surefoot_compiler::{Loader, MemoryLoader, Options, compile};
 
-/// In what a scene gets worse without a rule, as a factor: for the order among scenes.
-struct Loss {
-    scene: String,
-    words: Vec<String>,
-}
-
-/// What each rule is worth to one scene: nothing, for most.
+/// The rules without which a scene gets worse, by their place in `rows`, and in what it does.
 fn losses(loader: &(dyn Loader + Sync), path: &str, rows: &[Row]) -> Vec<(usize, Vec<String>)> {
     let whole = compile(loader, path, &Options::default());
     let about = about(&whole);
@@ -54,12 +48,9 @@ pub fn run(scenes: &[String], file: Option<&Path>) -> Result<Exit, Failure> {
     let mut table = String::from("| rule | gives | tried | what it does | source | its own scene without it | other scenes |\n|---|---|---|---|---|---|---|\n");
     for (i, (row, own)) in RULES.iter().zip(&own).enumerate() {
         let name = |scene: &str| Path::new(scene).file_stem().map_or_else(|| scene.to_owned(), |s| s.to_string_lossy().into_owned());
-        let others: Vec<Loss> = scenes
-            .iter()
-            .zip(&of_scenes)
-            .filter_map(|(scene, found)| Some(Loss { scene: name(scene), words: found.iter().find(|(rule, _)| *rule == i)?.1.clone() }))
-            .collect();
-        let first = others.first().map_or_else(String::new, |loss| format!(": {} ({})", loss.scene, loss.words.join(", ")));
+        let worse = |(scene, found): (&String, &Vec<(usize, Vec<String>)>)| Some((name(scene), found.iter().find(|(rule, _)| *rule == i)?.1.join(", ")));
+        let others: Vec<(String, String)> = scenes.iter().zip(&of_scenes).filter_map(worse).collect();
+        let first = others.first().map_or_else(String::new, |(scene, words)| format!(": {scene} ({words})"));
         let words = |text: &str| text.replace('|', "\\|");
         writeln!(
             table,
