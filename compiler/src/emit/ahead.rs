@@ -1,12 +1,13 @@
 //! The functions by which rays meet planes apart: the distance to the planes, the way to them, and bound and distance of everything else.
 
-use super::body::Body;
-use super::plan::{Plan, Plans as AllPlans};
-use super::write::{self, Context};
-use super::{EmitError, scene_space, surface_plan};
-use crate::interface::{Export, UniformSource};
+use crate::emit::body::Body;
+use crate::emit::error::EmitError;
+use crate::emit::plan::{Plan, Plans as AllPlans};
+use crate::emit::space::{scene_space, surface_plan};
+use crate::emit::write::{self, Context};
 use crate::functions::Planes;
 use crate::graph::{Graph, NodeId, ShapeId};
+use crate::interface::{Export, UniformSource};
 use std::fmt::Write;
 
 /// What is computed of planes and the rest.

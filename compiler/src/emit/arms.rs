@@ -1,6 +1,7 @@
 //! What of a function only one arm of a choice needs, and is computed there alone.
 
-use super::body::{Body, Code, ExprId};
+use crate::emit::body::Body;
+use crate::emit::code::{Code, ExprId};
 use crate::graph::kernel::Op;
 
 /// Index of a block: an arm that is worth a branch. 0 is the function itself.

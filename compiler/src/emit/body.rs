@@ -1,111 +1,29 @@
 //! A function of the module while it is made: expressions over its arguments, each once, calls opened where that was decided.
 
-mod batch;
+pub mod batch;
 mod height;
 mod share;
 
-use super::EmitError;
-use super::formulas::Formulas;
-use super::plan::{Action, Plan, Plans, TargetId};
-use super::vector::{JoinedVectors, Part};
+use crate::emit::code::{Code, ExprId, Exprs, Outside, Read};
+use crate::emit::error::EmitError;
+use crate::emit::formulas::Formulas;
+use crate::emit::joined::{JoinedVectors, Part};
+use crate::emit::plan::{Action, Plan, Plans, TargetId};
 use crate::graph::index::Index;
-use crate::graph::interval::Interval;
 use crate::graph::kernel::{Kind, Op};
 use crate::graph::simplify::{self, Terms};
 use crate::graph::{Graph, Leaf, NodeId};
 use rustc_hash::FxHasher;
-pub use batch::Batch;
-pub(super) use height::LARGE;
-use share::Sharing;
 use smallvec::{SmallVec, smallvec};
 use std::hash::Hasher;
 use std::ops::Range;
 
-/// Index of an expression in a [`Body`]. Arguments have smaller indices.
-pub type ExprId = u32;
+/// From here on 32 bits lose what is seen of a difference of two numbers that are as large.
+pub(super) const LARGE: f64 = 1e3;
 
-/// What an expression is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Code {
-    /// A number, by its bits.
-    Constant(u64),
-    /// The point, a vector of so many components.
-    Point(u8),
-    /// The point of the scene, as an argument.
-    World,
-    /// The point of the scene, in a function that has it as a local.
-    Scene,
-    /// The normal.
-    Normal,
-    /// An argument for a variable of the shape: its place among them.
-    Variable(u32),
-    /// A field of the uniform block: its number among the candidates, and its components.
-    Uniform(u32, u8),
-    /// What depends on parameters and time alone: a field of [`Body::formulas`], and its components.
-    Computed(u32, u8),
-    /// An operation of the kernel. `Length2` and its kin take one vector.
-    Op(Op),
-    /// A function of the module: the point, then numbers.
-    Call(TargetId),
-    /// A loop that calls a function of the module so often. For each argument one that is the same in all calls, or where its bit in the last is set one for each.
-    Batch(TargetId, u32, u32),
-    /// What a loop found in one of its turns.
-    Item(u32),
-    /// A component of a vector.
-    Component(u8),
-    /// Components of a vector in any order: so many, four bits each.
-    Swizzle(u8, u16),
-    /// A vector of numbers.
-    Vector(u8),
-    /// An operation on each component of a vector; arguments that are numbers count for each.
-    VectorOp(Op, u8),
-    /// A vector of one number.
-    Splat(u8),
-    /// The surface's struct from its fields.
-    Surface,
-    /// The struct of what lies on it from its fields.
-    Layers(u32),
-    /// The struct of where a point lies in its part from its fields.
-    Carry,
-    /// The value so far of a union, or its gradient and value: so many components.
-    Value(u8),
-    /// The value of a union that was set aside.
-    Aside(u8),
-    /// A piece of a table's row: four numbers.
-    Row(u32),
-}
-
-impl Code {
-    /// A number that is mostly different for different codes.
-    fn key(self) -> u64 {
-        let (kind, detail) = match self {
-            Code::Constant(bits) => return bits,
-            Code::Point(n) => (1, u64::from(n)),
-            Code::World => (2, 0),
-            Code::Scene => (3, 0),
-            Code::Normal => (4, 0),
-            Code::Variable(i) => (5, u64::from(i)),
-            Code::Uniform(i, _) => (6, u64::from(i)),
-            Code::Op(op) => (7, op as u64),
-            Code::Call(target) => (8, u64::from(target)),
-            Code::Component(i) => (9, u64::from(i)),
-            Code::Swizzle(_, order) => (10, u64::from(order)),
-            Code::Vector(n) => (11, u64::from(n)),
-            Code::VectorOp(op, _) => (12, op as u64),
-            Code::Splat(n) => (13, u64::from(n)),
-            Code::Surface => (14, 0),
-            Code::Layers(which) => (15, u64::from(which)),
-            Code::Carry => (19, 0),
-            Code::Value(n) => (18, u64::from(n)),
-            Code::Aside(n) => (16, u64::from(n)),
-            Code::Row(piece) => (17, u64::from(piece)),
-            Code::Computed(field, _) => (20, u64::from(field)),
-            Code::Batch(target, ..) => (21, u64::from(target)),
-            Code::Item(i) => (22, u64::from(i)),
-        };
-        kind << 40 | detail
-    }
-}
+/// From a place further out than this the way is taken from the module's origin first, of which no digit is lost: near the eye both are near it,
+/// and the point of the scene is not.
+pub const FAR_OUT: f64 = 64.0;
 
 #[derive(Clone, Copy, Debug)]
 struct Expr {
@@ -121,6 +39,18 @@ impl Expr {
     fn arguments<'p>(&self, pool: &'p [ExprId]) -> &'p [ExprId] {
         pool.get(self.start as usize..(self.start + self.count) as usize).unwrap_or(&[])
     }
+}
+
+/// What stands for what, while that is found.
+#[derive(Debug, Default)]
+pub struct Sharing {
+    /// What stands for each expression.
+    shared: Vec<ExprId>,
+    /// Whether the root needs it.
+    live: Vec<bool>,
+    /// How many of its components would be read from a vector.
+    wanted: Vec<u8>,
+    stack: Vec<ExprId>,
 }
 
 /// The expressions of one function.
@@ -158,9 +88,6 @@ struct Opening {
     values: Vec<ExprId>,
 }
 
-/// Some expressions, mostly few.
-pub type Exprs = SmallVec<[ExprId; 12]>;
-
 /// What is bound while a formula is opened.
 pub struct Space {
     /// The point.
@@ -169,25 +96,6 @@ pub struct Space {
     pub normal: Option<ExprId>,
     /// The shape's variables.
     pub variables: Vec<ExprId>,
-}
-
-/// Finds the uniform field and component that a leaf reads.
-pub trait Outside {
-    /// Number of the field, its components, and the component that is meant.
-    fn uniform(&self, read: Read) -> Result<(u32, u8, u8), EmitError>;
-    /// All values of a component of a field.
-    fn range(&self, field: u32, component: u8) -> Interval;
-}
-
-/// What is read from outside.
-#[derive(Clone, Copy, Debug)]
-pub enum Read {
-    /// Seconds.
-    Time,
-    /// A component of a parameter.
-    Parameter(u32),
-    /// A factor.
-    Factor(u32),
 }
 
 struct Frame<'p> {

@@ -1,14 +1,13 @@
 //! The comment at a module's head: what it holds, what a host must write, and what was proven.
 
-use super::formulas::{Formulas, call_name};
-use super::library;
-use super::names::identifier;
-use super::uniforms::Candidates;
-use super::write::vector_type;
 use crate::analysis::Box3;
-use crate::interface::{Export, Options, Parameter, Uniform, UniformSource};
+use crate::emit::formulas::{Formulas, call_name};
+use crate::emit::library;
+use crate::emit::names::{identifier, vector_type};
+use crate::emit::uniforms::Candidates;
 use crate::graph::kernel::Op;
 use crate::graph::{Factor, Graph, Proof};
+use crate::interface::{Export, Options, Parameter, Uniform, UniformSource};
 use crate::source::{Sources, written};
 use crate::syntax::ast::Type;
 use rustc_hash::FxHashSet;

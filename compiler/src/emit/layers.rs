@@ -1,12 +1,14 @@
 //! What lies on surfaces: the structs and functions of layers, and all that meshes are made of.
 
-use super::body::{Body, Code, ExprId, Space};
-use super::plan::Plan;
-use super::write::{self, Context};
-use super::{EmitError, own_space, scene_space, surface_struct};
-use crate::interface::UniformSource;
+use crate::emit::body::{Body, Space};
+use crate::emit::code::{Code, ExprId};
+use crate::emit::error::EmitError;
+use crate::emit::plan::Plan;
+use crate::emit::space::{own_space, scene_space, surface_struct};
+use crate::emit::write::{self, Context};
 use crate::functions::Surface;
 use crate::graph::{ShapeId, Slot};
+use crate::interface::UniformSource;
 use std::borrow::Cow;
 use std::fmt::Write;
 

@@ -3,10 +3,11 @@
 //! `sf_` stands for the prefix of the module. A helper is emitted where something calls it. The tracing functions stand in
 //! `compiler/src/reference` once more, in 64 bits; the two are kept step for step alike.
 
-use super::shadow;
-use super::tracer::{Tracer, Ways};
-use crate::interface::{Export, Rounding};
+use crate::emit::rounding::with_rounding;
+use crate::emit::shadow;
+use crate::emit::tracer::{Tracer, Ways};
 use crate::graph::kernel::Op;
+use crate::interface::{Export, Rounding};
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
@@ -272,26 +273,6 @@ pub const STRUCTURES: [&str; 4] = ["Hit", "Contact", "Surface", "Passage"];
 
 /// The texts of `sf_trace` and `sf_shadow` by [`Ways`], each made when it is first asked for.
 static FOLLOW: [OnceLock<[String; 2]>; 32] = [const { OnceLock::new() }; 32];
-
-/// A text in which `COORDINATES` and `UNIT` stand for what rounding grows with, with that in their places.
-pub fn with_rounding(text: &str, rounding: Rounding) -> String {
-    let unit = rounding.unit as f32;
-    let text = if unit == 1.0 { Cow::Owned(text.replace(" * UNIT", "")) } else { Cow::Borrowed(text) };
-    text.replace("COORDINATES", &coordinates(rounding.reads_scene)).replace("UNIT", &format!("{unit:?}"))
-}
-
-/// The coordinates with which rounding grows where a ray starts at `origin`: those of the scene where it is read as it is, else the way from the
-/// module's own origin.
-fn coordinates(reads_scene: [bool; 3]) -> Cow<'static, str> {
-    match reads_scene {
-        [false, false, false] => "origin".into(),
-        [true, true, true] => "origin + sf_uniforms.origin".into(),
-        axes => {
-            let [x, y, z] = axes.map(|read| if read { "1.0" } else { "0.0" });
-            format!("origin + sf_uniforms.origin * vec3f({x}, {y}, {z})").into()
-        }
-    }
-}
 
 /// The text of an exported function that is the same for every scene with the same ways.
 pub fn function(export: Export, ways: Ways, rounding: Rounding) -> Option<Cow<'static, str>> {

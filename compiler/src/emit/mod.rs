@@ -7,16 +7,22 @@
 mod ahead;
 mod arms;
 mod body;
+mod code;
+mod computed;
+mod error;
 mod formulas;
 mod header;
+mod joined;
+mod layers;
 mod library;
 mod module;
 mod names;
-mod layers;
 mod plan;
+mod rounding;
+pub(crate) mod shadow;
+mod space;
 mod spirv;
 pub mod table;
-pub(crate) mod shadow;
 pub mod tracer;
 mod translate;
 mod uniforms;
@@ -26,74 +32,37 @@ mod write;
 #[cfg(test)]
 mod tests;
 
-pub use module::Module;
+pub use error::EmitError;
 pub use formulas::Formulas;
 pub use library::signature;
+pub use module::Module;
 pub use translate::{Target, translate, validate};
 
 use crate::analysis::Box3;
 use crate::blocks::SceneBlocks;
-use crate::emit::table::ModuleTables;
-use crate::interface::{Export, Options, Parameter, Rounding, UniformSource};
-use crate::live::Live;
 use crate::functions::Functions;
 use crate::graph::interval::Interval;
 use crate::graph::simplify::Terms;
-use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId, WORLD};
+use crate::graph::{Graph, Leaf, Node, ShapeId};
+use crate::interface::{Export, Options, Parameter, Rounding, UniformSource};
+use crate::live::Live;
 use crate::source::Sources;
-use body::{Body, Code, Space, world_count};
+use body::Body;
+use code::{Code, ExprId};
 use layers::{glass_function, layers_function, layers_struct, mesh_functions};
 use library::Helpers;
-use names::{Scope, identifier};
+use names::{Scope, identifier, vector_type};
 use plan::{Group, Plan, Plans, TargetId};
+use rounding::with_rounding;
 use rustc_hash::FxHashMap;
+use space::{own_space, scene_space, surface_plan, surface_struct};
 use std::borrow::Cow;
-use std::fmt;
 use std::fmt::Write;
 use std::sync::Arc;
-use table::Tables;
+use table::{ModuleTables, Tables};
 use tracer::Ways;
 use uniforms::Candidates;
 use write::{Context, Room, unit};
-
-/// Why there is no module. The compiler itself is at fault, or the prefix.
-#[derive(Clone, Debug, PartialEq)]
-pub enum EmitError {
-    /// The prefix can't start a name of WGSL.
-    Prefix(String),
-    /// A function that is called has no formula.
-    NoFormula(ShapeId, Function),
-    /// A shape's function needs itself.
-    Cycle(ShapeId),
-    /// A component that is no parameter's.
-    NoParameter(u32),
-    /// A variable that nothing binds.
-    Unbound(u32),
-    /// A formula that is not a surface's reads the normal.
-    NormalOutsideSurface,
-}
-
-impl fmt::Display for EmitError {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            EmitError::Prefix(prefix) => write!(
-                f,
-                "`{prefix}` can't start the names of a module: take letters, digits and `_`, a letter first, and no WGSL keyword"
-            ),
-            EmitError::NoFormula(shape, function) => {
-                write!(f, "shape {} is asked for its {function:?} and has no formula for it", shape.0)
-            }
-            EmitError::Cycle(shape) => write!(f, "shape {} is made of itself", shape.0),
-            EmitError::NoParameter(i) => write!(f, "no parameter has the component {i}"),
-            EmitError::Unbound(v) => write!(f, "nothing binds variable {v}"),
-            EmitError::NormalOutsideSurface => {
-                f.write_str("only a material may read the normal")
-            }
-        }
-    }
-}
-
-impl std::error::Error for EmitError {}
 
 /// The module of a scene: the functions that `options` asks for, and what they need. `sources` are the texts that the graph came from.
 pub fn emit(
@@ -281,11 +250,6 @@ fn reserved_names(prefix: &str) -> Scope {
     names
 }
 
-fn surface_plan(graph: &Graph, root: ShapeId, nodes: &[NodeId], plans: &mut Plans) -> Plan {
-    let variables = graph.shape(root).map(|s| s.variables.clone()).unwrap_or_default();
-    plans.plan(nodes, variables)
-}
-
 /// Writes the function that says where a point lies in the space of the part that it belongs to, and how each coordinate there grows.
 fn carry_function(context: &mut Context, root: ShapeId, plan: &Plan, body: &mut Body, text: &mut String) -> Result<(), EmitError> {
     let prefix = context.prefix;
@@ -295,7 +259,7 @@ fn carry_function(context: &mut Context, root: ShapeId, plan: &Plan, body: &mut 
     body.clear();
     let space = scene_space(context.graph, root, body, false);
     let results = body.open(context.plans, context.graph, plan, &space, &context.uniforms)?;
-    let fields: Vec<body::ExprId> = results.chunks(3).map(|v| body.vector(v)).collect();
+    let fields: Vec<ExprId> = results.chunks(3).map(|v| body.vector(v)).collect();
     let result = body.add(Code::Carry, &fields);
     write::write(context, body, result, &["p", "q"], text);
     text.push_str("}\n");
@@ -314,14 +278,14 @@ fn shape_function(
     if let Some(table) = plans.table(target) {
         let name = context.functions.get(&id).cloned().unwrap_or_default();
         let gradient = target.group == Group::Gradient;
-        let count = table::write(context, table, gradient, &name, body, text)?;
+        let count = table::text::write(context, table, gradient, &name, body, text)?;
         context.operations.insert(id, count);
         return Ok(());
     }
     let callee = target.plan.callees().next().and_then(|c| context.functions.get(&c).cloned());
     if let (Some(table), Some(field)) = (plans.region(target), callee) {
         let name = context.functions.get(&id).cloned().unwrap_or_default();
-        table::write_region(context, table, &field, &name, text);
+        table::text::write_region(context, table, &field, &name, text);
         let count = target.plan.callees().filter_map(|c| context.operations.get(&c)).sum();
         context.operations.insert(id, count);
         return Ok(());
@@ -420,7 +384,7 @@ fn declarations(context: &Context, facts: &header::Facts, buffers: bool, wgsl: &
     if !facts.fields.is_empty() {
         let _ = write!(wgsl, "\nstruct {prefix}Uniforms {{\n");
         for field in facts.fields {
-            let ty = write::vector_type(field.components as u8);
+            let ty = vector_type(field.components as u8);
             let _ = writeln!(wgsl, "  {}: {ty},", field.name);
         }
         let Options { group, binding, .. } = facts.options;
@@ -432,8 +396,8 @@ fn declarations(context: &Context, facts: &header::Facts, buffers: bool, wgsl: &
     }
     if context.has_tables() {
         match buffers {
-            true => table::declare_buffers(prefix, facts.options.group, facts.options.binding, wgsl),
-            false => table::declare_text(context, wgsl),
+            true => table::text::declare_buffers(prefix, facts.options.group, facts.options.binding, wgsl),
+            false => table::text::declare_text(context, wgsl),
         }
     }
     for text in facts.exports.iter().filter_map(|e| library::structure(*e)) {
@@ -450,7 +414,7 @@ fn declarations(context: &Context, facts: &header::Facts, buffers: bool, wgsl: &
         let _ = write!(wgsl, "\nconst {prefix}region_low = vec3f({low});\nconst {prefix}region_high = vec3f({high});\n");
     }
     for piece in context.helpers.pieces().filter(|p| buffers || p.name != "span") {
-        let _ = write!(wgsl, "\n{}", prefixed(&library::with_rounding(piece.text, context.rounding), prefix));
+        let _ = write!(wgsl, "\n{}", prefixed(&with_rounding(piece.text, context.rounding), prefix));
     }
 }
 
@@ -545,44 +509,4 @@ fn function_names(
         names.insert(id, name);
     }
     names
-}
-
-/// The space of a function of a shape, and the function's arguments.
-fn own_space(body: &mut Body, dimensions: u8, variables: &[u32]) -> (Space, Vec<String>) {
-    let mut arguments = vec![format!("p: {}", write::vector_type(dimensions))];
-    let p = body.add(Code::Point(dimensions), &[]);
-    let x = body.component(p, 0);
-    let y = body.component(p, 1);
-    let z = if dimensions == 3 { body.component(p, 2) } else { body.constant(0.0) };
-    let mut bound = Vec::with_capacity(variables.len());
-    let world = world_count(variables);
-    if world == 3 {
-        arguments.push("world: vec3f".to_owned());
-        let vector = body.add(Code::World, &[]);
-        bound.extend([0, 1, 2].map(|i| body.component(vector, i)));
-    }
-    for i in 0..variables.len() - world {
-        arguments.push(format!("k{i}: f32"));
-        bound.push(body.add(Code::Variable(i as u32), &[]));
-    }
-    (Space { point: [x, y, z], normal: None, variables: bound }, arguments)
-}
-
-/// The space of the scene. Its point is `q`: the module's `p` and the origin.
-fn scene_space(graph: &Graph, root: ShapeId, body: &mut Body, surface: bool) -> Space {
-    let q = body.add(Code::Scene, &[]);
-    let point = [0, 1, 2].map(|i| body.component(q, i));
-    let variables = graph.shape(root).map(|s| s.variables.clone()).unwrap_or_default();
-    // A scene has no variable but its own point; another is found when its formula is opened.
-    let known = variables.iter().take_while(|&&v| v < WORLD + 3);
-    let variables = known.filter_map(|&v| point.get(v as usize).copied()).collect();
-    let normal = surface.then(|| body.add(Code::Normal, &[]));
-    Space { point, normal, variables }
-}
-
-fn surface_struct(body: &mut Body, results: &[body::ExprId]) -> body::ExprId {
-    let (vectors, numbers) = results.split_at_checked(6).unwrap_or((results, &[]));
-    let mut fields: Vec<body::ExprId> = vectors.chunks(3).map(|v| body.vector(v)).collect();
-    fields.extend_from_slice(numbers);
-    body.add(Code::Surface, &fields)
 }

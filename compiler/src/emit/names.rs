@@ -146,3 +146,23 @@ pub fn split_axis(name: &str) -> Option<(&str, usize)> {
     let place = ["x", "y", "z", "w"].iter().position(|a| *a == axis)?;
     Some((base, place))
 }
+
+/// What stands after a vector for one of its components.
+pub fn component_name(i: u8) -> &'static str {
+    match i {
+        0 => ".x",
+        1 => ".y",
+        2 => ".z",
+        _ => ".w",
+    }
+}
+
+/// The type of a vector of 32-bit floats.
+pub fn vector_type(components: u8) -> &'static str {
+    match components {
+        0 | 1 => "f32",
+        2 => "vec2f",
+        3 => "vec3f",
+        _ => "vec4f",
+    }
+}

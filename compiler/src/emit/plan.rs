@@ -1,8 +1,8 @@
 //! Which formulas are needed, which of them become functions of the module, and in which order.
 
-use super::EmitError;
-use super::names::named_vectors;
-use super::table::{Table, Tables};
+use crate::emit::error::EmitError;
+use crate::emit::names::named_vectors;
+use crate::emit::table::{Table, Tables};
 use crate::functions::{Functions, outline_beside};
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId};

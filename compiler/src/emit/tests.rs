@@ -3,7 +3,7 @@
 use super::*;
 use crate::interface::UniformSource;
 use crate::graph::kernel::{self, Op};
-use crate::graph::{Exactness, Factor, Leaf, NodeId, ParameterComponent, Shape, WORLD};
+use crate::graph::{Exactness, Factor, Function, Leaf, NodeId, ParameterComponent, Shape, WORLD};
 use crate::source::{FileId, Span};
 use crate::syntax::ast::Type;
 use std::sync::Arc;

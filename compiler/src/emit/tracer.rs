@@ -1,6 +1,6 @@
 //! The function that follows a ray: its text, with each of its parts by a number that can be changed or switched off.
 
-use super::library::with_rounding;
+use crate::emit::rounding::with_rounding;
 use crate::interface::Rounding;
 
 /// How a ray is followed. [`Tracer::default`] is what modules hold, and what the picture in 64 bits does; others are for measuring what a

@@ -54,7 +54,7 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
     }
     let mut text = match target {
         Target::Spirv => module.wgsl.clone(),
-        _ => table::with_constants(&module.wgsl, prefix),
+        _ => table::text::with_constants(&module.wgsl, prefix),
     };
     if target == Target::Glsl {
         text.push('\n');

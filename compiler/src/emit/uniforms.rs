@@ -1,15 +1,13 @@
 //! The uniform block: which values of the scene are live, their names and where they stand.
 
-use super::EmitError;
-use super::body::{Outside, Read};
-use super::formulas::{Formulas, call_name};
-use super::names::{Scope, identifier};
-use super::names::split_axis;
-use super::write::component_name;
-use crate::interface::{Parameter, Uniform, UniformSource};
+use crate::emit::code::{Outside, Read};
+use crate::emit::error::EmitError;
+use crate::emit::formulas::{Formulas, call_name};
+use crate::emit::names::{Scope, component_name, identifier, split_axis};
 use crate::graph::Graph;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::KERNEL;
+use crate::interface::{Parameter, Uniform, UniformSource};
 use rustc_hash::FxHashMap;
 
 /// A value that a module may read.

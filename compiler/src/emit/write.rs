@@ -4,157 +4,26 @@ mod batch;
 mod compose;
 mod ranges;
 mod sums;
+mod writer;
 
-use super::arms::{self, Arm, Arms, BlockId};
-use super::body::{Body, Code, ExprId};
-use super::library::Helpers;
-use super::names::{Scope, identifier, split_axis};
-use super::plan::{Group, Plans, TargetId};
-use super::table::Tables;
-use super::uniforms::Candidates;
-use crate::interface::Rounding;
-use crate::graph::{Graph, NodeId};
+pub use sums::unit;
+pub use writer::{Context, Room};
+
+use crate::emit::arms::{self, Arm, Arms, BlockId};
+use crate::emit::body::Body;
+use crate::emit::code::{Code, ExprId};
+use crate::emit::names::{identifier, split_axis, vector_type};
+use crate::emit::plan::Group;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::simplify::Terms;
-use rustc_hash::FxHashMap;
-pub use sums::unit;
-use std::ops::Range;
-
-/// What writing a function needs to know of the module.
-pub struct Context<'a> {
-    /// The graph, for names.
-    pub graph: &'a Graph,
-    /// The functions of shapes.
-    pub plans: &'a Plans<'a>,
-    /// Name of each function that stands alone, by target.
-    pub functions: FxHashMap<TargetId, String>,
-    /// Operations in one call of each, as far as they are written.
-    pub operations: FxHashMap<TargetId, usize>,
-    /// Names of the module.
-    pub module: Scope,
-    /// Before every name of the module.
-    pub prefix: &'a str,
-    /// Name of the uniform block's variable.
-    pub uniform_name: String,
-    /// Live values; those that are read are marked.
-    pub uniforms: Candidates,
-    /// Helpers; those that are called are marked.
-    pub helpers: Helpers,
-    /// Texts of numbers, by their bits: most stand in several functions.
-    pub numbers: FxHashMap<u32, String>,
-    /// Room that each function is written with.
-    pub room: Room,
-    /// What rounding grows with: so far the axes of which the point of the scene is read as it is, and not only as the way from a place far out.
-    pub rounding: Rounding,
-    /// The largest number that is added to another, as it counts in the result, and the sum's place in the graph.
-    pub sums: (f64, Option<NodeId>),
-    /// The same of each function of a shape that is written.
-    pub called: FxHashMap<TargetId, (f64, Option<NodeId>)>,
-    /// The unions that are tables.
-    pub tables: &'a Tables,
-    /// What the function that is written calls [`crate::graph::Leaf::Normal`].
-    pub facing: &'static str,
-}
-
-impl Context<'_> {
-    /// How many operations a function is written in: what is a loop itself is as long as one of its turns.
-    fn written(&self, target: TargetId) -> usize {
-        let operations = self.operations.get(&target).copied().unwrap_or(0);
-        let turns = self.plans.get(target).and_then(|t| self.plans.table(t)).map_or(1, |table| table.entries.len());
-        operations / turns.max(1)
-    }
-
-    /// Whether a function that is written reads a table.
-    pub fn has_tables(&self) -> bool {
-        self.functions.keys().filter_map(|id| self.plans.get(*id)).any(|t| self.plans.table(t).is_some_and(|table| table.turns.is_none()))
-    }
-}
-
-/// What is written of a function so far. It is kept for the next one's sake, empty.
-#[derive(Debug, Default)]
-pub struct Room {
-    scratch: String,
-    states: Vec<State>,
-    ranges: Vec<Interval>,
-    order: Vec<ExprId>,
-    stack: Vec<(ExprId, u32, usize)>,
-    locals: Scope,
-}
-
-/// What is known of an expression while its function is written.
-#[derive(Clone, Copy, Debug, Default)]
-struct State {
-    text: Text,
-    /// How often it is used.
-    uses: u32,
-    /// Whether it can't be negative, however it is rounded.
-    not_negative: bool,
-    /// Whether it is a vector of which components are read.
-    taken_apart: bool,
-    /// Whether it is a root, or the least or largest of roots that nothing else reads.
-    rooted: bool,
-    /// Whether its square is written instead, of which another one takes the root.
-    squared: bool,
-    /// Whether its range matters: something below a division is made of it.
-    ranged: bool,
-}
-
-/// Text of an expression, in the scratch of its writer.
-#[derive(Clone, Copy, Debug, Default)]
-struct Text {
-    start: u32,
-    length: u32,
-    /// How strongly it binds: 9 for names and calls.
-    strength: u8,
-    /// Whether it is as short as it can be: a name, a number.
-    atom: bool,
-}
-
-impl Text {
-    fn range(self) -> Range<usize> {
-        self.start as usize..(self.start + self.length) as usize
-    }
-}
-
-/// From a place further out than this the way is taken from the module's origin first, of which no digit is lost: near the eye both are near it,
-/// and the point of the scene is not.
-pub const FAR_OUT: f64 = 64.0;
+use writer::{Seen, State, Text, Writer};
 
 /// A nested expression longer than this is split.
 const LONGEST: u32 = 78;
 
 /// What is no longer than this is not split from what it stands in.
 const SHORTEST: u32 = 12;
-
-/// What a function holds at all.
-#[derive(Debug, Default)]
-struct Seen {
-    /// The point of the scene.
-    scene: bool,
-    /// A least or a largest value.
-    extremum: bool,
-    /// The arms of choices that may be worth a branch.
-    dear: Vec<Arm>,
-}
-
-struct Writer<'c, 'a> {
-    context: &'c mut Context<'a>,
-    body: &'c Body,
-    out: &'c mut String,
-    scratch: String,
-    states: Vec<State>,
-    /// All values, where a division needs to know; else empty.
-    ranges: Vec<Interval>,
-    locals: Scope,
-    operations: usize,
-    /// What is computed in which branch, and which one is being written, so far in.
-    arms: Arms,
-    block: BlockId,
-    depth: usize,
-    /// The results of each loop of calls.
-    results: Vec<(ExprId, Vec<Text>)>,
-}
 
 /// Writes the lines that compute `root` and give it back. `arguments` are names that the function's arguments have.
 /// The answer: how many operations of the kernel that takes.
@@ -547,25 +416,5 @@ impl Writer<'_, '_> {
             Code::Vector(_) | Code::VectorOp(..) | Code::Splat(_) => "v",
             _ => "a",
         }
-    }
-}
-
-/// What stands after a vector for one of its components.
-pub fn component_name(i: u8) -> &'static str {
-    match i {
-        0 => ".x",
-        1 => ".y",
-        2 => ".z",
-        _ => ".w",
-    }
-}
-
-/// The type of a vector of 32-bit floats.
-pub fn vector_type(components: u8) -> &'static str {
-    match components {
-        0 | 1 => "f32",
-        2 => "vec2f",
-        3 => "vec3f",
-        _ => "vec4f",
     }
 }

@@ -1,7 +1,8 @@
 //! Calls of one function that do not wait for each other become one loop: drivers write out each call of a function, but not each turn of a loop.
 
-use super::{Body, Code, ExprId, Exprs};
 use crate::emit::arms::BlockId;
+use crate::emit::body::Body;
+use crate::emit::code::{Code, ExprId, Exprs};
 use crate::emit::plan::TargetId;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;

@@ -1,12 +1,11 @@
 //! Heights above what is very large, without a loss of digits.
 
-use super::{Body, ExprId};
+use crate::emit::body::Body;
+use crate::emit::code::ExprId;
 use crate::graph::kernel::Op;
 use crate::graph::simplify::Terms;
 use smallvec::SmallVec;
 
-/// From here on 32 bits lose what is seen of a difference of two numbers that are as large.
-pub(in crate::emit) const LARGE: f64 = 1e3;
 /// Numbers whose squares differ by no more than this part cancel each other where coordinates are small.
 const NEAR: f64 = 0.5;
 

@@ -1,20 +1,9 @@
 //! What is computed anyway stands for what it holds: a gradient's call for the field, a vector for the numbers that it was made of.
 
-use super::{Body, ExprId};
+use crate::emit::body::{Body, Sharing};
+use crate::emit::code::ExprId;
 use crate::emit::plan::Plans;
 use crate::graph::Graph;
-
-/// What stands for what, while that is found.
-#[derive(Debug, Default)]
-pub struct Sharing {
-    /// What stands for each expression.
-    shared: Vec<ExprId>,
-    /// Whether the root needs it.
-    live: Vec<bool>,
-    /// How many of its components would be read from a vector.
-    wanted: Vec<u8>,
-    stack: Vec<ExprId>,
-}
 
 impl Body {
     /// Lets what is computed anyway stand for what it holds, wherever that is an argument. Nothing may be added after it. The

@@ -2,7 +2,7 @@
 
 mod form;
 mod grid;
-mod text;
+pub(super) mod text;
 
 use crate::functions::Functions;
 use crate::functions::loop_counters::Turns;
@@ -17,10 +17,11 @@ use std::sync::OnceLock;
 
 pub use form::{Action, Form};
 pub use grid::Grid;
-pub use text::{HEAD, declare_buffers, declare_text, with_constants, write, write_region};
 
 /// An entry of a list is its class and, below that, its row; in a list that is read, [`BEGINS`] and [`ENDS`] stand above the class.
 pub const CLASS_SHIFT: u32 = 24;
+/// Numbers in a union's head, which stands at the beginning of the lists.
+pub const HEAD: u32 = 16;
 /// The class of [`Step::Push`].
 pub const PUSH: u32 = 31;
 /// Of an entry that sets aside what is there before it joins its operand.

@@ -1,13 +1,15 @@
 //! The text of tables: a function for each class, and the loop.
 
-use super::{Action, BEGINS, CLASS_SHIFT, Class, ENDS, Number, PUSH, Table, Tables};
-use crate::interface::UniformSource;
-use crate::emit::EmitError;
-use crate::emit::body::{Body, Code, ExprId, Read};
+use crate::emit::body::Body;
+use crate::emit::code::{Code, ExprId, Read};
+use crate::emit::error::EmitError;
+use crate::emit::names::vector_type;
+use crate::emit::table::{Action, BEGINS, CLASS_SHIFT, Class, ENDS, HEAD, Number, PUSH, Table, Tables};
 use crate::emit::write::{self, Context};
 use crate::functions::loop_counters::Turns;
 use crate::graph::kernel::Op;
 use crate::graph::simplify::Terms;
+use crate::interface::UniformSource;
 use std::fmt::Write;
 
 /// Bytes of private variables that every implementation of WGSL takes ("Limits" in its specification).
@@ -18,9 +20,6 @@ const CONSTANT: &str = "const";
 
 /// A loop of so many operations no driver writes out: Mesa stops at 832 (`nir_opt_loop_unroll`: 32 turns of 26).
 const LONG: usize = 1000;
-
-/// Numbers in a union's head, which stands at the beginning of the lists.
-pub const HEAD: u32 = 16;
 
 /// Writes the function `name` of a union: its value, or its gradient and value. The answer: operations of one evaluation of all operands.
 pub fn write(
@@ -62,7 +61,7 @@ pub fn write(
         false => format!("{:?}", table.start),
         true => format!("vec4f(0.0, 0.0, 0.0, {:?})", table.start),
     };
-    let point = write::vector_type(table.dimensions);
+    let point = vector_type(table.dimensions);
     let variables = |ty: &str| -> String { (0..table.variables).map(|i| format!(", k{i}{ty}")).collect() };
     let (declared, given) = (variables(": f32"), variables(""));
     if let (Some(turns), Some(class)) = (&table.turns, names.first()) {
@@ -180,7 +179,7 @@ fn arguments(class: &Class, table: &Table, ty: &str) -> Vec<String> {
     if class.pops {
         arguments.extend([format!("d: {ty}"), format!("aside: {ty}")]);
     } else {
-        arguments.push(format!("p: {}", write::vector_type(table.dimensions)));
+        arguments.push(format!("p: {}", vector_type(table.dimensions)));
         arguments.extend((0..table.arguments()).map(|i| format!("k{i}: f32")));
         arguments.push(format!("d: {ty}"));
     }

@@ -1,10 +1,12 @@
 //! Calls of one function as a loop. In each turn all arguments that differ and all results move up by one: a list that is read at the turn's number would have to be
 //! memory, and these need not.
 
-use super::{Context, Room, State, Text, Writer};
 use crate::emit::arms::Arms;
-use crate::emit::body::{Batch, Body, ExprId};
+use crate::emit::body::Body;
+use crate::emit::body::batch::Batch;
+use crate::emit::code::ExprId;
 use crate::emit::plan::{Group, TargetId};
+use crate::emit::write::writer::{Context, Room, State, Text, Writer};
 use std::fmt::Write;
 
 /// The calls of a function that are loops, if there are any.

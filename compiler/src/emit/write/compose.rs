@@ -1,9 +1,11 @@
 //! The text of one expression, from the texts of its arguments.
 
-use super::{FAR_OUT, Writer, component_name, vector_type};
-use crate::emit::body::{Code, ExprId};
+use crate::emit::body::FAR_OUT;
+use crate::emit::code::{Code, ExprId};
 use crate::emit::layers;
 use crate::emit::library::helper_of;
+use crate::emit::names::{component_name, vector_type};
+use crate::emit::write::writer::Writer;
 use crate::graph::kernel::Op;
 use std::fmt::Write;
 use std::ops::Range;

@@ -1,8 +1,8 @@
 //! What is known of the values of expressions: their signs, and their ranges where a division needs them.
 
-use super::Writer;
-use crate::emit::body::{Code, ExprId};
+use crate::emit::code::{Code, ExprId};
 use crate::emit::library::LEAST_DIVISOR;
+use crate::emit::write::writer::Writer;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
 

@@ -1,8 +1,9 @@
 //! How large the numbers are that are added: what rounding grows with beside coordinates.
 
-use super::Writer;
 use crate::analysis::Box3;
-use crate::emit::body::{Code, ExprId, LARGE, Outside};
+use crate::emit::body::LARGE;
+use crate::emit::code::{Code, ExprId, Outside};
+use crate::emit::write::writer::Writer;
 use crate::graph::NodeId;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
