@@ -1,9 +1,9 @@
 //! What modules look like, and that naga takes them.
 
 use super::*;
-use crate::interface::UniformSource;
 use crate::graph::kernel::{self, Op};
 use crate::graph::{Exactness, Factor, Function, Leaf, NodeId, ParameterComponent, Shape, WORLD};
+use crate::interface::UniformSource;
 use crate::source::{FileId, Span};
 use crate::syntax::ast::Type;
 use std::sync::Arc;

@@ -3,16 +3,16 @@
 //!
 //! A place at a jump is found by halving a way from one side of it to the other, until the formula can change by no more than a jump that does no harm.
 
-use super::Builder;
-use super::jumps::{Site, hair};
-use super::trial::{Places, get, halved, number, places, values, weight};
 use crate::analysis::Domain;
 use crate::evaluate::{LANES, Lanes, Tape};
-use crate::graph::{Node, NodeId};
+use crate::functions::builder::Builder;
+use crate::functions::jumps::{Site, hair};
+use crate::functions::trial::{Places, get, halved, number, places, values, weight};
 use crate::graph::kernel::Op;
-use crate::vector::{Vec3, length, mix, sub};
+use crate::graph::{Node, NodeId};
 use crate::random::Random;
 use crate::rules::Rule;
+use crate::vector::{Vec3, length, mix, sub};
 use std::array::from_fn;
 
 /// At so many places both sides must agree, and at more where that costs less than so many operations.

@@ -4,39 +4,15 @@
 //! its way to a plane is the height over the slope along the ray. So planes that are united with the rest of a scene are met apart, and the
 //! ray follows the bound of the rest alone.
 
-use super::{Builder, SceneBlocks};
 use crate::analysis::chain::DEEP;
-use crate::analysis::{Box3, Facts};
 use crate::analysis::region::WORLD_SIDE;
+use crate::analysis::{Box3, Facts};
+use crate::blocks::SceneBlocks;
+use crate::functions::builder::Builder;
+use crate::functions::made::{Ahead, Planes};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{FAR, Function, Graph, Leaf, Node, NodeId, ShapeId};
-
-/// What is known of the ways ahead of rays, in the scene's space.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Ahead {
-    /// The planes of the scene; none where it has none.
-    pub planes: Option<Planes>,
-    /// A box that holds all that is solid but the planes; none where that is not known, or larger than the extent.
-    pub solid: Option<Box3>,
-    /// The same box with some room about it, which a ray enters before it meets anything.
-    pub region: Option<Box3>,
-    /// The same box where all parameters are as the text gives them, for a camera of which the text says nothing; none where there is no such camera.
-    pub home: Option<Box3>,
-}
-
-/// The planes that a scene is the union of, with what is left without them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Planes {
-    /// The distance to the nearest of them.
-    pub distance: NodeId,
-    /// How far ahead of `p` in the direction [`Leaf::Normal`] the first of them is: 0 within one, [`FAR`] where none is ahead.
-    pub way: NodeId,
-    /// The bound of everything else.
-    pub rest_bound: NodeId,
-    /// The estimate of the distance to everything else.
-    pub rest_distance: NodeId,
-}
 
 /// A ray that is more level than this against a plane meets it where one of this slope does.
 const LEVEL: f64 = 1e-9;

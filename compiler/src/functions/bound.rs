@@ -1,13 +1,16 @@
 //! How far a ray may step: operands one by one, groups as a whole, each over its Lipschitz factor and behind its region where it needs one.
 
-use super::measured_fallback::DEAR;
-use super::domains::LONGER;
-use super::{Builder, Kind, Known, Over, Treatment, BUDGET, GENTLE, LONG, SAMPLES, STEEPEST, UNIT};
-use crate::analysis::search::{Search, Target, ROUNDING};
+use crate::analysis::search::{ROUNDING, Search, Target};
 use crate::analysis::{Box3, Constant, Domain, has_cells};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::functions::builder::Builder;
+use crate::functions::domains::LONGER;
+use crate::functions::limits::{BUDGET, GENTLE, LONG, SAMPLES, STEEPEST, UNIT};
+use crate::functions::made::Kind;
+use crate::functions::measured_fallback::DEAR;
+use crate::functions::treatment::{Known, Over, Treatment};
 use crate::graph::kernel::Op;
-use crate::graph::{Claim, Exactness, Factor, Function, Leaf, Node, NodeId, Proof, ShapeId, FAR};
+use crate::graph::{Claim, Exactness, FAR, Factor, Function, Leaf, Node, NodeId, Proof, ShapeId};
 use crate::prelude::in_prelude;
 use crate::rules::Rule;
 

@@ -4,11 +4,13 @@
 //! nobody has to write the `clamp`. Of a low level the slope is small, and so is all that the bound says far from the surface: of a few levels that
 //! one is taken by which the way is the longest in most places.
 
-use super::{BUDGET, Builder, Over, STEEPEST, Treatment};
 use crate::analysis::Domain;
 use crate::analysis::search::{Search, Target};
-use crate::graph::{NodeId, Proof, ShapeId};
+use crate::functions::builder::Builder;
+use crate::functions::limits::{BUDGET, STEEPEST};
+use crate::functions::treatment::{Over, Treatment};
 use crate::graph::kernel::Op;
+use crate::graph::{NodeId, Proof, ShapeId};
 use crate::rules::Rule;
 
 /// How many places say how large a formula is.

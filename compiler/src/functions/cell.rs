@@ -2,10 +2,12 @@
 //! numbers that are the same all over a cell: with a free number in place of each of the latter all cells are one, in which a search finds at once
 //! how steep the pieces are; in a box of many cells it would have to come down to each of them.
 
-use super::domains::{LONGER, STEEP};
-use super::one_sided_form::LONGEST;
-use super::{BUDGET, Builder};
 use crate::analysis::{Constant, Domain};
+use crate::functions::builder::Builder;
+use crate::functions::domains::{LONGER, STEEP};
+use crate::functions::found::OneCell;
+use crate::functions::limits::BUDGET;
+use crate::functions::one_sided_form::LONGEST;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Leaf, Node, NodeId, WORLD};
@@ -27,9 +29,6 @@ struct Part {
     of: NodeId,
     values: Interval,
 }
-
-/// A formula and where it is looked at.
-pub(super) type OneCell = (NodeId, Domain);
 
 impl Builder<'_> {
     /// A formula of which the pieces are as steep as this one's, and where it is looked at: one cell of the axes along which it goes by cells. None

@@ -1,10 +1,10 @@
 //! Convex formulas. Where f is convex its first-order estimate is below it everywhere, so from a point with f > 0 the way to the solid is at
 //! least f/|∇f| (Boyd and Vandenberghe 2004, § 3.1.3): a step that needs no constant, and comes near where f is flatter than a distance.
 
-use super::Builder;
-use super::unions::MANY;
-use crate::analysis::{Box3, Domain};
 use crate::analysis::search::{Search, Target};
+use crate::analysis::{Box3, Domain};
+use crate::functions::builder::Builder;
+use crate::functions::unions::MANY;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Function, Leaf, Node, NodeId, ShapeId};

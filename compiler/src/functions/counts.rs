@@ -3,9 +3,10 @@
 //! Written out, each turn asks by itself whether it is taken, so that in one turn the point may be scaled and the divisor not: a product over all turns.
 //! No place sees more than one count, so the constant is the largest of those of each count by itself.
 
-use super::one_sided_form::LONGEST;
-use super::{Builder, GENTLE};
 use crate::analysis::{Constant, Facts};
+use crate::functions::builder::Builder;
+use crate::functions::limits::GENTLE;
+use crate::functions::one_sided_form::LONGEST;
 use crate::graph::kernel::Op;
 use crate::graph::{Graph, Node, NodeId};
 use crate::rules::Rule;

@@ -1,9 +1,10 @@
 //! The estimate of the distance: what light, occlusion and contact use. No factor is ever in it.
 
-use super::level_and_curvature_bounds::Uneven;
-use super::{Builder, BUDGET, STEEPEST, UNIT};
 use crate::analysis::search::{Search, Target, spread};
 use crate::analysis::{Box3, Domain};
+use crate::functions::builder::Builder;
+use crate::functions::found::Uneven;
+use crate::functions::limits::{BUDGET, STEEPEST, UNIT};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, FAR, Function, Leaf, Node, NodeId, Shape, ShapeId};
 use std::rc::Rc;

@@ -1,8 +1,10 @@
 //! Where a shape is asked for its value: the domain of every shape, and the region that holds the solid of a formula.
 
-use super::{BUDGET, Builder, Cut, GENTLE, LONG, Narrowed, STEEPEST, UNIT, whole_scene};
 use crate::analysis::chain::DEEP;
 use crate::analysis::{Box3, Constant, Domain};
+use crate::functions::builder::{Builder, whole_scene};
+use crate::functions::found::{Cut, Narrowed};
+use crate::functions::limits::{BUDGET, GENTLE, LONG, STEEPEST, UNIT};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId};

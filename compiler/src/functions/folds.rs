@@ -1,12 +1,14 @@
 //! Folds of many: a sum, a product, the least or the greatest of formulas that are alike but for their numbers, as a loop over a list makes them, becomes a
 //! function of its own. What is folded becomes functions too, so that a table of their numbers stands for the text of all of them.
 
-use super::Builder;
-use super::outlines::{MOST_STILL, Outline};
-use super::template::Template;
-use super::loop_counters::Turns;
-use super::unions::{FEWEST_ROWS, LONGEST, MANY, Union};
 use crate::analysis::Box3;
+use crate::functions::builder::Builder;
+use crate::functions::found::{Fold, Folds};
+use crate::functions::loop_counters::Turns;
+use crate::functions::outline::Outline;
+use crate::functions::outlines::MOST_STILL;
+use crate::functions::template::Template;
+use crate::functions::unions::{FEWEST_ROWS, LONGEST, MANY, fold_of};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Leaf, Node, NodeId, ShapeId};
@@ -23,26 +25,6 @@ const SEVERAL: usize = 9;
 const LONG: u32 = 24;
 /// What all operands share may be computed by each of them, if it is no more than so many operations.
 const FEW: usize = 4;
-
-/// The trees of one operation in a graph.
-#[derive(Debug, Default)]
-pub(super) struct Folds {
-    /// For each node, as far as they were looked at: how many operands has the tree of one operation that ends in it.
-    operands: Vec<u32>,
-    /// Whether that is a part of a larger tree.
-    inner: Vec<bool>,
-    /// What the shapes that stand for folds do, and with which others.
-    shapes: FxHashMap<ShapeId, Fold>,
-}
-
-/// A shape that is one operation over many others, all at its own point.
-#[derive(Debug)]
-struct Fold {
-    /// The operation: one that is the same in any order.
-    op: Op,
-    /// The others.
-    operands: Vec<ShapeId>,
-}
 
 /// Operands of a fold that a table stands for.
 struct Rows {
@@ -156,7 +138,7 @@ impl Builder<'_> {
         shapes.sort_unstable_by_key(|(shape, _)| **shape);
         for (&shape, Fold { op, operands }) in shapes {
             let near = near.remove(&shape).unwrap_or(Box3::ALL);
-            let union = Union::of(self.graph, self.facts, &self.built, operands, *op, &near);
+            let union = fold_of(self.graph, self.facts, &self.built, operands, *op, &near);
             self.built.unions.insert((shape, Function::Field), union);
         }
     }

@@ -1,10 +1,11 @@
 //! What was found of formulas over domains, so that each is looked for once.
 
-use super::cell::OneCell;
-use super::level_and_curvature_bounds::Uneven;
-use super::{Cut, Narrowed, Treatment};
 use crate::analysis::domain::Key;
-use crate::graph::{NodeId, ShapeId};
+use crate::analysis::{Box3, Domain};
+use crate::functions::made::Layer;
+use crate::functions::treatment::Treatment;
+use crate::graph::kernel::Op;
+use crate::graph::{MaterialId, NodeId, ShapeId};
 use rustc_hash::FxHashMap;
 use std::rc::Rc;
 
@@ -35,4 +36,127 @@ pub(super) struct Found {
     pub absorbing: u64,
     /// How many minima were looked at that jump as their operands do.
     pub vain_groups: usize,
+}
+
+/// The domain that the parts of a formula with a region need, the region, and how far beyond it the formula is trusted.
+pub(super) type Narrowed = (Domain, Box3, f64);
+
+/// An intersection of which one operand need only hold where the other is at most a level.
+#[derive(Clone, Debug)]
+pub(super) struct Cut {
+    pub wild: NodeId,
+    pub tame: NodeId,
+    pub level: f64,
+    /// Where that is.
+    pub domain: Domain,
+}
+
+/// A formula and where it is looked at.
+pub(super) type OneCell = (NodeId, Domain);
+
+/// What is known of a formula that is gentle at its surface and steep elsewhere, beside its constant.
+#[derive(Clone, Debug)]
+pub(super) enum Uneven {
+    /// How much its slope changes for each unit of the way at most.
+    Curvature(f64),
+    /// Where its slope jumps, changes at once, or nothing finite is known of how it changes.
+    Levels(Levels),
+}
+
+/// Levels of a value, and how steep it is where it is at most that.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Levels {
+    /// Each level with that slope, the highest first. There may be none.
+    pub up_to: Vec<(f64, f64)>,
+    /// They hold where the value is no less than this, the other way round.
+    pub down_to: f64,
+}
+
+impl Uneven {
+    /// Whether nothing is known but that it is uneven.
+    pub(super) fn is_unknown(&self) -> bool {
+        matches!(self, Uneven::Levels(levels) if levels.up_to.is_empty())
+    }
+
+    /// How steep it is where it is gentlest, as far as its levels say; with its curvature that need not be known.
+    pub(super) fn gentlest(&self) -> f64 {
+        match self {
+            Uneven::Curvature(_) => 0.0,
+            Uneven::Levels(levels) => levels.up_to.iter().map(|(_, steep)| *steep).fold(f64::INFINITY, f64::min),
+        }
+    }
+}
+
+/// The trees of one operation in a graph.
+#[derive(Debug, Default)]
+pub(super) struct Folds {
+    /// For each node, as far as they were looked at: how many operands has the tree of one operation that ends in it.
+    pub operands: Vec<u32>,
+    /// Whether that is a part of a larger tree.
+    pub inner: Vec<bool>,
+    /// What the shapes that stand for folds do, and with which others.
+    pub shapes: FxHashMap<ShapeId, Fold>,
+}
+
+/// A shape that is one operation over many others, all at its own point.
+#[derive(Debug)]
+pub(super) struct Fold {
+    /// The operation: one that is the same in any order.
+    pub op: Op,
+    /// The others.
+    pub operands: Vec<ShapeId>,
+}
+
+/// Gradients by the index of their node, as far as they are known.
+pub(super) type Slopes = Vec<Option<[NodeId; 3]>>;
+
+/// The jump of a shape's field that is nearest to a place.
+#[derive(Debug)]
+pub(super) struct Wall {
+    /// How steep it counts as: beside the wall, by how much it jumps over a short way; zero elsewhere.
+    pub steep: NodeId,
+    /// The numbers by which the field may jump, and 1 or -1 with the one by which it does, as it goes up or down across the wall.
+    pub across: Vec<(NodeId, NodeId)>,
+}
+
+/// The materials of what a formula is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Dress {
+    /// Nothing has a material.
+    Bare,
+    /// All of the surface has this one, which says the same everywhere.
+    One(MaterialId),
+    /// It depends on the point.
+    Many,
+}
+
+/// The numbers of a surface, and the images on it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Look {
+    /// Colour, emission, roughness, metallic, reflectivity; then the relief's slope.
+    pub values: [NodeId; 12],
+    /// How much light goes through, and the index of refraction, where any does.
+    pub glass: Option<[NodeId; 2]>,
+    pub layers: Rc<[Layer]>,
+}
+
+/// The looks of the shapes that a formula calls.
+#[derive(Clone)]
+pub(super) enum Looks {
+    /// None of them has a material.
+    None,
+    /// All that have a material have this one.
+    One(Look),
+    /// They differ.
+    Many,
+}
+
+impl Looks {
+    pub fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Looks::None, looks) | (looks, Looks::None) => looks,
+            (Looks::One(a), Looks::One(b)) if a == b => Looks::One(a),
+            _ => Looks::Many,
+        }
+    }
 }

@@ -1,11 +1,12 @@
 //! The gradient of a formula, as nodes. Where a formula jumps it has none; light and contact see a wall there, so the gradient of a shape's field
 //! stands across a jump that is near enough to be met by a ray.
 
-use super::jumps::{Jump, hair};
-use super::sides::{Sides, Way};
-use super::outlines::Outline;
-use super::Builder;
 use crate::analysis::chain::DEEP;
+use crate::functions::builder::Builder;
+use crate::functions::found::{Slopes, Wall};
+use crate::functions::jumps::{Jump, hair};
+use crate::functions::outline::Outline;
+use crate::functions::sides::{Sides, Way};
 use crate::graph::kernel::Op;
 use crate::graph::partials::partials;
 use crate::graph::{Exactness, Function, Leaf, Node, NodeId, ShapeId};
@@ -16,18 +17,6 @@ use std::rc::Rc;
 /// A wall is seen from so many times as far as a ray steps across it; and from so many times as far where it parts what is solid from what is not, and
 /// the surface of this side is farther away: rays stop before a wall, the earlier the wider a pixel is.
 const NEAR: [f64; 2] = [2.0, 32.0];
-
-/// Gradients by the index of their node, as far as they are known.
-pub(super) type Slopes = Vec<Option<[NodeId; 3]>>;
-
-/// The jump of a shape's field that is nearest to a place.
-#[derive(Debug)]
-pub(super) struct Wall {
-    /// How steep it counts as: beside the wall, by how much it jumps over a short way; zero elsewhere.
-    steep: NodeId,
-    /// The numbers by which the field may jump, and 1 or -1 with the one by which it does, as it goes up or down across the wall.
-    across: Vec<(NodeId, NodeId)>,
-}
 
 /// What a gradient is asked for.
 #[derive(Clone, Copy, PartialEq)]

@@ -1,31 +1,13 @@
 //! What balls need to know beyond what is seen: the scene without the shapes that they pass through, and how what is solid moves.
 
-use super::surface::slope;
+use crate::functions::made::Carry;
+use crate::functions::surface::slope;
 use crate::graph::kernel::Op;
 use crate::graph::{FAR, Function, Graph, Leaf, Node, NodeId, Shape, ShapeId};
 use rustc_hash::FxHashMap;
 
 /// More solids than this in one formula are taken for one.
 const MOST: usize = 64;
-
-/// Where a point of the scene lies in the space of the part that it belongs to. What is solid keeps its place there, so what this is now and
-/// what it was say which way the solid went.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Carry {
-    /// The point in that space.
-    pub point: [NodeId; 3],
-    /// How each of its coordinates grows along the axes of the scene.
-    pub slopes: [[NodeId; 3]; 3],
-}
-
-impl Carry {
-    /// The point, then the slopes of each coordinate.
-    pub fn nodes(&self) -> [NodeId; 12] {
-        let [[a, b, c], [d, e, f], [g, h, i]] = self.slopes;
-        let [x, y, z] = self.point;
-        [x, y, z, a, b, c, d, e, f, g, h, i]
-    }
-}
 
 /// The scene without what has a material that says `solid: off`; none where nothing has. What such a shape would cut is whole.
 pub fn firm(graph: &mut Graph, root: ShapeId) -> Option<ShapeId> {

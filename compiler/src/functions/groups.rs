@@ -1,8 +1,11 @@
 //! Groups of shapes' values that may as well be made of the shapes' bounds.
 
-use super::{Builder, Kind, Known, UNIT};
 use crate::analysis::rules::claims::claim_constant;
 use crate::analysis::{Box3, Domain};
+use crate::functions::builder::Builder;
+use crate::functions::limits::UNIT;
+use crate::functions::made::Kind;
+use crate::functions::treatment::Known;
 use crate::graph::{ClaimGroup, Function, Node, NodeId, Proof, ShapeId};
 
 impl Builder<'_> {

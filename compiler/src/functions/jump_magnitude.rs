@@ -3,9 +3,9 @@
 //! A loop over neighbouring cells jumps where the cells that it looks at change, by what the farthest of them say: a minimum by nothing where they are
 //! farther than those that both sides look at, a sum of bumps by what is left of a bump so far away.
 
-use super::Builder;
 use crate::analysis::Domain;
 use crate::analysis::constant::terms;
+use crate::functions::builder::Builder;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{Kind, Op};
 use crate::graph::{Node, NodeId};

@@ -1,12 +1,15 @@
 //! Formulas that jump: a ray stops before the jump and looks again just behind it.
 
-use super::{Builder, HAIR, Kind, LONGEST_HAIR, Proof, Treatment};
-use crate::analysis::{Box3, Domain};
 use crate::analysis::tape::{Step, Tape};
+use crate::analysis::{Box3, Domain};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::functions::builder::Builder;
+use crate::functions::limits::{HAIR, LONGEST_HAIR};
+use crate::functions::made::Kind;
+use crate::functions::treatment::Treatment;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::graph::{Claim, Exactness, Node, NodeId, ShapeId};
+use crate::graph::{Claim, Exactness, Node, NodeId, Proof, ShapeId};
 use crate::source::Span;
 use smallvec::{SmallVec, smallvec};
 

@@ -9,15 +9,17 @@
 //! |f| - g s - M s²/2 (Taylor's theorem), so a ray may go to where that is zero, 2|f| / (g + √(g² + 2 M |f|)). Near the surface that is f/g, wherever
 //! the region is steepest. Kalra and Barr (1989) bound a slope along a ray in the same way.
 
-use super::measured_fallback::DEAR;
-use super::domains::STEEP;
-use super::trial::{number, places, values};
-use super::{BUDGET, Builder};
 use crate::analysis::Domain;
 use crate::analysis::search::{ROUNDING, Search, Target};
-use crate::graph::kernel::Op;
 use crate::evaluate::LANES;
+use crate::functions::builder::Builder;
+use crate::functions::domains::STEEP;
+use crate::functions::found::{Levels, Uneven};
+use crate::functions::limits::BUDGET;
+use crate::functions::measured_fallback::DEAR;
+use crate::functions::trial::{number, places, values};
 use crate::graph::NodeId;
+use crate::graph::kernel::Op;
 use crate::random::Random;
 use crate::rules::Rule;
 use std::rc::Rc;
@@ -42,39 +44,6 @@ const FASTEST: f64 = 1e8;
 const TURNS: usize = 16;
 /// No square root is divided by less: of a field of zero the way is zero.
 const LEAST: f64 = 1e-12;
-
-/// What is known of such a formula beside its constant.
-#[derive(Clone, Debug)]
-pub(super) enum Uneven {
-    /// How much its slope changes for each unit of the way at most.
-    Curvature(f64),
-    /// Where its slope jumps, changes at once, or nothing finite is known of how it changes.
-    Levels(Levels),
-}
-
-/// Levels of a value, and how steep it is where it is at most that.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Levels {
-    /// Each level with that slope, the highest first. There may be none.
-    up_to: Vec<(f64, f64)>,
-    /// They hold where the value is no less than this, the other way round.
-    down_to: f64,
-}
-
-impl Uneven {
-    /// Whether nothing is known but that it is uneven.
-    pub(super) fn is_unknown(&self) -> bool {
-        matches!(self, Uneven::Levels(levels) if levels.up_to.is_empty())
-    }
-
-    /// How steep it is where it is gentlest, as far as its levels say; with its curvature that need not be known.
-    pub(super) fn gentlest(&self) -> f64 {
-        match self {
-            Uneven::Curvature(_) => 0.0,
-            Uneven::Levels(levels) => levels.up_to.iter().map(|(_, steep)| *steep).fold(f64::INFINITY, f64::min),
-        }
-    }
-}
 
 impl Builder<'_> {
     /// What is known of a formula that is gentle at its surface and as steep as `constant` somewhere in `domain`. None where it is not.

@@ -1,16 +1,19 @@
 //! Factors that are proven and of no use: so many times as large as at the steepest place that rays would spend all of their steps before they get
 //! anywhere, as those of noise at places that noise moves.
 
-use super::trial::{Places, halved, number, places, values, weight};
-use super::domains::LONGER;
-use super::{BUDGET, Builder, Kind, Over, Treatment};
 use crate::analysis::Domain;
 use crate::analysis::search::{Search, Target};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluate::{LANES, Lanes, Tape};
+use crate::functions::builder::Builder;
+use crate::functions::domains::LONGER;
+use crate::functions::limits::BUDGET;
+use crate::functions::made::Kind;
+use crate::functions::treatment::{Over, Treatment};
+use crate::functions::trial::{Places, halved, number, places, values, weight};
 use crate::graph::{NodeId, Proof, ShapeId};
-use crate::vector::{Vec3, add, length, scale};
 use crate::random::Random;
+use crate::vector::{Vec3, add, length, scale};
 use std::array::from_fn;
 
 /// A proven constant above this may be such a one.

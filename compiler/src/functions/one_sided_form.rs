@@ -3,8 +3,8 @@
 //!
 //! What else jumps there is held as it is, whatever that may be, where what it jumps by comes to the same on both sides: it is looked at by itself.
 
-use super::Builder;
 use crate::analysis::products::{self, multiplied, scaled};
+use crate::functions::builder::Builder;
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Leaf, Node, NodeId, ShapeId};
 use rustc_hash::{FxHashMap, FxHashSet};

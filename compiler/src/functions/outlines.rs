@@ -2,60 +2,14 @@
 //! whatever places it is asked for, and its gradient is the chain rule over that function's own. What is known of the formula stays known where it
 //! stands: only what is written of it changes.
 
-use super::{Builder, Carry, Functions};
-use crate::graph::kernel::Op;
+use crate::functions::builder::Builder;
+use crate::functions::outline::{Outline, Outlines, outline_beside};
 use crate::graph::{Claim, ClaimGroup, Exactness, Function, Graph, Leaf, Node, NodeId, NodeList, Shape, ShapeId};
 use rustc_hash::FxHashSet;
-use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// So many numbers that do not move may a function be given, beside those that do.
 pub(super) const MOST_STILL: usize = 6;
-
-/// What stands for a formula: a function of its numbers, and of a fold of many what stands beside those that are alike.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Outline {
-    /// A shape of no space but that of the formula's numbers: its field is the formula, its point the numbers.
-    pub shape: ShapeId,
-    /// What the formula is made of: the numbers, as a call of the shape takes them, then what the call's value is folded with. All are older than what the outline stands for.
-    pub operands: NodeList,
-    /// How many of them the call takes: three coordinates, of which the last stands for those that nobody reads, then numbers that between jumps do not move.
-    arguments: usize,
-    /// How many of the coordinates are read.
-    pub read: usize,
-    /// Whether the value changes with them between its jumps.
-    pub moves: bool,
-    /// The operation by which the call's value is folded with the rest.
-    pub by: Option<Op>,
-}
-
-impl Outline {
-    /// A call, and what its value is folded with.
-    pub(super) fn new(shape: ShapeId, arguments: Vec<NodeId>, (read, moves): (usize, bool), beside: Option<(Op, Vec<NodeId>)>) -> Self {
-        let (by, beside) = beside.unzip();
-        let count = arguments.len();
-        let operands = arguments.into_iter().chain(beside.into_iter().flatten()).collect();
-        Self { shape, operands, arguments: count, read, moves, by }
-    }
-
-    /// What the shape's function takes.
-    pub fn arguments(&self) -> &[NodeId] {
-        self.operands.get(..self.arguments).unwrap_or(&[])
-    }
-
-    /// What its value is folded with.
-    pub fn beside(&self) -> &[NodeId] {
-        self.operands.get(self.arguments..).unwrap_or(&[])
-    }
-}
-
-/// What may stand for a node: the function that it is the result of, then the fold that ends in it.
-pub type Outlines = SmallVec<[Outline; 1]>;
-
-/// The one that stands for a node in the formula of a shape, which is not the shape itself.
-pub fn outline_beside(outlines: &[Outline], own: Option<ShapeId>) -> Option<&Outline> {
-    outlines.iter().find(|outline| Some(outline.shape) != own)
-}
 
 /// A formula that may be a function.
 struct Candidate {
@@ -205,16 +159,5 @@ impl Builder<'_> {
         let found = std::mem::take(&mut self.outlines);
         self.built.outlines = found.into_iter().filter(|(_, outlines)| !outlines.is_empty()).collect();
         shapes
-    }
-}
-
-impl Functions {
-    /// What is computed beside the formulas of shapes: surfaces, how what is solid moves, and what is ahead of rays.
-    fn roots(&self) -> Vec<NodeId> {
-        let surfaces = self.meshes.iter().chain([&self.surface]);
-        let mut roots: Vec<NodeId> = surfaces.flat_map(super::Surface::nodes).collect();
-        roots.extend(self.carry.iter().flat_map(Carry::nodes));
-        roots.extend(self.ahead.planes.iter().flat_map(|planes| [planes.distance, planes.way, planes.rest_bound, planes.rest_distance]));
-        roots
     }
 }

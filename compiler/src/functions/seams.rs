@@ -4,12 +4,12 @@
 //! graph with either, does not jump: x - ⌊x⌋ is one or zero, so is a smooth step of it, and what is mixed by that is the random number of N on both
 //! sides (`one_sided_form`). Where the two are not the same, how far they can be apart says how high it jumps (`jump_magnitude`).
 
-use super::Builder;
-use super::jumps::Site;
-use super::one_sided_form::{LONGEST, Along, Wall};
 use crate::analysis::Domain;
-use crate::graph::kernel::Op;
+use crate::functions::builder::Builder;
+use crate::functions::jumps::Site;
+use crate::functions::one_sided_form::{Along, LONGEST, Wall};
 use crate::graph::interval::Interval;
+use crate::graph::kernel::Op;
 use crate::graph::{Leaf, Node, NodeId};
 use crate::rules::Rule;
 use rustc_hash::FxHashMap;

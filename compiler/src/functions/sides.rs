@@ -1,13 +1,15 @@
 //! Both sides of a jump. Within the distance to its second nearest jump a formula is one of two: as it is here, or as it is on the other side of
 //! the nearest. Light sees how it changes from one to the other as a wall, and a ray passes the jump where both are far from zero.
 
-use super::jumps::{Jump, Site};
-use super::{BUDGET, Builder, Proof, STEEPEST, Treatment};
 use crate::analysis::Domain;
 use crate::analysis::search::ROUNDING;
+use crate::functions::builder::Builder;
+use crate::functions::jumps::{Jump, Site};
+use crate::functions::limits::{BUDGET, STEEPEST};
+use crate::functions::treatment::Treatment;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::graph::{FAR, Node, NodeId};
+use crate::graph::{FAR, Node, NodeId, Proof};
 use crate::rules::Rule;
 use rustc_hash::FxHashMap;
 use std::f64::consts::TAU;

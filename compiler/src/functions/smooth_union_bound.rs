@@ -5,9 +5,10 @@
 //! where both are less than k. The least of the three bounds is a bound; the last of them is needed in a box, and only there must S be as gentle as
 //! its factor says. Of a point inside it says no more than the way out of the box, beyond which S may be steeper.
 
-use super::treatment::{Over, Treatment};
-use super::{Builder, BUDGET, UNIT};
 use crate::analysis::{Box3, Domain};
+use crate::functions::builder::Builder;
+use crate::functions::limits::{BUDGET, UNIT};
+use crate::functions::treatment::{Over, Treatment};
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Node, NodeId, Proof, ShapeId};
 use crate::rules::Rule;

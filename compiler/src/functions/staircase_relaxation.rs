@@ -7,10 +7,11 @@
 //! number u the formula jumps no more. If it is no steeper than A for each u, and changes by no more than B over all of them, then on a way s it
 //! changes by no more than A s + B, so that a ray may go (|f| - B) / A, over as many jumps as there are.
 
-use super::jumps::Site;
-use super::{BUDGET, Builder, STEEPEST};
 use crate::analysis::Domain;
 use crate::analysis::search::ROUNDING;
+use crate::functions::builder::Builder;
+use crate::functions::jumps::Site;
+use crate::functions::limits::{BUDGET, STEEPEST};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Node, NodeId};

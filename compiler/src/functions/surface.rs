@@ -1,76 +1,15 @@
 //! The surface: how a point of it answers light.
 
-use super::bodies::bodies;
-use super::uniform_material::Dress;
-use super::{Builder, Layer, Look, Surface};
+use crate::blocks::MeshNodes;
+use crate::functions::bodies::bodies;
+use crate::functions::builder::Builder;
+use crate::functions::found::{Dress, Look, Looks};
+use crate::functions::made::{Layer, Surface};
 use crate::graph::kernel::Op;
 use crate::graph::partials::partials;
 use crate::graph::{Function, Graph, Leaf, Material, MaterialId, Node, NodeId, ShapeId, WORLD};
-use crate::images::TextureKind;
-use crate::blocks::MeshNodes;
 use rustc_hash::FxHashSet;
 use std::rc::Rc;
-
-impl Surface {
-    /// Colour, emission, roughness, metallic, reflectivity.
-    pub fn look(&self) -> [NodeId; 9] {
-        let ([r, g, b], [x, y, z]) = (self.color, self.emission);
-        [r, g, b, x, y, z, self.roughness, self.metallic, self.reflectivity]
-    }
-
-    /// What is made of the images, each once: which image, and for what.
-    pub fn textures(&self) -> Vec<(u32, TextureKind)> {
-        let mut textures = Vec::new();
-        for layer in &self.layers {
-            let texture = (layer.image, TextureKind::of(layer.slot));
-            if !textures.contains(&texture) {
-                textures.push(texture);
-            }
-        }
-        textures
-    }
-
-    /// All its nodes.
-    pub fn nodes(&self) -> Vec<NodeId> {
-        self.look().into_iter().chain(self.layer_nodes()).chain(self.glass.into_iter().flatten()).collect()
-    }
-
-    /// Whether there is more to it than [`Surface::look`].
-    pub fn is_layered(&self) -> bool {
-        self.relief.is_some() || !self.layers.is_empty()
-    }
-
-    /// What is more: the relief where there is one, then the nodes of each layer in the order of its fields.
-    pub fn layer_nodes(&self) -> Vec<NodeId> {
-        let mut nodes: Vec<NodeId> = self.relief.into_iter().flatten().collect();
-        for layer in &self.layers {
-            nodes.extend(layer.weight.iter().chain(&layer.point).chain(layer.axes.iter().flatten()));
-            nodes.push(layer.sharpness);
-        }
-        nodes
-    }
-}
-
-/// The looks of the shapes that a formula calls.
-#[derive(Clone)]
-pub(super) enum Looks {
-    /// None of them has a material.
-    None,
-    /// All that have a material have this one.
-    One(Look),
-    /// They differ.
-    Many,
-}
-
-impl Looks {
-    fn and(self, other: Self) -> Self {
-        match (self, other) {
-            (Looks::None, looks) | (looks, Looks::None) => looks,
-            (Looks::One(a), Looks::One(b)) if a == b => Looks::One(a),
-            _ => Looks::Many,
-        }
-    }
-}
 
 impl Builder<'_> {
     /// The surface of the scene.

@@ -1,5 +1,6 @@
 //! What a formula needs in order to be a bound.
 
+use crate::analysis::search::Target;
 use crate::analysis::{Box3, Domain};
 use crate::graph::Proof;
 
@@ -32,4 +33,11 @@ pub(super) enum Over {
     Region,
     /// One cell of what goes by cells.
     Cell,
+}
+
+/// A constant, how it is known, and of what over which domain.
+pub(super) struct Known {
+    pub(super) lipschitz: f64,
+    pub(super) proof: Proof,
+    pub(super) search: Option<(Target, Domain)>,
 }

@@ -1,14 +1,14 @@
 //! Formulas tried at many places: points of a domain, with values for what else they read.
 
-use super::Builder;
 use crate::analysis::Domain;
-use crate::live::Live;
 use crate::evaluate::{Evaluator, LANES, Lanes, Tape, lanes};
+use crate::functions::builder::Builder;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Leaf, Node, NodeId};
-use crate::vector::{Vec3, mix};
+use crate::live::Live;
 use crate::random::Random;
+use crate::vector::{Vec3, mix};
 use std::array::from_fn;
 
 /// So many sets of values of parameters, time and variables are tried.

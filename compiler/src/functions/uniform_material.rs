@@ -1,24 +1,14 @@
 //! Which material a shape has, whatever its point: a tower of shared shapes is asked once a shape, not once a path.
 
-use super::Builder;
 use crate::analysis::chain::DEEP;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::functions::builder::Builder;
+use crate::functions::found::Dress;
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, MaterialId, Node, NodeId, ShapeId};
 
 /// A surface of more shapes than these, each with a material of its own place, would be a formula too long for any shader.
 const MOST_LOOKS: usize = 100_000;
-
-/// The materials of what a formula is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Dress {
-    /// Nothing has a material.
-    Bare,
-    /// All of the surface has this one, which says the same everywhere.
-    One(MaterialId),
-    /// It depends on the point.
-    Many,
-}
 
 impl Builder<'_> {
     /// Which material a shape has.

@@ -2,14 +2,15 @@
 //! differ by more than a reach. What a tree is made of is a list, so it need not be written out, and where a point is known roughly most of
 //! the list can't matter.
 
-use super::Functions;
 use crate::analysis::{Box3, Domain, Facts};
+use crate::functions::made::Functions;
 use crate::graph::interval::Interval;
 use crate::graph::joint::{Joint, MOST};
 use crate::graph::kernel::Op;
-use crate::graph::{FAR, Function, Graph, Node, NodeId, ShapeId};
+use crate::graph::{Function, Graph, Node, NodeId, ShapeId};
 use rustc_hash::{FxHashMap, FxHashSet};
 
+pub use crate::functions::union::{Join, Operand, Step, Union, When};
 pub use crate::graph::joint::Of;
 
 /// A union of fewer operands is written out.
@@ -35,97 +36,15 @@ const MOST_PARTS: usize = 8;
 /// So many calls within each other are followed.
 const DEEPEST: usize = 64;
 
-/// An operand stands under so many conditions; a union with more of them is written out.
-const MOST_CONDITIONS: usize = 4;
-
-/// A union of many operands: a tree, as the steps that compute its value. The value begins as "no solid here".
-#[derive(Clone, Debug, Default)]
-pub struct Union {
-    /// What is done, in order.
-    pub steps: Vec<Step>,
-    /// An operand does not matter where another one is smaller by more than this: four times the reach of the widest blend. A blend's slope by the
-    /// operand that is larger by a share s of its reach is (1 - s) / 2 at most, so a chain of them that leads over four reaches passes on
-    /// less than 2e-5 of a change.
-    pub reach: f64,
-    /// How many values are set aside at once.
-    pub depth: usize,
-    /// Another function of the shape that is the same; then nothing else is here.
-    pub same: Option<Function>,
-}
-
-impl Union {
-    /// Of an operation over the fields of shapes, one after the other. `near`: where they are asked for; the least of them is cut into cells where one of them is below zero.
-    pub(super) fn of(graph: &Graph, facts: &mut Facts, functions: &Functions, shapes: &[ShapeId], op: Op, near: &Box3) -> Self {
-        let mut operand = |shape| {
-            let of = (shape, Function::Field);
-            let region = if op == Op::Min { region_of(graph, facts, shape, 0.0) } else { *near };
-            let operand = Operand { of, when: When::default(), steepness: steepness(graph, facts, functions, of), region };
-            Step::Operand(operand, Join::Fold(op))
-        };
-        Self { steps: shapes.iter().map(|&shape| operand(shape)).collect(), ..Self::default() }
-    }
-
-    /// What is done where it is no union.
-    pub fn fold(&self) -> Option<Op> {
-        self.steps.iter().find_map(|step| match step {
-            Step::Operand(_, Join::Fold(op)) => Some(*op),
-            _ => None,
-        })
-    }
-
-    /// The value before anything is joined with it.
-    pub fn start(&self) -> f64 {
-        match self.fold() {
-            Some(Op::Add) => 0.0,
-            Some(Op::Mul) => 1.0,
-            Some(Op::Max) => f64::from(f32::MIN),
-            Some(_) => f64::from(f32::MAX),
-            None => FAR,
-        }
-    }
-}
-
-/// A step of a [`Union`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
-    /// Joins the value with an operand. With "no solid here" that is the operand.
-    Operand(Operand, Join),
-    /// Sets the value aside; the next is "no solid here".
-    Push,
-    /// Joins the value that was set aside with this one.
-    Pop(Join),
-}
-
-/// Conditions that are the same at all points; all of them have to hold.
-pub type When = [Option<NodeId>; MOST_CONDITIONS];
-
-/// What is united.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Operand {
-    /// The function that it is.
-    pub of: Of,
-    /// The conditions under which it is there.
-    pub when: When,
-    /// Its Lipschitz constant over all space; infinite where none is known.
-    pub steepness: f64,
-    /// A box that holds its solid; not finite where none is known.
-    pub region: Box3,
-}
-
-/// Two values made one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Join {
-    /// The lesser of the two.
-    Least,
-    /// Numbers: their sum, their product, the lesser or the greater of the two. What is no union, but is as long.
-    Fold(Op),
-    /// A blend.
-    Blend {
-        /// The function whose formula does it.
-        of: Of,
-        /// The functions that it calls: of the older value and of the newer one.
-        operands: [Of; 2],
-    },
+/// Of an operation over the fields of shapes, one after the other. `near`: where they are asked for; the least of them is cut into cells where one of them is below zero.
+pub(super) fn fold_of(graph: &Graph, facts: &mut Facts, functions: &Functions, shapes: &[ShapeId], op: Op, near: &Box3) -> Union {
+    let mut operand = |shape| {
+        let of = (shape, Function::Field);
+        let region = if op == Op::Min { region_of(graph, facts, shape, 0.0) } else { *near };
+        let operand = Operand { of, when: When::default(), steepness: steepness(graph, facts, functions, of), region };
+        Step::Operand(operand, Join::Fold(op))
+    };
+    Union { steps: shapes.iter().map(|&shape| operand(shape)).collect(), ..Union::default() }
 }
 
 /// Finds the unions among functions: the widest ones of which each operand is fit to be a row. `asked`: the functions that the surface asks by

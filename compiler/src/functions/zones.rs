@@ -1,8 +1,10 @@
 //! Bounds of what is moved by a map that stretches space less near the origin than all over the extent.
 
-use super::{BUDGET, Builder, Known};
 use crate::analysis::search::Target;
 use crate::analysis::{Box3, Domain};
+use crate::functions::builder::Builder;
+use crate::functions::limits::BUDGET;
+use crate::functions::treatment::Known;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{NodeId, Proof, ShapeId};

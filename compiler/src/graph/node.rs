@@ -21,7 +21,7 @@ pub enum Leaf {
     Normal(u8),
     /// Seconds.
     Time,
-    /// A component of a parameter: an index into [`Graph::parameters`].
+    /// A component of a parameter: an index into [`Graph::parameters`](crate::graph::Graph::parameters).
     Parameter(u32),
     /// A number that a repetition or the caller binds: `cell`, or the point of the scene ([`WORLD`]).
     Variable(u32),
@@ -60,7 +60,7 @@ pub enum Node {
     /// The value of the first node, with what is known of it and can't be seen from its formula; the
     /// others are what the claim speaks of.
     Claim(NodeList, Claim),
-    /// How far a field may be trusted, as a multiple: the reciprocal of a Lipschitz factor. An index into [`Graph::factors`].
+    /// How far a field may be trusted, as a multiple: the reciprocal of a Lipschitz factor. An index into [`Graph::factors`](crate::graph::Graph::factors).
     Factor(u32),
 }
 

@@ -86,7 +86,7 @@ impl Material {
 /// An image that a material is made of.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct MaterialImage {
-    /// An index into [`Graph::images`].
+    /// An index into [`Graph::images`](crate::graph::Graph::images).
     pub image: u32,
     /// What it says of the surface.
     pub slot: Slot,

@@ -45,7 +45,7 @@ pub(super) struct Cell {
     pub touching: u32,
 }
 
-/// Bytes of a ball in [`Physics::buffer`].
+/// Bytes of a ball in [`Physics::buffer`](crate::physics::Physics::buffer).
 pub const BALL_SIZE: u64 = size_of::<Cell>() as u64;
 
 const ASLEEP: u32 = 1 << 16;
