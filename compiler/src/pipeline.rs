@@ -101,7 +101,7 @@ fn run(loaded: &Loaded, options: &Options, memory: &mut Memory, finished: &mut d
     if let (Some(root), false) = (elaboration.root, has_errors(&diagnostics)) {
         let mut graph = elaboration.graph;
         let facts = &mut elaboration.facts;
-        facts.open_account(graph.len());
+        facts.account.open(graph.len());
         let root = functions::bind_world(&mut graph, root);
         let entered = graph.entered(root);
         if entered > MOST_ENTERED {
@@ -165,10 +165,10 @@ fn run(loaded: &Loaded, options: &Options, memory: &mut Memory, finished: &mut d
             finished(Stage::Emit);
         }
     }
-    let fell_short = elaboration.facts.fell_short();
+    let fell_short = elaboration.facts.account.fell_short();
     *memory = elaboration.facts.memory;
     memory.fell_short = fell_short;
-    memory.steps += elaboration.facts.ran;
+    memory.steps += elaboration.facts.account.ran;
     (diagnostics, made)
 }
 

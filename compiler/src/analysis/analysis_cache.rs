@@ -1,7 +1,7 @@
 //! What searches found, kept from one compilation to the next by what they searched: an edit costs only the nodes that it changed.
 
-use super::{Box3, Constant, Domain, Facts};
-use crate::graph::{Claim, Exactness, Graph, Leaf, Node, NodeId, ShapeId};
+use super::domain::Box3;
+use super::dual::Constant;
 use rustc_hash::FxHashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -18,9 +18,9 @@ pub type Agreement = (Option<bool>, u64);
 #[derive(Clone, Debug, Default)]
 pub struct Memory {
     /// With what the search cost of what searches may, and of the account.
-    constants: FxHashMap<Content, (Constant, u64, u64)>,
-    regions: FxHashMap<Content, (Box3, u64)>,
-    agreements: FxHashMap<Content, Agreement>,
+    pub(super) constants: FxHashMap<Content, (Constant, u64, u64)>,
+    pub(super) regions: FxHashMap<Content, (Box3, u64)>,
+    pub(super) agreements: FxHashMap<Content, Agreement>,
     /// Whether searches of the last compilation were cut short.
     pub(crate) fell_short: bool,
     /// Searches made since the memory began.
@@ -44,7 +44,7 @@ impl Memory {
         self.agreements.clear();
     }
 
-    fn make_room(&mut self) {
+    pub(super) fn make_room(&mut self) {
         if self.constants.len() + self.regions.len() + self.agreements.len() > MOST {
             self.forget();
         }
@@ -52,7 +52,7 @@ impl Memory {
 }
 
 /// Two hashes of one value, each with a beginning of its own (SipHash, Aumasson and Bernstein 2012).
-fn digest(value: &impl Hash) -> Content {
+pub(super) fn digest(value: &impl Hash) -> Content {
     let half = |salt: u64| {
         let mut hasher = DefaultHasher::new();
         salt.hash(&mut hasher);
@@ -60,117 +60,4 @@ fn digest(value: &impl Hash) -> Content {
         u128::from(hasher.finish())
     };
     half(1) << 64 | half(2)
-}
-
-impl Facts {
-    /// A constant that was found before, or else by `search`.
-    pub(super) fn remembered_constant(
-        &mut self,
-        graph: &Graph,
-        nodes: &[NodeId],
-        domain: &Domain,
-        budget: usize,
-        search: impl FnOnce(&mut Self) -> Constant,
-    ) -> Constant {
-        if !self.pinned.is_empty() {
-            return search(self);
-        }
-        let contents: Vec<Content> = nodes.iter().map(|&n| self.content(graph, n)).collect();
-        let key = digest(&(contents, self.content_of_domain(graph, domain), budget, self.steps, self.has_leisure()));
-        if let Some(&(known, cost, spent)) = self.memory.constants.get(&key) {
-            self.memory.remembered += 1;
-            // As if it had been searched: what is left for others must not depend on what is remembered.
-            self.searched += cost;
-            self.spend(spent);
-            return known;
-        }
-        let before = (self.searched, self.left, std::mem::take(&mut self.cut_short));
-        let found = search(self);
-        self.memory.searched += 1;
-        // What was cut short may be found better by another compilation.
-        if !self.cut_short && !self.is_spent() {
-            self.memory.make_room();
-            self.memory.constants.insert(key, (found, self.searched - before.0, before.1 - self.left));
-        }
-        self.cut_short |= before.2;
-        found
-    }
-
-    /// A box within the domain that holds every point at which the node is at most zero; found before, or now.
-    pub fn solid_region(&mut self, graph: &Graph, node: NodeId, domain: &Domain) -> Box3 {
-        let key = digest(&(self.content(graph, node), self.content_of_domain(graph, domain), domain.narrowed));
-        if let Some(&(known, spent)) = self.memory.regions.get(&key) {
-            self.memory.remembered += 1;
-            self.spend(spent);
-            return known;
-        }
-        let (left, before) = (self.left, std::mem::take(&mut self.cut_short));
-        let found = self.region(graph, node, domain, 0.0);
-        self.memory.searched += 1;
-        if !self.cut_short && !self.is_spent() {
-            self.memory.make_room();
-            self.memory.regions.insert(key, (found, left - self.left));
-        }
-        self.cut_short |= before;
-        found
-    }
-
-    /// By what it is kept whether the jump of an operation agrees in a formula; and whether it does and what it cost to look, where that is known.
-    pub fn agreement(&mut self, graph: &Graph, [root, site]: [NodeId; 2], domain: &Domain, most: u64) -> (Content, Option<Agreement>) {
-        let key = digest(&(self.content(graph, root), self.content(graph, site), self.content_of_domain(graph, domain), most));
-        let known = self.memory.agreements.get(&key).copied();
-        self.memory.remembered += u64::from(known.is_some());
-        (key, known)
-    }
-
-    /// Keeps what [`Facts::agreement`] asks for.
-    pub fn keep_agreement(&mut self, key: Content, found: Agreement) {
-        self.memory.searched += 1;
-        self.memory.make_room();
-        self.memory.agreements.insert(key, found);
-    }
-
-    fn content_of_domain(&mut self, graph: &Graph, domain: &Domain) -> Content {
-        let within: Vec<(Content, u64)> =
-            domain.within.iter().map(|(node, level)| (self.content(graph, *node), level.to_bits())).collect();
-        digest(&(domain.plain_key(), domain.ids(), within, graph.is_spread, self.rules))
-    }
-
-    /// The content of a node.
-    fn content(&mut self, graph: &Graph, node: NodeId) -> Content {
-        if let Some(known) = self.contents.get(&node) {
-            return *known;
-        }
-        for id in graph.reachable(&[node]) {
-            if self.contents.contains_key(&id) {
-                continue;
-            }
-            let args: Vec<Content> =
-                graph.arguments(id).iter().map(|a| self.contents.get(a).copied().unwrap_or(0)).collect();
-            let own = match graph.node(id) {
-                Node::Constant(bits) => digest(&(0, bits)),
-                Node::Leaf(Leaf::Parameter(i)) => {
-                    let range = graph.parameters.get(*i as usize).map(|p| (p.min.to_bits(), p.max.to_bits()));
-                    digest(&(1, i, range))
-                }
-                Node::Leaf(leaf) => digest(&(2, leaf)),
-                Node::Op(op, _) => digest(&(3, op, args)),
-                Node::Call(shape, function, _) => digest(&(4, self.content_of_shape(graph, *shape), function, args)),
-                Node::Claim(_, Claim::Continuous) => digest(&(5, args)),
-                Node::Claim(_, Claim::Lipschitz(formula, groups, range)) => {
-                    digest(&(6, self.content(graph, *formula), groups, range, args))
-                }
-                Node::Factor(i) => digest(&(7, graph.factors.get(*i as usize).map(|f| f.lipschitz.to_bits()))),
-            };
-            let solid = self.known_solid(id).map(|b| b.0.map(|i| (i.lo.to_bits(), i.hi.to_bits())));
-            self.contents.insert(id, digest(&(own, solid)));
-        }
-        self.contents.get(&node).copied().unwrap_or(0)
-    }
-
-    fn content_of_shape(&mut self, graph: &Graph, shape: ShapeId) -> Content {
-        let Some(s) = graph.shape(shape) else { return 0 };
-        let (value, variables, exact) = (s.value, s.variables.clone(), s.exactness == Exactness::Exact);
-        digest(&(self.content(graph, value), variables, exact))
-    }
 }

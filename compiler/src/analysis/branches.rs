@@ -4,29 +4,10 @@
 //! `max`, `abs` or `select`, each side is taken by itself, and what that says is carried back to the steps before: `min(m, 0) = m` says
 //! `m <= 0`, so every term of m's `max` is at most 0 there. Sides that exclude each other vanish.
 
-use super::dual::{self, Dual};
+use super::dual::{Dual, Side};
 use super::tape::{Step, Tape};
-use super::Facts;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
-use crate::graph::{Graph, Leaf};
-use crate::rules::Rule;
-
-/// How many times a formula may be run over one box; beyond that the hull of what is left is taken.
-const RUNS: usize = 128;
-/// How many steps that may take, those of the shapes that it calls counted in, and their kinks.
-const STEPS: u64 = 16_384;
-/// How many times the steps of one constant all of it may cost.
-const MOST_SHARES: u64 = 100;
-
-/// The side of a kink that is looked at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// The first argument of `min` and `max`, the second of `select`, `abs` of what is not negative, an angle above zero.
-    First,
-    /// The other.
-    Second,
-}
 
 /// The sides chosen so far, and what they say of each step's value.
 #[derive(Clone, Debug)]
@@ -36,7 +17,7 @@ pub struct Branches {
 }
 
 impl Branches {
-    fn none(steps: usize) -> Self {
+    pub(super) fn none(steps: usize) -> Self {
         Self { sides: vec![None; steps], within: vec![Interval::ALL; steps] }
     }
 
@@ -63,7 +44,7 @@ impl Branches {
     }
 
     /// The same with one more choice, and what follows from it for the steps that it depends on.
-    fn take(&self, tape: &Tape, values: &[Dual], step: usize, side: Side) -> Self {
+    pub(super) fn take(&self, tape: &Tape, values: &[Dual], step: usize, side: Side) -> Self {
         let mut next = self.clone();
         next.choose(step, side);
         let first = side == Side::First;
@@ -226,89 +207,4 @@ pub(super) fn backward(op: Op, k: usize, a: Interval, b: Interval, target: Inter
         (Op::Select, 2) if side == Some(Side::Second) => target,
         _ => all,
     }
-}
-
-impl Facts {
-    /// Whether kinks are looked at side by side at all.
-    pub(super) fn looks_closely(&self) -> bool {
-        self.forks != Some(0)
-    }
-
-    /// Does something without a close look: at points there is no kink to be looked at.
-    pub(super) fn without_a_close_look<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
-        let before = self.forks.replace(0);
-        let done = work(self);
-        self.forks = before;
-        done
-    }
-}
-
-/// Runs a tape over a box, each feasible choice at the kinks that straddle it by itself. `visit` sees the steps' values for each, and
-/// the gradients of axes in which the tape is mirrored stand for both signs. Answers how many runs that took.
-pub fn each_piece(
-    facts: &mut Facts,
-    graph: &Graph,
-    tape: &Tape,
-    leaf: &dyn Fn(Leaf) -> Dual,
-    visit: &mut dyn FnMut(&[Dual], Option<&Branches>),
-) -> usize {
-    // What is called shares the budget of what calls it.
-    let outermost = facts.forks.is_none();
-    let before = facts.ran;
-    let left = if facts.forked > MOST_SHARES * facts.steps as u64 { 0 } else { STEPS };
-    let end = *facts.forks.get_or_insert(before + left);
-    let runs = each_piece_until(facts, graph, tape, leaf, visit, end);
-    if outermost {
-        facts.forks = None;
-        facts.forked += if runs > 1 { facts.ran - before } else { 0 };
-    }
-    runs
-}
-
-fn each_piece_until(
-    facts: &mut Facts,
-    graph: &Graph,
-    tape: &Tape,
-    leaf: &dyn Fn(Leaf) -> Dual,
-    visit: &mut dyn FnMut(&[Dual], Option<&Branches>),
-    end: u64,
-) -> usize {
-    let mut kink = None;
-    let Some(whole) = dual::run(facts, graph, tape, None, &mut kink, leaf) else { return 1 };
-    let Some(kink) = kink.filter(|_| tape.rules.has(Rule::Branches)) else {
-        visit(&whole, None);
-        return 1;
-    };
-    // A jump stays one, whichever side is looked at.
-    let jumps: Vec<u8> = whole.iter().map(|d| d.jumps).collect();
-    let mut runs = 1;
-    let mut visited = false;
-    let mut open = vec![(Branches::none(tape.steps.len()), whole.clone(), kink)];
-    while let Some((branches, values, kink)) = open.pop() {
-        if runs + 2 > RUNS || facts.ran > end {
-            visit(&values, Some(&branches));
-            visited = true;
-            continue;
-        }
-        for side in [Side::First, Side::Second] {
-            let next = branches.take(tape, &values, kink, side);
-            let mut undecided = None;
-            runs += 1;
-            let Some(mut piece) = dual::run(facts, graph, tape, Some(&next), &mut undecided, leaf) else { continue };
-            for (dual, jumps) in piece.iter_mut().zip(&jumps) {
-                dual.jumps |= jumps;
-            }
-            match undecided {
-                Some(kink) => open.push((next, piece, kink)),
-                None => {
-                    visit(&piece, Some(&next));
-                    visited = true;
-                }
-            }
-        }
-    }
-    if !visited {
-        visit(&whole, None);
-    }
-    runs
 }

@@ -1,7 +1,8 @@
 //! Chains of shapes: what a fold over many operands makes, each of which is joined with all before it. They are looked at from below, so that the depth
 //! of a look does not follow their number.
 
-use super::{Domain, Facts, call_domain};
+use super::domain::{Domain, call_domain};
+use super::facts::Facts;
 use crate::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;

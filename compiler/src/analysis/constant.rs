@@ -1,33 +1,21 @@
 //! Lipschitz constants: the largest norm of a gradient over a domain, the worst box split again and again.
 
-use super::rules::jacobian_norm::{chain_norm, map_norm};
-use super::tape::{Step, Tape};
+use super::derivative::{self, each_piece};
+use super::domain::{Box3, Domain, leaf_range};
+use super::dual::{Constant, Dual, leaf_dual};
+use super::facts::Facts;
+use super::formula::Formula;
 use super::region::shift_along;
-use super::rules::polar::Polar;
-use super::dual::Dual;
+use super::rules::isometry_chain::{chain, chain_norm};
+use super::rules::jacobian_norm::map_norm;
 use super::rules::period;
-use super::{Box3, Domain, Facts, branches, dual, leaf_dual, leaf_range};
+use super::rules::polar::Polar;
+use super::tape::Step;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Exactness, Function, Graph, Leaf, Node, NodeId, NodeList};
 use crate::rules::Rule;
 use std::collections::BinaryHeap;
-
-/// A constant of a formula over a domain.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Constant {
-    /// No two values differ by more than this times the distance of their points, on each piece.
-    pub lipschitz: f64,
-    /// Whether the formula may jump in the domain.
-    pub jumps: bool,
-}
-
-impl Constant {
-    /// Whether it is without jumps and no larger than this.
-    pub fn is_within(&self, limit: f64) -> bool {
-        self.lipschitz <= limit && !self.jumps
-    }
-}
 
 /// How exactly a map keeps lengths that counts as one that does.
 const RIGID: f64 = 1e-6;
@@ -61,9 +49,9 @@ impl Facts {
     fn found(&mut self, graph: &Graph, node: NodeId, domain: &Domain, budget: usize) -> Constant {
         let tape = self.tape(graph, node);
         let asked = budget;
-        let budget = match self.affordable(budget) {
+        let budget = match self.account.affordable(budget) {
             0 | 1 => 1,
-            budget => budget.min((self.steps / self.weight(graph, node).max(1)).max(8)),
+            budget => budget.min((self.account.steps / self.weight(graph, node).max(1)).max(8)),
         };
         // A condition on the point says nothing of a distance alone.
         let free = domain.within.is_empty() && domain.tube.is_none();
@@ -76,8 +64,8 @@ impl Facts {
                 let found = facts.supremum(graph, &polar.tape, &polar.domain(domain), Sought { polar: Some(&polar), ..Sought::within(budget) }, |facts, d, ()| {
                     let pinned = facts.pinned.clone();
                     let leaf = |leaf| polar.leaf(graph, &pinned, leaf, d);
-                    let (dual, runs) = dual::hull_of_pieces(facts, graph, &polar.tape, &leaf);
-                    facts.boxes += runs as u64;
+                    let (dual, runs) = derivative::hull_of_pieces(facts, graph, &polar.tape, &leaf);
+                    facts.account.boxes += runs as u64;
                     (Norm { norm: dual.norm, jumps: dual.jumps != 0, runs }, ())
                 });
                 Constant { lipschitz: found.constant.lipschitz.min(whole), ..found.constant }
@@ -105,11 +93,6 @@ impl Facts {
         tape.steps.iter().any(|step| matches!(step, Step::Leaf(leaf) if ranges(leaf)))
     }
 
-    /// How many boxes a search may still have: one, where a scene has cost too much already.
-    fn affordable(&self, budget: usize) -> usize {
-        if self.searched > self.most_searched || self.is_spent() { budget.min(1) } else { budget }
-    }
-
     /// How fast a node changes with one of its variables at most, whatever the point and all else are within the domain; without end where it jumps.
     pub fn rate_by(&mut self, graph: &Graph, node: NodeId, variable: u32, domain: &Domain) -> f64 {
         let tape = self.tape(graph, node);
@@ -118,18 +101,8 @@ impl Facts {
             Leaf::Variable(v) if v == variable => Dual::coordinate(0, domain.variable(v)),
             other => Dual::constant(leaf_range(graph, &pinned, other, domain)),
         };
-        let by = dual::hull_of_pieces(self, graph, &tape, &leaf).0;
+        let by = derivative::hull_of_pieces(self, graph, &tape, &leaf).0;
         if by.jumps != 0 { f64::INFINITY } else { by.norm }
-    }
-
-    /// From here on searches are counted with those made aside, until this is asked again.
-    pub fn turn_aside(&mut self) {
-        std::mem::swap(&mut self.searched, &mut self.searched_aside);
-    }
-
-    /// Whether searches have cost less than half of what they may.
-    pub fn has_leisure(&self) -> bool {
-        self.searched < self.most_searched / 2 && !self.is_spent()
     }
 
     /// Of what is a distance from another, a multiple or a sum, over all space: the constants of the terms, each found by itself.
@@ -192,11 +165,11 @@ impl Facts {
         if let Some(known) = self.maps.get(&key) {
             return *known;
         }
-        let tape = Tape::new(graph, point, self.rules);
+        let tape = Formula::new(graph, point, self.rules);
         let rows: Vec<usize> = tape.roots().collect();
-        let budget = match self.affordable(budget) {
+        let budget = match self.account.affordable(budget) {
             0 | 1 => 1,
-            budget => budget.min((self.steps / tape.steps.len().max(1)).max(8)),
+            budget => budget.min((self.account.steps / tape.steps.len().max(1)).max(8)),
         };
         let search = |facts: &mut Self| {
             let found = facts.supremum(graph, &tape, domain, Sought::within(budget), |facts, d, ()| {
@@ -204,19 +177,19 @@ impl Facts {
                 let pinned = facts.pinned.clone();
                 let leaf = |leaf| leaf_dual(graph, &pinned, leaf, d);
                 let mut most = f64::INFINITY;
-                if facts.looks_closely() && tape.chain(graph, &rows).is_some() {
-                    let values = dual::run(facts, graph, &tape, None, &mut None, &leaf).unwrap_or_default();
+                if facts.looks_closely() && chain(&tape, graph, &rows).is_some() {
+                    let values = derivative::run(facts, graph, &tape, None, &mut None, &leaf).unwrap_or_default();
                     most = chain_norm(&tape, graph, &values, &rows);
                     if most <= 1.0 {
                         let jumps = rows.iter().any(|&r| values.get(r).is_some_and(|d| d.jumps != 0));
                         return (Norm { norm: most, jumps, runs: 1 }, ());
                     }
                 }
-                let runs = branches::each_piece(facts, graph, &tape, &leaf, &mut |duals, _| {
+                let runs = each_piece(facts, graph, &tape, &leaf, &mut |duals, _| {
                     norm.jumps |= rows.iter().any(|&r| duals.get(r).is_some_and(|d| d.jumps != 0));
                     norm.norm = norm.norm.max(map_norm(&tape, duals, &rows));
                 });
-                facts.boxes += runs as u64;
+                facts.account.boxes += runs as u64;
                 (Norm { runs, norm: norm.norm.min(most), ..norm }, ())
             });
             found.constant
@@ -240,14 +213,14 @@ impl Facts {
         if point.iter().enumerate().all(|(i, &p)| shift_along(graph, p, i).is_some() || graph.as_constant(p).is_some()) {
             return true;
         }
-        let tape = Tape::new(graph, point, self.rules);
+        let tape = Formula::new(graph, point, self.rules);
         let leaf = |leaf| match leaf {
             Leaf::P(i) => Dual::coordinate(usize::from(i), Interval::ALL),
             Leaf::Parameter(i) => Dual::constant(Interval::point(graph.parameters.get(i as usize).map_or(0.0, |p| p.default))),
             Leaf::Time => Dual::constant(Interval::ZERO),
             _ => Dual::constant(Interval::ALL),
         };
-        let duals = dual::run(self, graph, &tape, None, &mut None, &leaf).unwrap_or_default();
+        let duals = derivative::run(self, graph, &tape, None, &mut None, &leaf).unwrap_or_default();
         let moving = |p: &usize| duals.get(*p).filter(|d| d.norm > 0.0).map(|d| d.gradient);
         let rows: Vec<[Interval; 3]> = tape.roots().filter_map(|root| moving(&root)).collect();
         let along = |a: &[Interval; 3], b: &[Interval; 3]| -> f64 { a.iter().zip(b).map(|(a, b)| a.middle() * b.middle()).sum() };
@@ -284,7 +257,7 @@ impl Facts {
     pub(super) fn supremum<Known: Clone>(
         &mut self,
         graph: &Graph,
-        tape: &Tape,
+        tape: &Formula,
         domain: &Domain,
         sought: Sought<'_, Known>,
         norm: impl Fn(&mut Self, &Domain, &Known) -> (Norm, Known),
@@ -334,13 +307,13 @@ impl Facts {
             }
         }
         let mut least = reached.unwrap_or(0.0);
-        let before = self.ran;
+        let before = self.account.ran;
         let mut open = BinaryHeap::from([Part { norm: first.norm, jumps: first.jumps, region: domain.point, known }]);
         // No search alone may cost much more than what is left for all of them.
-        let left = self.most_searched.saturating_sub(self.searched).max(self.steps as u64);
-        let end = self.ran.saturating_add(left.min(STEPS_MORE * self.steps as u64));
-        let least_left = self.left_by_one();
-        while used < budget && self.ran < end && self.left > least_left {
+        let left = self.account.most_searched.saturating_sub(self.account.searched).max(self.account.steps as u64);
+        let end = self.account.ran.saturating_add(left.min(STEPS_MORE * self.account.steps as u64));
+        let least_left = self.account.left_by_one();
+        while used < budget && self.account.ran < end && self.account.left > least_left {
             let Some(worst) = open.pop() else { break };
             // What does not get less steep far away is not searched any longer.
             if endless && used > budget / 2 && worst.norm > 0.99 * first.norm {
@@ -374,8 +347,8 @@ impl Facts {
                 open.push(Part { norm: found.norm, jumps: found.jumps, region, known });
             }
         }
-        self.searched += self.ran - before;
-        self.cut_short |= self.left <= least_left;
+        self.account.searched += self.account.ran - before;
+        self.account.cut_short |= self.account.left <= least_left;
         let largest = open.peek().map_or(0.0, |p| p.norm);
         let jumps = first.jumps && open.iter().any(|p| p.jumps);
         Found { constant: Constant { lipschitz: largest.min(first.norm), jumps }, least }
@@ -438,17 +411,11 @@ const FEW_TERMS: usize = 16;
 /// A sum that shares its parts may have endlessly many terms; more than these are not taken apart.
 const MOST_TERMS: usize = 100_000;
 
-/// How many steps of a formula one constant may cost while a scene is compiled.
-pub(super) const STEPS: usize = 20_000;
-
 /// How much the width of an axis counts that does not matter for the whole box: one that only chooses between parts is hardly ever worth a cut.
 const IDLE: f64 = 0.004;
 
 /// How many times as many steps the kinks and the calls in it may cost.
 const STEPS_MORE: u64 = 8;
-
-/// How many steps all searches of a scene may cost while it is compiled; then formulas are looked at as a whole.
-pub(super) const MOST_SEARCHED: u64 = 1_500_000;
 
 /// The width of a side; what has no end counts the less, the farther away it begins.
 fn breadth(side: Interval) -> f64 {

@@ -1,8 +1,9 @@
 //! Boxes, and where formulas are looked at.
 
-use crate::graph::{Graph, Leaf, NodeId};
 use crate::graph::interval::Interval;
+use crate::graph::{ANY_TIME, Graph, Leaf, NodeId, ShapeId};
 use smallvec::SmallVec;
+use std::rc::Rc;
 
 /// A box: the product of three intervals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,5 +182,39 @@ impl Domain {
             let near = |i: usize| part.axis((axis + i) % 3).mignitude();
             near(1).hypot(near(2)) > radius * (1.0 + 1e-12)
         })
+    }
+}
+
+/// All that the variables of a repetition's body can be.
+pub fn cell_ranges(graph: &Graph, shape: ShapeId, cells: &dyn Fn(u32) -> Option<(f64, f64)>) -> Vec<(u32, Interval)> {
+    let variables = graph.shape(shape).map(|s| s.variables.clone()).unwrap_or_default();
+    variables.iter().map(|&v| (v, cells(v).map_or(Interval::ALL, |(lo, hi)| Interval::new(lo, hi)))).collect()
+}
+
+/// The domain of a shape's own formula, from the intervals of a call's arguments.
+pub fn call_domain(variables: &[u32], args: &[Interval]) -> Domain {
+    let arg = |i: usize| args.get(i).copied().unwrap_or(Interval::ALL);
+    Domain {
+        variables: variables.iter().enumerate().map(|(i, &v)| (v, arg(3 + i))).collect(),
+        ..Domain::of(Box3([arg(0), arg(1), arg(2)]))
+    }
+}
+
+/// Parameters that stand at one value, where the facts are not meant for their whole range: components by their index, and behind them
+/// the time, where that stands too.
+pub type Pinned = Rc<[f64]>;
+
+/// All values of a leaf.
+pub fn leaf_range(graph: &Graph, pinned: &[f64], leaf: Leaf, domain: &Domain) -> Interval {
+    match leaf {
+        Leaf::P(i) => domain.point.axis(usize::from(i)),
+        Leaf::Normal(_) => Interval::new(-1.0, 1.0),
+        Leaf::Time => pinned.get(graph.parameters.len()).map_or(ANY_TIME, |t| Interval::point(*t)),
+        Leaf::Parameter(i) => match (pinned.get(i as usize), graph.parameters.get(i as usize)) {
+            (Some(value), _) => Interval::point(*value),
+            (None, Some(p)) => Interval::new(p.min, p.max),
+            (None, None) => Interval::ALL,
+        },
+        Leaf::Variable(v) => domain.variable(v),
     }
 }

@@ -1,15 +1,192 @@
-//! Ways back from what a formula can be to the coordinates, where one operand alone does not tell: turned points, sums with a kink, mixes.
+//! Ways back from what a formula can be to the coordinates, operation by operation, and where one operand alone does not tell: turned points, sums with
+//! a kink, mixes.
 
 use super::rules::isometry::{self, PlaneTurn};
-use super::Box3;
-use super::region::Walk;
+use super::branches::backward;
+use super::chain::{DEEP, DEEPEST};
+use super::domain::Box3;
+use super::facts::Facts;
+use super::formula::Formula;
 use super::tape::Step;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
+use crate::graph::{Claim, Graph, Leaf};
 use crate::rules::Rule;
 
 /// So many steps are few.
 const FEW: usize = 32;
+
+/// One way back from a tape's last step to the coordinates.
+pub(super) struct Walk<'a> {
+    facts: &'a mut Facts,
+    graph: &'a Graph,
+    pub(super) tape: &'a Formula,
+    ranges: &'a [Interval],
+    visits: &'a mut usize,
+    /// Turned points that were met on the way.
+    turned: Vec<Turned>,
+}
+
+impl<'a> Walk<'a> {
+    /// A way back through a tape whose steps have these ranges; it may visit so many more of them.
+    pub(super) fn new(facts: &'a mut Facts, (graph, tape, ranges): (&'a Graph, &'a Formula, &'a [Interval]), visits: &'a mut usize) -> Self {
+        Self { facts, graph, tape, ranges, visits, turned: Vec::new() }
+    }
+}
+
+impl Walk<'_> {
+    pub(super) fn allows(&self, rule: Rule) -> bool {
+        self.facts.rules.has(rule)
+    }
+
+    /// Counts so many steps.
+    pub(super) fn counted(&mut self, steps: usize) {
+        self.facts.account.ran += steps as u64;
+        self.facts.account.spend(steps as u64);
+    }
+
+    pub(super) fn range(&self, step: usize) -> Interval {
+        self.ranges.get(step).copied().unwrap_or(Interval::ALL)
+    }
+
+    /// The part of `region` in which a step can be within `target`.
+    pub(super) fn step(&mut self, step: usize, target: Interval, region: Box3) -> Box3 {
+        let range = self.range(step);
+        let mut target = target.intersect(range);
+        if target.is_empty() || region.is_empty() {
+            return Box3::EMPTY;
+        }
+        if target == range || *self.visits == 0 || self.facts.looks.walking >= DEEPEST {
+            return region;
+        }
+        if target.lo <= range.lo {
+            // Only the upper end says anything: a shape is looked at as closely as where that is all that was asked.
+            target.lo = f64::NEG_INFINITY;
+        }
+        *self.visits -= 1;
+        self.facts.looks.walking += 1;
+        let region = self.carried_back(step, target, region);
+        self.facts.looks.walking -= 1;
+        region
+    }
+
+    /// The same of a step of which something is asked.
+    fn carried_back(&mut self, step: usize, target: Interval, region: Box3) -> Box3 {
+        if target.hi <= 0.0
+            && let Some(solid) = self.tape.nodes.get(step).and_then(|&n| self.facts.known_solid(n))
+        {
+            return region.intersect(&solid);
+        }
+        let Some(kind) = self.tape.steps.get(step) else { return region };
+        match kind {
+            Step::Constant(_) => region,
+            Step::Leaf(Leaf::P(i)) => {
+                let i = usize::from(*i);
+                region.with_axis(i, region.axis(i).intersect(target))
+            }
+            Step::Leaf(_) => region,
+            Step::Claim(Claim::Lipschitz(..) | Claim::Continuous, args) => {
+                let Some(&value) = args.first() else { return region };
+                if let (Some(&a), Some(&b), true) = (args.get(1), args.get(2), target.lo == f64::NEG_INFINITY)
+                    && self.allows(Rule::BlendSublevelSet)
+                    && let Some(level) = self.joined_level(value, [a, b], target.hi)
+                {
+                    let below = Interval::new(f64::NEG_INFINITY, level);
+                    let region = self.either(|walk| walk.step(a, below, region), |walk| walk.step(b, below, region));
+                    return self.cut_off(value, target, region);
+                }
+                self.step(value, target, region)
+            }
+            Step::Op(Op::Max, args) => {
+                let region = self.operation(Op::Max, args, target, region);
+                if region.is_empty() || !self.allows(Rule::Polytope) { region } else { self.in_polytope(step, target.hi, &region).unwrap_or(region) }
+            }
+            Step::Op(op, args) => self.operation(*op, args, target, region),
+            Step::Call(shape, args) => {
+                let values: Vec<Interval> = args.iter().map(|&a| self.range(a)).collect();
+                let own = self.facts.shape_region(self.graph, *shape, &values, target);
+                if own.is_empty() {
+                    return Box3::EMPTY;
+                }
+                self.point(args.get(..3).unwrap_or(args), own, region)
+            }
+        }
+    }
+
+    fn operation(&mut self, op: Op, args: &[usize], target: Interval, region: Box3) -> Box3 {
+        let arg = |i: usize| args.get(i).copied().unwrap_or(0);
+        let (a, b) = (arg(0), arg(1));
+        let (ra, rb) = (self.range(a), self.range(b));
+        match op {
+            Op::Add => match (self.capped(a), self.capped(b)) {
+                // On each side of the kink it is a sum of its own, which says more than the hull of both.
+                (Some((part, cap)), None) => self.capped_sum(b, part, cap, target, region),
+                (None, Some((part, cap))) => self.capped_sum(a, part, cap, target, region),
+                _ if target.lo == f64::NEG_INFINITY && self.allows(Rule::Mix) && let Some((a, b, slack)) = self.mixed(a, b, target.hi) => {
+                    let target = Interval::new(target.lo, target.hi + slack);
+                    self.either(|walk| walk.step(a, target, region), |walk| walk.step(b, target, region))
+                }
+                _ => {
+                    let region = self.step(a, target.sub(rb), region);
+                    self.step(b, target.sub(ra), region)
+                }
+            },
+            // Of what is at most zero one factor is.
+            Op::Mul if target.hi <= 0.0 && ra.contains(0.0) && rb.contains(0.0) => {
+                let below = Interval::new(f64::NEG_INFINITY, 0.0);
+                self.either(|walk| walk.step(a, below, region), |walk| walk.step(b, below, region))
+            }
+            // Of a long chain all operands at once: no stack grows with their number.
+            Op::Min if self.facts.looks.walking >= DEEP && target.lo == f64::NEG_INFINITY => {
+                let (known, mut open, mut hull) = (self.turned.clone(), vec![b, a], Box3::EMPTY);
+                while let Some(step) = open.pop() {
+                    match self.tape.steps.get(step) {
+                        Some(Step::Op(Op::Min, args)) if self.tape.nodes.get(step).is_none_or(|&n| self.facts.known_solid(n).is_none()) => {
+                            open.extend(args.iter().rev());
+                        }
+                        _ => {
+                            self.turned.clone_from(&known);
+                            hull = hull.hull(&self.step(step, target, region));
+                        }
+                    }
+                }
+                self.turned = known;
+                hull
+            }
+            Op::Min => {
+                let above = Interval::new(target.lo, f64::INFINITY);
+                let region = self.step(a, above, region);
+                let region = self.step(b, above, region);
+                self.either(|walk| walk.step(a, target, region), |walk| walk.step(b, target, region))
+            }
+            Op::Max => {
+                let below = Interval::new(f64::NEG_INFINITY, target.hi);
+                let region = self.step(a, below, region);
+                let region = self.step(b, below, region);
+                if target.lo == f64::NEG_INFINITY {
+                    return region;
+                }
+                self.either(|walk| walk.step(a, target, region), |walk| walk.step(b, target, region))
+            }
+            Op::Length2 | Op::Length3 | Op::Length4 => {
+                let side = target.hi.max(0.0);
+                let own = Box3([Interval::new(-side, side); 3]);
+                let mut region = region;
+                if args.len() <= 3 {
+                    region = self.point(args, own, region);
+                }
+                region
+            }
+            Op::TurnU | Op::TurnV if self.allows(Rule::TurnedPoint) => self.turned(op, args, target, region),
+            Op::Select => match self.range(a) {
+                Interval::ONE => self.step(b, target, region),
+                Interval::ZERO => self.step(arg(2), target, region),
+                _ => self.either(|walk| walk.step(b, target, region), |walk| walk.step(arg(2), target, region)),
+            },
+            _ => (0..).zip(args).fold(region, |region, (k, &arg)| self.step(arg, backward(op, k, ra, rb, target, None), region)),
+        }
+    }
+}
 
 impl Walk<'_> {
     /// The part of `region` in which the three steps can be a point of `own`.

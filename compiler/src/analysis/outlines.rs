@@ -33,10 +33,10 @@ impl Facts {
             _ => {
                 let region = outline.intersect(&Box3::cube(FARTHEST));
                 let cost = self.weight(graph, node);
-                if cost > self.outlining {
+                if cost > self.account.outlining {
                     return outline;
                 }
-                self.outlining -= cost;
+                self.account.outlining -= cost;
                 match self.is_found_in(graph, node, &region) {
                     true => region,
                     false => self.closer_and_closer(|facts, within| facts.region(graph, node, &Domain::of(within), 0.0), region),

@@ -1,12 +1,13 @@
 //! Where a formula can be at or below a level: a box, found by carrying conditions back to the coordinates, and by cutting off slabs that
 //! are proven empty.
 
-use super::hc4_projections::Turned;
-use super::branches::backward;
 use super::chain::{DEEP, DEEPEST};
+use super::domain::{Box3, Domain, call_domain};
+use super::dual::Constant;
+use super::facts::Facts;
+use super::formula::Formula;
+use super::hc4_projections::Walk;
 use super::rigid_transform::Placed;
-use super::tape::{Step, Tape};
-use super::{call_domain, Box3, Constant, Domain, Facts};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId};
@@ -52,21 +53,21 @@ impl Facts {
         if let Some(known) = self.regions.get(&key) {
             return *known;
         }
-        self.looked += u32::from(self.looking > 0);
-        self.regions_open += 1;
+        self.looks.regions_looked += u32::from(self.looks.looking > 0);
+        self.looks.regions_open += 1;
         let by_parts = self.region_by_parts(graph, node, domain, level);
-        self.regions_open -= 1;
+        self.looks.regions_open -= 1;
         if let Some(region) = by_parts {
             self.regions.insert(key, region);
             return region;
         }
         let mut region = domain.point;
         let tape = self.tape(graph, node);
-        self.entries = ENTRIES;
-        self.sifts = SIFTS;
-        self.unions = UNIONS;
+        self.looks.entries = ENTRIES;
+        self.looks.sifts = SIFTS;
+        self.looks.unions = UNIONS;
         // Far down in a chain each look at a box of its own would be as long as the chain.
-        let is_deep = self.regions_open >= DEEP;
+        let is_deep = self.looks.regions_open >= DEEP;
         for _ in 0..if is_deep { 1 } else { 3 } {
             let before = region.size();
             region = self.contract(graph, &tape, &domain.at(region), Interval::new(f64::NEG_INFINITY, level));
@@ -79,10 +80,10 @@ impl Facts {
             return region;
         }
         region = self.sift(graph, node, domain, region, level);
-        if self.rules.has(Rule::Shave) && self.closer < CLOSER_STEPS && !self.is_spent() && !region.is_empty() && region.is_finite() {
-            let first = self.ran;
+        if self.rules.has(Rule::Shave) && self.account.closer < CLOSER_STEPS && !self.account.is_spent() && !region.is_empty() && region.is_finite() {
+            let first = self.account.ran;
             region = self.shave(graph, &tape, domain, region, level);
-            self.closer += self.ran - first;
+            self.account.closer += self.account.ran - first;
         }
         self.regions.insert(key, region);
         region
@@ -124,7 +125,7 @@ impl Facts {
                 }
                 let value = s.value;
                 let own = Domain { variables, narrowed: domain.narrowed, ..Domain::of(own) };
-                if self.regions_open >= DEEP {
+                if self.looks.regions_open >= DEEP {
                     let of = |shape: ShapeId, own: Domain| Some((graph.shape(shape)?.value, Domain { narrowed: domain.narrowed, ..own }));
                     let known = |facts: &Self, shape, own: &Domain| {
                         of(shape, own.clone()).is_none_or(|(value, own)| facts.regions.contains_key(&(value, own.key(), level.to_bits())))
@@ -154,7 +155,7 @@ impl Facts {
     /// The same of all that is at most a level.
     pub fn rough_region_at(&mut self, graph: &Graph, node: NodeId, domain: &Domain, level: f64) -> Box3 {
         let tape = self.tape(graph, node);
-        (self.entries, self.sifts, self.unions) = (ENTRIES, 0, 0);
+        (self.looks.entries, self.looks.sifts, self.looks.unions) = (ENTRIES, 0, 0);
         self.contract(graph, &tape, domain, Interval::new(f64::NEG_INFINITY, level))
     }
 
@@ -164,11 +165,24 @@ impl Facts {
         self.outline_within(graph, node, 0)
     }
 
+    /// Remembers that a node is at most zero no farther than `reach` along its axes, where that is not seen at once; of what `is_fixed`, a closer box.
+    pub fn know_reach(&mut self, graph: &Graph, node: NodeId, (reach, is_fixed): (f64, bool), dimensions: usize) {
+        let side = Interval::new(-reach, reach);
+        let seen = self.rough_region(graph, node, &Domain::of(Box3::ALL));
+        let around = (0..dimensions).fold(Box3::ALL, |around, axis| around.with_axis(axis, side));
+        if seen.intersect(&around) != seen {
+            // A drawing has no third axis.
+            let within = (dimensions..3).fold(around, |within, axis| within.with_axis(axis, Interval::ZERO));
+            let closer = if is_fixed { self.on_top(|facts| facts.region(graph, node, &Domain::of(within), 0.0)) } else { within };
+            self.know_solid(node, (0..dimensions).fold(Box3::ALL, |solid, axis| solid.with_axis(axis, closer.axis(axis))));
+        }
+    }
+
     /// Does something that is not counted in what closer looks at regions may cost: once for a scene, before all others.
     pub fn on_top<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
-        let before = (self.closer, self.looks);
+        let before = (self.account.closer, self.looks.looked);
         let done = work(self);
-        (self.closer, self.looks) = before;
+        (self.account.closer, self.looks.looked) = before;
         done
     }
 
@@ -207,16 +221,16 @@ impl Facts {
     /// the distance to the corners. Only of a box that is hardly smaller than the domain. Domains of all sizes lead to the same box, which is
     /// sifted once.
     fn sift(&mut self, graph: &Graph, node: NodeId, domain: &Domain, region: Box3, level: f64) -> Box3 {
-        if !self.rules.has(Rule::Sift) || self.closer >= CLOSER_STEPS || self.is_spent() || !region.is_finite() || region.size() <= 0.5 * domain.point.size() {
+        if !self.rules.has(Rule::Sift) || self.account.closer >= CLOSER_STEPS || self.account.is_spent() || !region.is_finite() || region.size() <= 0.5 * domain.point.size() {
             return region;
         }
         let key = (node, domain.at(region).key(), level.to_bits());
         if let Some(known) = self.sifted.get(&key) {
             return *known;
         }
-        let first = self.ran;
+        let first = self.account.ran;
         let sifted = self.sift_anew(graph, node, domain, region, level);
-        self.closer += self.ran - first;
+        self.account.closer += self.account.ran - first;
         self.sifted.insert(key, sifted);
         sifted
     }
@@ -236,12 +250,12 @@ impl Facts {
         if !everywhere && self.constant(graph, node, &domain.at(region), 1).lipschitz < WILD {
             return region;
         }
-        self.sifts = self.sifts.saturating_sub(1);
+        self.looks.sifts = self.looks.sifts.saturating_sub(1);
         let tape = self.tape(graph, node);
         let smallest = region.size() / 128.0;
         let mut left = SIFTED;
-        let first = self.ran;
-        let least_left = self.left_by_one();
+        let first = self.account.ran;
+        let least_left = self.account.left_by_one();
         // Large parts first: where the budget ends, what is left is around the solid already.
         let mut open = VecDeque::from([region]);
         let mut kept = Box3::EMPTY;
@@ -263,16 +277,16 @@ impl Facts {
                 continue;
             }
             if !everywhere && value.lo > level {
-                let before = self.ran;
+                let before = self.account.ran;
                 let here = self.all_duals(graph, &tape, &domain.at(part)).last().copied();
                 // A step with its derivatives costs as much as nine without.
-                self.closer += 8 * (self.ran - before);
+                self.account.closer += 8 * (self.account.ran - before);
                 if here.is_some_and(|here| here.value.lo > level || here.jumps == 0 && is_empty(here.norm)) {
                     continue;
                 }
             }
-            if left == 0 || self.ran - first > most || self.left <= least_left {
-                self.cut_short |= self.left <= least_left;
+            if left == 0 || self.account.ran - first > most || self.account.left <= least_left {
+                self.account.cut_short |= self.account.left <= least_left;
                 kept = open.iter().fold(kept.hull(&part), |kept, part| kept.hull(part));
                 break;
             }
@@ -305,18 +319,18 @@ impl Facts {
     fn shave(
         &mut self,
         graph: &Graph,
-        tape: &Tape,
+        tape: &Formula,
         domain: &Domain,
         mut region: Box3,
         level: f64,
     ) -> Box3 {
-        let first = self.boxes;
+        let first = self.account.boxes;
         for _ in 0..2 {
             let before = region;
             for axis in 0..3 {
                 for upper in [false, true] {
                     let mut part = 0.5;
-                    while part > 0.02 && self.boxes - first < SLABS {
+                    while part > 0.02 && self.account.boxes - first < SLABS {
                         let side = region.axis(axis);
                         let cut = side.width() * part;
                         if cut <= 0.0 {
@@ -348,18 +362,18 @@ impl Facts {
     pub fn contract(
         &mut self,
         graph: &Graph,
-        tape: &Tape,
+        tape: &Formula,
         domain: &Domain,
         target: Interval,
     ) -> Box3 {
         let ranges = self.ranges_of(graph, tape, domain);
         let Some(last) = tape.steps.len().checked_sub(1) else { return domain.point };
         let mut visits = VISITS;
-        let mut walk = Walk { facts: self, graph, tape, ranges: &ranges, visits: &mut visits, turned: Vec::new() };
+        let mut walk = Walk::new(self, (graph, tape, &ranges), &mut visits);
         walk.step(last, target, domain.point)
     }
 
-    fn shape_region(
+    pub(super) fn shape_region(
         &mut self,
         graph: &Graph,
         shape: ShapeId,
@@ -373,10 +387,10 @@ impl Facts {
         if let (Some(solid), true) = (self.known_solid(s.value), target.hi <= 0.0 || is_distance) {
             return solid.grow(target.hi.max(0.0)).intersect(&domain.point);
         }
-        if self.entries == 0 || self.walking >= DEEPEST {
+        if self.looks.entries == 0 || self.looks.walking >= DEEPEST {
             return domain.point;
         }
-        self.entries -= 1;
+        self.looks.entries -= 1;
         if target.lo == f64::NEG_INFINITY {
             let key = (s.value, domain.key(), target.hi.to_bits());
             if let Some(known) = self.regions.get(&key) {
@@ -385,20 +399,20 @@ impl Facts {
             let (node, level) = (s.value, target.hi);
             // A union inside is looked at part by part, where that is not done too often.
             let is_union = matches!(graph.node(node), Node::Op(Op::Min, _) | Node::Call(..));
-            if self.unions > 0 && self.looks < LOOKS && self.looked < LOOKED && is_union {
-                self.unions -= 1;
-                self.looks += 1;
-                let (entries, sifts) = (self.entries, self.sifts);
-                self.looking += 1;
+            if self.looks.unions > 0 && self.looks.looked < LOOKS && self.looks.regions_looked < LOOKED && is_union {
+                self.looks.unions -= 1;
+                self.looks.looked += 1;
+                let (entries, sifts) = (self.looks.entries, self.looks.sifts);
+                self.looks.looking += 1;
                 let region = self.region(graph, node, &domain, level);
-                self.looking -= 1;
-                (self.entries, self.sifts) = (entries, sifts);
+                self.looks.looking -= 1;
+                (self.looks.entries, self.looks.sifts) = (entries, sifts);
                 return region;
             }
             let tape = self.tape(graph, node);
             let mut region = self.contract(graph, &tape, &domain, target);
             let is_drawing = s.dimensions == 2 && s.exactness == Exactness::Exact;
-            if self.sifts > 0 {
+            if self.looks.sifts > 0 {
                 region = self.sift(graph, node, &domain, region, level);
             } else if is_drawing && region.axis(0).is_finite() && region.axis(1).is_finite() && region.size() > FAR {
                 region = self.drawn(graph, node, &domain, region, level);
@@ -432,170 +446,5 @@ pub(super) fn shift_along(graph: &Graph, coordinate: NodeId, axis: usize) -> Opt
             Some(if *op == Op::Add { c } else { -c })
         }
         _ => None,
-    }
-}
-
-/// One way back from a tape's last step to the coordinates.
-pub(super) struct Walk<'a> {
-    facts: &'a mut Facts,
-    graph: &'a Graph,
-    pub(super) tape: &'a Tape,
-    ranges: &'a [Interval],
-    visits: &'a mut usize,
-    /// Turned points that were met on the way.
-    pub(super) turned: Vec<Turned>,
-}
-
-impl Walk<'_> {
-    pub(super) fn allows(&self, rule: Rule) -> bool {
-        self.facts.rules.has(rule)
-    }
-
-    /// Counts so many steps.
-    pub(super) fn counted(&mut self, steps: usize) {
-        self.facts.ran += steps as u64;
-        self.facts.spend(steps as u64);
-    }
-
-    pub(super) fn range(&self, step: usize) -> Interval {
-        self.ranges.get(step).copied().unwrap_or(Interval::ALL)
-    }
-
-    /// The part of `region` in which a step can be within `target`.
-    pub(super) fn step(&mut self, step: usize, target: Interval, region: Box3) -> Box3 {
-        let range = self.range(step);
-        let mut target = target.intersect(range);
-        if target.is_empty() || region.is_empty() {
-            return Box3::EMPTY;
-        }
-        if target == range || *self.visits == 0 || self.facts.walking >= DEEPEST {
-            return region;
-        }
-        if target.lo <= range.lo {
-            // Only the upper end says anything: a shape is looked at as closely as where that is all that was asked.
-            target.lo = f64::NEG_INFINITY;
-        }
-        *self.visits -= 1;
-        self.facts.walking += 1;
-        let region = self.carried_back(step, target, region);
-        self.facts.walking -= 1;
-        region
-    }
-
-    /// The same of a step of which something is asked.
-    fn carried_back(&mut self, step: usize, target: Interval, region: Box3) -> Box3 {
-        if target.hi <= 0.0
-            && let Some(solid) = self.tape.nodes.get(step).and_then(|&n| self.facts.known_solid(n))
-        {
-            return region.intersect(&solid);
-        }
-        let Some(kind) = self.tape.steps.get(step) else { return region };
-        match kind {
-            Step::Constant(_) => region,
-            Step::Leaf(Leaf::P(i)) => {
-                let i = usize::from(*i);
-                region.with_axis(i, region.axis(i).intersect(target))
-            }
-            Step::Leaf(_) => region,
-            Step::Claim(Claim::Lipschitz(..) | Claim::Continuous, args) => {
-                let Some(&value) = args.first() else { return region };
-                if let (Some(&a), Some(&b), true) = (args.get(1), args.get(2), target.lo == f64::NEG_INFINITY)
-                    && self.allows(Rule::BlendSublevelSet)
-                    && let Some(level) = self.joined_level(value, [a, b], target.hi)
-                {
-                    let below = Interval::new(f64::NEG_INFINITY, level);
-                    let region = self.either(|walk| walk.step(a, below, region), |walk| walk.step(b, below, region));
-                    return self.cut_off(value, target, region);
-                }
-                self.step(value, target, region)
-            }
-            Step::Op(Op::Max, args) => {
-                let region = self.operation(Op::Max, args, target, region);
-                if region.is_empty() || !self.allows(Rule::Polytope) { region } else { self.in_polytope(step, target.hi, &region).unwrap_or(region) }
-            }
-            Step::Op(op, args) => self.operation(*op, args, target, region),
-            Step::Call(shape, args) => {
-                let values: Vec<Interval> = args.iter().map(|&a| self.range(a)).collect();
-                let own = self.facts.shape_region(self.graph, *shape, &values, target);
-                if own.is_empty() {
-                    return Box3::EMPTY;
-                }
-                self.point(args.get(..3).unwrap_or(args), own, region)
-            }
-        }
-    }
-
-    fn operation(&mut self, op: Op, args: &[usize], target: Interval, region: Box3) -> Box3 {
-        let arg = |i: usize| args.get(i).copied().unwrap_or(0);
-        let (a, b) = (arg(0), arg(1));
-        let (ra, rb) = (self.range(a), self.range(b));
-        match op {
-            Op::Add => match (self.capped(a), self.capped(b)) {
-                // On each side of the kink it is a sum of its own, which says more than the hull of both.
-                (Some((part, cap)), None) => self.capped_sum(b, part, cap, target, region),
-                (None, Some((part, cap))) => self.capped_sum(a, part, cap, target, region),
-                _ if target.lo == f64::NEG_INFINITY && self.allows(Rule::Mix) && let Some((a, b, slack)) = self.mixed(a, b, target.hi) => {
-                    let target = Interval::new(target.lo, target.hi + slack);
-                    self.either(|walk| walk.step(a, target, region), |walk| walk.step(b, target, region))
-                }
-                _ => {
-                    let region = self.step(a, target.sub(rb), region);
-                    self.step(b, target.sub(ra), region)
-                }
-            },
-            // Of what is at most zero one factor is.
-            Op::Mul if target.hi <= 0.0 && ra.contains(0.0) && rb.contains(0.0) => {
-                let below = Interval::new(f64::NEG_INFINITY, 0.0);
-                self.either(|walk| walk.step(a, below, region), |walk| walk.step(b, below, region))
-            }
-            // Of a long chain all operands at once: no stack grows with their number.
-            Op::Min if self.facts.walking >= DEEP && target.lo == f64::NEG_INFINITY => {
-                let (known, mut open, mut hull) = (self.turned.clone(), vec![b, a], Box3::EMPTY);
-                while let Some(step) = open.pop() {
-                    match self.tape.steps.get(step) {
-                        Some(Step::Op(Op::Min, args)) if self.tape.nodes.get(step).is_none_or(|&n| self.facts.known_solid(n).is_none()) => {
-                            open.extend(args.iter().rev());
-                        }
-                        _ => {
-                            self.turned.clone_from(&known);
-                            hull = hull.hull(&self.step(step, target, region));
-                        }
-                    }
-                }
-                self.turned = known;
-                hull
-            }
-            Op::Min => {
-                let above = Interval::new(target.lo, f64::INFINITY);
-                let region = self.step(a, above, region);
-                let region = self.step(b, above, region);
-                self.either(|walk| walk.step(a, target, region), |walk| walk.step(b, target, region))
-            }
-            Op::Max => {
-                let below = Interval::new(f64::NEG_INFINITY, target.hi);
-                let region = self.step(a, below, region);
-                let region = self.step(b, below, region);
-                if target.lo == f64::NEG_INFINITY {
-                    return region;
-                }
-                self.either(|walk| walk.step(a, target, region), |walk| walk.step(b, target, region))
-            }
-            Op::Length2 | Op::Length3 | Op::Length4 => {
-                let side = target.hi.max(0.0);
-                let own = Box3([Interval::new(-side, side); 3]);
-                let mut region = region;
-                if args.len() <= 3 {
-                    region = self.point(args, own, region);
-                }
-                region
-            }
-            Op::TurnU | Op::TurnV if self.allows(Rule::TurnedPoint) => self.turned(op, args, target, region),
-            Op::Select => match self.range(a) {
-                Interval::ONE => self.step(b, target, region),
-                Interval::ZERO => self.step(arg(2), target, region),
-                _ => self.either(|walk| walk.step(b, target, region), |walk| walk.step(arg(2), target, region)),
-            },
-            _ => (0..).zip(args).fold(region, |region, (k, &arg)| self.step(arg, backward(op, k, ra, rb, target, None), region)),
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! Searches for a constant that can be taken up again: with more boxes, or for the values at which the parameters stand.
 
+use super::account::Account;
 use super::{Box3, Domain, Facts, Pinned};
 use crate::graph::interval::Interval;
 use crate::graph::{Graph, NodeId, ParameterComponent};
@@ -35,7 +36,8 @@ impl Search {
 
     /// The constant, looked for with at most `boxes` boxes; for the values of the parameters if there are any, else for their whole ranges.
     pub fn run(&self, graph: &Graph, pinned: Pinned, boxes: usize) -> f64 {
-        let mut facts = Facts { pinned, rules: self.rules, steps: boxes.saturating_mul(STEPS_A_BOX), most_searched: u64::MAX, left: u64::MAX, ..Facts::default() };
+        let mut facts = Facts::at(pinned, self.rules);
+        facts.account = Account::of_one_search(boxes.saturating_mul(STEPS_A_BOX));
         let nodes = match &self.target {
             Target::Value(node) => std::slice::from_ref(node),
             Target::Map(point) => point.as_slice(),
@@ -93,7 +95,7 @@ impl Search {
     fn size(&self, graph: &Graph, place: &[f64]) -> f64 {
         let Target::Value(node) = self.target else { return f64::INFINITY };
         let (here, pinned) = self.here(place);
-        Facts::at(pinned).range(graph, node, &here).middle().abs()
+        Facts::at(pinned, RuleSet::default()).range(graph, node, &here).middle().abs()
     }
 
     /// The `i`-th place that samples look at, as [`Search::at`] takes it.
@@ -106,7 +108,7 @@ impl Search {
     /// How steep it is at one place: the point, the variables, the parameters and the time. Nothing where no finite slope is known.
     fn at(&self, graph: &Graph, place: &[f64]) -> f64 {
         let (here, pinned) = self.here(place);
-        let mut facts = Facts { pinned: pinned.clone(), rules: self.rules, ..Facts::default() };
+        let mut facts = Facts::at(pinned.clone(), self.rules);
         let beyond = |(node, level): &(NodeId, f64)| facts.range(graph, *node, &here).lo > *level;
         if self.domain.leaves_out(&here.point) || self.domain.within.iter().any(beyond) {
             return 0.0;

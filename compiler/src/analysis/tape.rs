@@ -4,16 +4,7 @@ use crate::graph::algebra::Algebra;
 use crate::graph::kernel::{self, Op};
 use crate::graph::{Claim, Graph, Leaf, Node, NodeId, ShapeId};
 use smallvec::SmallVec;
-use std::cell::{OnceCell, RefCell};
-use std::rc::Rc;
-
-use super::rules::jacobian_norm::{Chain, Chains};
-use super::rules::soft::Soft;
-use super::rules::polar_rotation::Around;
-use super::rules::algebraic_enclosures::Tight;
-use crate::graph::interval::Interval;
-use crate::graph::algebra::Intervals;
-use crate::rules::{Rule, RuleSet};
+use crate::rules::RuleSet;
 
 /// Earlier steps that a step needs: a few.
 pub type Steps = SmallVec<[usize; 4]>;
@@ -46,24 +37,8 @@ pub struct Tape {
     roots: Steps,
     /// The rules that may look at it.
     pub(super) rules: RuleSet,
-    /// Found when they are first asked for: who only wants ranges has no use for them.
-    kinks: OnceCell<Kinks>,
-    /// What coordinates go through, by their steps.
-    chains: RefCell<Chains>,
     /// Whether the first coordinate is a distance, or its square, in the place of the point.
     by_distance: bool,
-    /// The steps that are soft maxima or norms, in order.
-    softs: OnceCell<Rc<[(usize, Soft)]>>,
-    /// The steps of which more is known than follows step by step, in order.
-    tight: OnceCell<Rc<[(usize, Tight)]>>,
-}
-
-#[derive(Clone, Debug, Default)]
-struct Kinks {
-    /// Steps with a kink of which each side is worth a look by itself.
-    steps: Vec<bool>,
-    /// Coordinates that only `abs` reads: one half of the axis stands for both.
-    mirrored: [bool; 3],
 }
 
 impl Tape {
@@ -85,7 +60,7 @@ impl Tape {
             })
             .collect();
         let roots = roots.iter().map(at).collect();
-        Self { steps, nodes, roots, rules, kinks: OnceCell::new(), chains: RefCell::default(), by_distance: false, softs: OnceCell::new(), tight: OnceCell::new() }
+        Self { steps, nodes, roots, rules, by_distance: false }
     }
 
     /// The same tape at these values of the parameters, as if they were written in it: more is known of a power whose exponent is a number.
@@ -109,66 +84,12 @@ impl Tape {
     /// Steps in order, of which the last is the root, with their nodes.
     pub(super) fn of_steps(steps: Vec<Step>, nodes: Vec<NodeId>, rules: RuleSet) -> Self {
         let roots = steps.len().checked_sub(1).into_iter().collect();
-        Self { steps, nodes, roots, rules, kinks: OnceCell::new(), chains: RefCell::default(), by_distance: false, softs: OnceCell::new(), tight: OnceCell::new() }
+        Self { steps, nodes, roots, rules, by_distance: false }
     }
 
     /// The same tape, whose first coordinate is a distance that is zero rarely, or the square of one.
     pub(super) fn of_distance(self) -> Self {
         Self { by_distance: true, ..self }
-    }
-
-    /// What these coordinates go through; none where they are all that is to be known.
-    pub fn chain(&self, graph: &Graph, rows: &[usize]) -> Option<Rc<Chain>> {
-        if !self.rules.has(Rule::IsometryChain) {
-            return None;
-        }
-        self.chains.borrow_mut().under(graph, self, rows)
-    }
-
-    fn softs(&self) -> &[(usize, Soft)] {
-        self.softs.get_or_init(|| (0..if self.rules.has(Rule::Soft) { self.steps.len() } else { 0 }).filter_map(|i| Some((i, Soft::of(self, i)?))).collect())
-    }
-
-    /// What a step is put together of, where that is a soft maximum or a norm.
-    pub(super) fn soft(&self, step: usize) -> Option<&Soft> {
-        let softs = self.softs();
-        softs.binary_search_by_key(&step, |(i, _)| *i).ok().and_then(|i| softs.get(i)).map(|(_, soft)| soft)
-    }
-
-    /// What is known of a step that is a length times the cosine or the sine of an angle.
-    pub(super) fn around(&self, step: usize) -> Option<&Around> {
-        let tight = self.tight();
-        match tight.binary_search_by_key(&step, |(step, _)| *step).ok().and_then(|i| tight.get(i))? {
-            (_, Tight::Around(around)) => Some(around),
-            _ => None,
-        }
-    }
-
-    /// Whether [`Tape::tight`] was found already.
-    pub(super) fn is_seen(&self) -> bool {
-        self.tight.get().is_some()
-    }
-
-    /// What more is known of steps than follows step by step, in order.
-    pub(super) fn tight(&self) -> &[(usize, Tight)] {
-        self.tight.get_or_init(|| Tight::of(self).into())
-    }
-
-    /// The range of every step.
-    pub(super) fn ranges(
-        &self,
-        graph: &Graph,
-        leaf: impl FnMut(&mut Intervals, Leaf) -> Interval,
-        call: impl FnMut(&mut Intervals, ShapeId, &[Interval]) -> Interval,
-    ) -> Vec<Interval> {
-        let mut tight = self.tight().iter().peekable();
-        self.run_closely(graph, &mut Intervals, leaf, call, |i, value, before: &[Interval]| match tight.next_if(|(step, _)| *step == i) {
-            Some((_, tight)) => {
-                let both = value.intersect(tight.values(|step| before.get(step).copied().unwrap_or(Interval::ALL)));
-                if both.is_empty() { value } else { both }
-            }
-            None => value,
-        })
     }
 
     /// The value of a step that is a constant.
@@ -251,86 +172,6 @@ impl Tape {
         }
     }
 
-    fn kinks(&self) -> &Kinks {
-        self.kinks.get_or_init(|| self.find_kinks())
-    }
-
-    /// A kink whose result goes through nothing but `min`, `max` and their like to the only root needs no look at each side: the constant is
-    /// the larger one. Below a claim it is the claim that counts.
-    fn find_kinks(&self) -> Kinks {
-        #[derive(Clone, Copy, PartialEq, PartialOrd)]
-        enum State {
-            Quiet,
-            Through,
-            Apart,
-        }
-        let n = self.steps.len();
-        let mut states = vec![State::Quiet; n];
-        let mut users = vec![0u32; n];
-        let from_root = if self.roots.len() == 1 { State::Through } else { State::Apart };
-        for &root in &self.roots {
-            if let Some(slot) = states.get_mut(root) {
-                *slot = from_root;
-            }
-        }
-        let mut kinks = vec![false; n];
-        for (i, step) in self.steps.iter().enumerate().rev() {
-            let state = states.get(i).copied().unwrap_or(State::Quiet);
-            let (args, below): (&[usize], State) = match step {
-                Step::Constant(_) | Step::Leaf(_) => continue,
-                Step::Claim(Claim::Lipschitz(..), args) => (args, State::Quiet),
-                Step::Claim(Claim::Continuous, args) => (args, state),
-                Step::Op(Op::Min | Op::Max | Op::Neg | Op::Abs | Op::Select, args) if state == State::Through => {
-                    (args, State::Through)
-                }
-                Step::Op(_, args) | Step::Call(_, args) => {
-                    (args, if state == State::Quiet { State::Quiet } else { State::Apart })
-                }
-            };
-            if let (Step::Op(Op::Min | Op::Max | Op::Abs | Op::Select | Op::Atan2, _), State::Apart, Some(slot)) =
-                (step, state, kinks.get_mut(i))
-            {
-                *slot = true;
-            }
-            for &a in args {
-                if let Some(count) = users.get_mut(a) {
-                    *count += 1;
-                }
-            }
-            // Of a soft maximum it is what it is put together of that counts, and of that as under a plain one.
-            let soft = if state == State::Quiet { None } else { self.soft(i) };
-            let put_together = soft.map(Soft::steps);
-            let below = match soft {
-                Some(soft) if soft.is_share() => state,
-                _ => below,
-            };
-            for &a in put_together.as_deref().unwrap_or(args) {
-                if let Some(slot) = states.get_mut(a)
-                    && *slot < below
-                {
-                    *slot = below;
-                }
-            }
-        }
-        let mut mirrored = [false; 3];
-        for step in self.steps.iter().filter(|_| self.rules.has(Rule::Mirror)) {
-            if let Step::Op(Op::Abs, args) = step
-                && let Some(&a) = args.first()
-                && let Some(Step::Leaf(Leaf::P(i))) = self.steps.get(a)
-                && users.get(a) == Some(&1)
-                && let Some(slot) = mirrored.get_mut(usize::from(*i))
-            {
-                *slot = true;
-            }
-        }
-        Kinks { steps: kinks, mirrored }
-    }
-
-    /// Whether a step has a kink of which each side is worth a look by itself.
-    pub fn is_kink(&self, step: usize) -> bool {
-        self.kinks().steps.get(step).copied().unwrap_or(false)
-    }
-
     /// Of a root of a length of squares, which is the root of a sum of fourth powers, or eighth powers and so on: what is raised.
     pub fn raised(&self, step: usize) -> Option<Steps> {
         match self.steps.get(step)? {
@@ -344,17 +185,6 @@ impl Tape {
             }
             _ => None,
         }
-    }
-
-    /// Whether a coordinate is read by one `abs` alone.
-    pub fn is_mirrored(&self, coordinate: u8) -> bool {
-        self.kinks().mirrored.get(usize::from(coordinate)).copied().unwrap_or(false)
-    }
-
-    /// The same tape, of which it is not known that coordinates are read by one `abs` alone.
-    pub fn unmirrored(&self) -> Tape {
-        let kinks = Kinks { mirrored: [false; 3], ..self.kinks().clone() };
-        Tape { kinks: kinks.into(), ..self.clone() }
     }
 
     /// Whether any step reads a coordinate.
@@ -379,7 +209,7 @@ impl Tape {
     }
 
     /// The same, with a closer look at each value, of which those before it are told.
-    fn run_closely<A: Algebra>(
+    pub(super) fn run_closely<A: Algebra>(
         &self,
         graph: &Graph,
         algebra: &mut A,

@@ -123,12 +123,12 @@ impl Facts {
         let pinned = self.pinned.clone();
         let samples = samples.min(MOST_STEPS / self.weight(graph, node).max(1)).max(64);
         let mut slopes: Vec<f64> = Vec::new();
-        let end = self.ran + 4 * MOST_STEPS as u64;
-        let least_left = self.left_by_one();
+        let end = self.account.ran + 4 * MOST_STEPS as u64;
+        let least_left = self.account.left_by_one();
         let mut tried = 0;
         for i in 0..samples {
-            if (self.ran > end || self.left <= least_left) && tried >= 64 {
-                self.cut_short |= self.left <= least_left;
+            if (self.account.ran > end || self.account.left <= least_left) && tried >= 64 {
+                self.account.cut_short |= self.account.left <= least_left;
                 break;
             }
             tried += 1;
@@ -138,7 +138,7 @@ impl Facts {
                 crate::graph::Leaf::Time => super::dual::Dual::constant(time),
                 other => super::leaf_dual(graph, &values, other, &here),
             };
-            let duals = self.without_a_close_look(|facts| super::dual::run(facts, graph, &tape, None, &mut None, &leaf));
+            let duals = self.without_a_close_look(|facts| super::derivative::run(facts, graph, &tape, None, &mut None, &leaf));
             let norm = duals.and_then(|d| d.last().map(|d| d.norm)).unwrap_or(f64::INFINITY);
             // A pole itself is met by chance alone; what counts is how steep it is around.
             if norm.is_finite() {

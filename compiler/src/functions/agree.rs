@@ -71,10 +71,10 @@ impl Builder<'_> {
     /// Whether a formula comes to the same on both sides of where this operation of it jumps, at all of many places. None where that is not known
     /// after so many operations.
     fn agrees(&mut self, root: NodeId, site: &Site, near: &Domain, most: u64) -> Option<bool> {
-        if self.found.looked > MOST || self.facts.is_spent() {
+        if self.found.looked > MOST || self.facts.account.is_spent() {
             return None;
         }
-        let most = most.min(self.facts.numbers());
+        let most = most.min(self.facts.account.numbers());
         let place = (root, site.node, near.key(), most);
         if let Some(&agrees) = self.found.agreements.get(&place) {
             return agrees;
@@ -87,7 +87,7 @@ impl Builder<'_> {
             self.facts.keep_agreement(key, (agrees, cost));
             (agrees, cost)
         });
-        self.facts.spend_on_numbers(cost);
+        self.facts.account.spend_on_numbers(cost);
         self.found.looked += cost;
         self.found.agreements.insert(place, agrees);
         agrees

@@ -13,6 +13,7 @@ use crate::functions::made::{Ahead, Planes};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{FAR, Function, Graph, Leaf, Node, NodeId, ShapeId};
+use crate::rules::RuleSet;
 
 /// A ray that is more level than this against a plane meets it where one of this slope does.
 const LEVEL: f64 = 1e-9;
@@ -186,7 +187,7 @@ impl Builder<'_> {
             return self.facts.on_top(|facts| look(facts, far));
         }
         let pinned = graph.parameters.iter().map(|p| p.default).collect();
-        look(&mut Facts::at(pinned), self.extent)
+        look(&mut Facts::at(pinned, RuleSet::default()), self.extent)
     }
 
     /// What reaches farther is looked at more closely. Nothing is where the text says from where and how far one sees.

@@ -146,10 +146,10 @@ impl Builder<'_> {
         if self.found.absorbing > ABSORBING {
             return false;
         }
-        let first = self.facts.ran;
+        let first = self.facts.account.ran;
         let solid = self.facts.outline(self.graph, by).intersect(&domain.point);
         let holds = !solid.is_empty() && solid.is_finite() && solid != domain.point && self.facts.range(self.graph, node, &domain.at(solid)).hi < 0.0;
-        self.found.absorbing += self.facts.ran - first;
+        self.found.absorbing += self.facts.account.ran - first;
         holds
     }
 
@@ -330,7 +330,7 @@ impl Builder<'_> {
     pub(super) fn constant_within(&mut self, node: NodeId, domain: &Domain, longer: usize) -> Constant {
         let first = self.facts.constant(self.graph, node, domain, BUDGET);
         // Such looks cost more than all else, and must not be the reason that the next formula gets no search at all.
-        if domain.within.is_empty() || first.lipschitz <= GENTLE || !self.facts.has_leisure() {
+        if domain.within.is_empty() || first.lipschitz <= GENTLE || !self.facts.account.has_leisure() {
             return first;
         }
         self.constant_of_more(node, domain, longer)
@@ -338,27 +338,27 @@ impl Builder<'_> {
 
     /// A constant over a domain that may cost so many times as many boxes as others.
     pub(super) fn constant_of_more(&mut self, node: NodeId, domain: &Domain, longer: usize) -> Constant {
-        let steps = self.facts.steps;
-        self.facts.steps *= longer;
+        let steps = self.facts.account.steps;
+        self.facts.account.steps *= longer;
         let found = self.facts.constant(self.graph, node, domain, BUDGET * longer);
-        self.facts.steps = steps;
+        self.facts.account.steps = steps;
         found
     }
 
     /// Does what costs more than all else, and must not be the reason that the next formula gets no search: it is counted with all else that is done so.
     pub(super) fn aside<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
-        self.facts.turn_aside();
+        self.facts.account.turn_aside();
         let done = work(self);
-        self.facts.turn_aside();
+        self.facts.account.turn_aside();
         done
     }
 
     /// The same for a map of points.
     pub(super) fn map_of_more(&mut self, point: &[NodeId], domain: &Domain, longer: usize) -> Constant {
-        let steps = self.facts.steps;
-        self.facts.steps *= longer;
+        let steps = self.facts.account.steps;
+        self.facts.account.steps *= longer;
         let found = self.facts.map_constant(self.graph, point, domain, BUDGET * longer);
-        self.facts.steps = steps;
+        self.facts.account.steps = steps;
         found
     }
 

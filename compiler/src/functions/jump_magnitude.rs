@@ -58,7 +58,7 @@ impl Builder<'_> {
         if a == b {
             return 0.0;
         }
-        if *left == 0 || self.facts.is_half_spent() {
+        if *left == 0 || self.facts.account.is_half_spent() {
             return f64::INFINITY;
         }
         *left -= 1;

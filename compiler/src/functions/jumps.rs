@@ -1,6 +1,7 @@
 //! Formulas that jump: a ray stops before the jump and looks again just behind it.
 
-use crate::analysis::tape::{Step, Tape};
+use crate::analysis::formula::Formula;
+use crate::analysis::tape::Step;
 use crate::analysis::{Box3, Domain};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::functions::builder::Builder;
@@ -224,7 +225,7 @@ impl Builder<'_> {
     /// The operations by which a node jumps, in the shapes that it calls too: what is claimed to be continuous is not to blame, nor what jumps
     /// and comes to the same on both sides.
     fn jump_sites(&mut self, root: NodeId, near: &Domain, most: usize, sites: &mut Vec<Site>) {
-        let tape = Tape::new(self.graph, &[root], self.facts.rules);
+        let tape = Formula::new(self.graph, &[root], self.facts.rules);
         let duals = self.facts.all_duals(self.graph, &tape, near);
         let jumps = |i: usize| duals.get(i).is_some_and(|d| d.jumps != 0);
         let mut blamed = vec![Blame::Nothing; tape.steps.len()];

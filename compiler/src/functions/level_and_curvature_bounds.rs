@@ -116,7 +116,7 @@ impl Builder<'_> {
         let below = self.graph.op(Op::Neg, &[node]);
         let (mut least, mut up_to) = (constant, Vec::new());
         for _ in 0..LEVELS {
-            if !self.facts.has_leisure() {
+            if !self.facts.account.has_leisure() {
                 break;
             }
             let mut near = domain.clone();

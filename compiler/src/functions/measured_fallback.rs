@@ -104,7 +104,7 @@ impl Builder<'_> {
             let by = Slopes::of(&tape, at);
             let mut random = Random(life as u64);
             let turns = by.turns()? / lives;
-            self.facts.spend_on_numbers((turns * by.cost()) as u64);
+            self.facts.account.spend_on_numbers((turns * by.cost()) as u64);
             for turn in 0..turns {
                 slopes.extend(by.at(&places(at, turn, &mut random)).into_iter().filter(|slope| slope.is_finite()));
             }
@@ -124,7 +124,7 @@ impl Builder<'_> {
             let mut random = Random(life as u64);
             let mut best = (0.0, [0.0; 3]);
             let turns = slopes.turns()? / lives;
-            self.facts.spend_on_numbers((turns * slopes.cost()) as u64);
+            self.facts.account.spend_on_numbers((turns * slopes.cost()) as u64);
             for turn in 0..turns {
                 let [here, there] = [0, 1].map(|_| places(at, turn, &mut random));
                 best = slopes.steeper(best, &here);

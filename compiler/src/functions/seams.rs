@@ -25,7 +25,7 @@ impl Builder<'_> {
         if let Some(known) = self.found.heights.get(&key) {
             return *known;
         }
-        let found = if self.facts.is_half_spent() { None } else { self.find_height(root, site, near) }.unwrap_or(f64::INFINITY);
+        let found = if self.facts.account.is_half_spent() { None } else { self.find_height(root, site, near) }.unwrap_or(f64::INFINITY);
         let found = if found > 0.0 && found < self.unseen(root, near) { 0.0 } else { found };
         self.found.heights.insert(key, found);
         found

@@ -15,6 +15,7 @@ pub mod joint;
 pub mod kernel;
 mod labelled;
 mod labels;
+mod leaves;
 mod list;
 mod node;
 mod outside;

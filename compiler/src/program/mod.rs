@@ -137,9 +137,9 @@ pub fn elaborate(modules: &Modules, sources: &Sources, options: &Options, facts:
     if read.is_empty() {
         return elaboration;
     }
-    let ran = elaboration.facts.ran;
+    let ran = elaboration.facts.account.ran;
     let mut facts = Facts::with(elaboration.facts.memory, elaboration.facts.rules);
-    facts.ran = ran;
+    facts.account.ran = ran;
     elaborate_reading((modules, sources), options, facts, read).0
 }
 

@@ -1,6 +1,6 @@
 //! Where a blend of two fields can be at or below a level, from the blend's formula alone: not where both fields are above some other level.
 
-use crate::analysis::region::Walk;
+use crate::analysis::hc4_projections::Walk;
 use crate::analysis::tape::Step;
 use crate::graph::interval::Interval;
 use crate::graph::kernel;

@@ -5,9 +5,8 @@
 //! cancels between the terms does cancel. So every smooth union that is written out keeps the constant of its operands.
 
 use crate::analysis::branches::Branches;
-use crate::analysis::dual::{Dual, side_of};
+use crate::analysis::dual::{Dual, Side, side_of};
 use crate::analysis::tape::{Step, Tape};
-use crate::analysis::branches::Side;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::Claim;

@@ -6,6 +6,7 @@ pub mod blend_sublevel_set;
 pub mod claims;
 pub mod continuous_select;
 pub mod isometry;
+pub mod isometry_chain;
 pub mod jacobian_norm;
 pub mod lipschitz_atoms;
 pub mod multilinear;

@@ -332,7 +332,7 @@ impl Facts {
             search.look(search.cells.len() - 1, [(0.0, 1.0); 3], most);
         }
         let found = search.run(boxes);
-        self.boxes += search.boxes as u64;
+        self.account.boxes += search.boxes as u64;
         Some(found.min(most))
     }
 }

@@ -21,7 +21,7 @@ impl Facts {
         let tape = self.tape(graph, drawing);
         let (mut open, mut kept) = (VecDeque::from([region]), Box3::EMPTY);
         let mut smallest = 0.0;
-        let first = self.ran;
+        let first = self.account.ran;
         for looked in 0.. {
             let Some(part) = open.pop_front() else { break };
             if kept.hull(&part) == kept {
@@ -38,7 +38,7 @@ impl Facts {
                 kept = kept.hull(&middle);
                 smallest = SMALLEST * kept.size();
             }
-            if looked >= PARTS || self.ran - first > STEPS || part.size() <= smallest {
+            if looked >= PARTS || self.account.ran - first > STEPS || part.size() <= smallest {
                 kept = kept.hull(&part);
                 continue;
             }

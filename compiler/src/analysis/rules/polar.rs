@@ -6,6 +6,7 @@
 //! Of what is the same all around the axis the distance is all there is: a formula in a plane through the axis, where its gradient is as long.
 
 use crate::analysis::dual::{Dual, JUMPS_HERE};
+use crate::analysis::formula::Formula;
 use crate::analysis::tape::{Step, Tape};
 use crate::analysis::{Box3, Domain, Pinned, leaf_dual};
 use crate::graph::interval::Interval;
@@ -16,7 +17,7 @@ use std::f64::consts::PI;
 /// A tape that reads two coordinates only through their length and their angle.
 pub struct Polar {
     /// The same tape with the distance from the axis in the place of the first coordinate, the angle in that of the second.
-    pub tape: Tape,
+    pub tape: Formula,
     x: u8,
     y: u8,
     turns: bool,
@@ -41,7 +42,7 @@ impl Polar {
         let angle = of(Op::Atan2);
         let (turns, (y, x)) = (angle.is_some(), angle.or_else(|| of(Op::Length2))?);
         let finite = !turns || [x, y].iter().all(|&i| points.axis(usize::from(i)).is_finite());
-        let mut polar = tape.clone();
+        let mut polar = Tape::clone(tape);
         for (step, slot) in tape.steps.iter().zip(&mut polar.steps) {
             let args: &[usize] = match step {
                 Step::Constant(_) | Step::Leaf(_) => continue,
@@ -55,7 +56,7 @@ impl Polar {
             }
         }
         let root = tape.roots().any(|r| coordinate(r).is_some());
-        (finite && !root).then(|| Self { tape: polar.unmirrored(), x, y, turns, points })
+        (finite && !root).then(|| Self { tape: Formula::of(polar).unmirrored(), x, y, turns, points })
     }
 
     /// Whether it reads the angle.

@@ -5,7 +5,7 @@
 //! polytope's own end, and every other one is a bound too, so that rounding does no harm.
 
 use crate::analysis::Box3;
-use crate::analysis::region::Walk;
+use crate::analysis::hc4_projections::Walk;
 use crate::analysis::tape::{Step, Tape};
 use crate::graph::Leaf;
 use crate::graph::interval::Interval;

@@ -5,9 +5,11 @@
 //! own map is stretched by, or 2√u times that. Both are functions of u alone, so one dimension is searched instead of three.
 
 use crate::analysis::dual::Dual;
-use super::jacobian_norm::point_norm;
+use super::isometry_chain::point_norm;
 use crate::analysis::tape::{Step, Steps, Tape};
-use crate::analysis::{Constant, Domain, Facts, Box3, leaf_dual, dual};
+use crate::analysis::derivative;
+use crate::analysis::formula::Formula;
+use crate::analysis::{Box3, Constant, Domain, Facts, leaf_dual};
 use crate::analysis::constant::{Norm, Sought};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -18,7 +20,7 @@ use std::collections::BTreeSet;
 /// A tape that reads the point through one step alone.
 struct Radial {
     /// The steps behind that one, which is now the first coordinate.
-    tape: Tape,
+    tape: Formula,
     /// All values of that step.
     values: Interval,
     /// Whether that is the square of a distance.
@@ -29,7 +31,7 @@ struct Radial {
 
 impl Radial {
     /// The tape as a function of one distance, with what is known of its steps. None where there is none, or where the distance is all there is.
-    fn of(graph: &Graph, tape: &Tape, duals: &[Dual]) -> Option<Self> {
+    fn of(graph: &Graph, tape: &Formula, duals: &[Dual]) -> Option<Self> {
         let moves = |step: &usize| duals.get(*step).is_none_or(|d| d.norm > 0.0 || d.jumps != 0);
         let last = tape.steps.len().checked_sub(1)?;
         let (mut open, mut behind) = (BTreeSet::from([last]), Vec::new());
@@ -63,8 +65,8 @@ impl Radial {
         });
         let nodes = needed.iter().filter_map(|&step| tape.nodes.get(step).copied());
         let rarely = tape.vanishes_rarely(waist);
-        let tape = Tape::of_steps(steps.collect(), nodes.collect(), tape.rules).unmirrored();
-        let tape = if rarely { tape.of_distance() } else { tape };
+        let tape = Tape::of_steps(steps.collect(), nodes.collect(), tape.rules);
+        let tape = Formula::of(if rarely { tape.of_distance() } else { tape }).unmirrored();
         (stretch.is_finite() && values.is_finite()).then_some(Self { tape, values, squared, stretch })
     }
 
@@ -95,7 +97,7 @@ fn measured(tape: &Tape, step: usize) -> Option<(Steps, bool)> {
 
 impl Facts {
     /// The constant of a tape that reads the point through one distance alone, wherever its value is within an interval; none where it does not.
-    pub(in crate::analysis) fn along_distance(&mut self, graph: &Graph, tape: &Tape, domain: &Domain, within: Interval, budget: usize) -> Option<Constant> {
+    pub(in crate::analysis) fn along_distance(&mut self, graph: &Graph, tape: &Formula, domain: &Domain, within: Interval, budget: usize) -> Option<Constant> {
         if !self.rules.has(Rule::Radial) {
             return None;
         }
@@ -112,8 +114,8 @@ impl Facts {
                 Leaf::P(0) => radial.number(part.point.axis(0)),
                 other => leaf_dual(graph, &pinned, other, part),
             };
-            let (dual, runs) = dual::hull_of_pieces(facts, graph, &radial.tape, &leaf);
-            facts.boxes += runs as u64;
+            let (dual, runs) = derivative::hull_of_pieces(facts, graph, &radial.tape, &leaf);
+            facts.account.boxes += runs as u64;
             let norm = if dual.value.intersect(within).is_empty() { 0.0 } else { dual.norm };
             (Norm { norm, jumps: dual.jumps != 0, runs }, ())
         });

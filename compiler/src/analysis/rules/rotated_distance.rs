@@ -7,14 +7,15 @@
 use crate::analysis::dual::Dual;
 use super::isometry::PlaneTurn;
 use super::jacobian_norm::map_norm;
-use crate::analysis::tape::{Step, Tape};
+use crate::analysis::formula::Formula;
+use crate::analysis::tape::Step;
 use crate::analysis::{Box3, Domain, Facts};
 use crate::graph::kernel::Op;
 use crate::graph::{Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId};
 
 /// A bound of the gradient's norm of a call of a shape, where that is a distance, less or more a number, at a turned point. None where it
 /// is anything else, or its solid reaches without end from the axis.
-pub fn turned_norm(facts: &mut Facts, graph: &Graph, tape: &Tape, shape: ShapeId, args: &[usize], values: &[Dual]) -> Option<f64> {
+pub fn turned_norm(facts: &mut Facts, graph: &Graph, tape: &Formula, shape: ShapeId, args: &[usize], values: &[Dual]) -> Option<f64> {
     let point = args.get(..3)?;
     let PlaneTurn { coordinates: [i, j], of: [u, v, t] } = PlaneTurn::of(tape, point)?;
     if args.len() > 3 {

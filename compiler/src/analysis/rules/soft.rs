@@ -10,8 +10,8 @@
 //! N = (Σ aᵢᵏ)^(1/k) has the gradient Σ wᵢ ∇aᵢ with wᵢ = (aᵢ/N)^(k-1) and Σ (aᵢ/N)ᵏ = 1. For k >= 2 the wᵢ², and for k < 0 the wᵢ, add up to no more
 //! than one; for 1 <= k < 2 the norm of the weights is at most n^(1/k - 1/2), by Hölder's inequality.
 
-use crate::analysis::dual::{Dual, Duals};
-use super::jacobian_norm::point_norm;
+use crate::analysis::dual::Dual;
+use crate::analysis::duals::Duals;
 use crate::analysis::matrix::{Row, Rows, matrix_norm};
 use crate::analysis::tape::{Step, Tape};
 use crate::graph::algebra::Algebra;
@@ -115,8 +115,8 @@ impl Soft {
         }
     }
 
-    /// The gradient and its norm, of those of the steps.
-    pub(in crate::analysis) fn bound(&self, tape: &Tape, graph: &Graph, values: &[Dual]) -> Option<Row> {
+    /// The gradient and its norm, of those of the steps. `point_norm` bounds the norm of a map whose rows are steps.
+    pub(in crate::analysis) fn bound(&self, tape: &Tape, graph: &Graph, values: &[Dual], point_norm: &dyn Fn(&[usize]) -> f64) -> Option<Row> {
         if self.slope.as_ref().is_some_and(|slope| !slope.is_right(tape, values)) {
             return None;
         }
@@ -133,7 +133,7 @@ impl Soft {
                     plain.iter_mut().for_each(|plain| plain.push(*step));
                 }
                 Operand::Inner(inner) => {
-                    rows.push(inner.bound(tape, graph, values)?);
+                    rows.push(inner.bound(tape, graph, values, point_norm)?);
                     plain = None;
                 }
             }
@@ -141,7 +141,7 @@ impl Soft {
         let norm = match self.weights {
             Weights::Share(sum) => sum * rows.iter().map(|(_, norm)| *norm).fold(0.0, f64::max),
             Weights::Size => rows.iter().map(|(_, norm)| *norm).fold(0.0, f64::max),
-            Weights::Norm(most) => most * plain.map_or(f64::INFINITY, |plain| point_norm(tape, graph, values, &plain)).min(matrix_norm(&rows)),
+            Weights::Norm(most) => most * plain.map_or(f64::INFINITY, |plain| point_norm(&plain)).min(matrix_norm(&rows)),
         };
         // Each component by itself: what no row has, the whole has not.
         let side = Interval::new(-norm, norm);

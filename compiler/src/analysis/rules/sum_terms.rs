@@ -5,8 +5,9 @@
 //! be flat all over a box is not looked at in any part of it.
 
 use crate::analysis::constant::{Norm, Sought, terms};
+use crate::analysis::derivative;
 use crate::analysis::dual::{self, Dual};
-use crate::analysis::tape::Tape;
+use crate::analysis::formula::Formula;
 use crate::analysis::{Constant, Domain, Facts, leaf_dual};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -59,7 +60,7 @@ impl Facts {
         let Sum { terms, within } = Sum::of(graph, node);
         let fewest = if self.is_ranging(graph, node, domain) { FEWEST_RANGING } else { FEWEST };
         // Such a look may cost as much as all else, and must not be the reason that the next formula gets no search at all.
-        if !(fewest..=MOST).contains(&terms.len()) || within.is_empty() || whole.jumps || !self.has_leisure() {
+        if !(fewest..=MOST).contains(&terms.len()) || within.is_empty() || whole.jumps || !self.account.has_leisure() {
             return whole;
         }
         let limits = self.limits(graph, &terms, within, domain, budget);
@@ -84,8 +85,8 @@ impl Facts {
             let mut active = Vec::new();
             for &i in around.terms.iter() {
                 let (Some(tape), Some(&limit), Some(&(_, taken))) = (tapes.get(i), limits.get(i), terms.get(i)) else { continue };
-                let (term, runs) = dual::hull_of_pieces(facts, graph, tape, &leaf);
-                facts.boxes += runs as u64;
+                let (term, runs) = derivative::hull_of_pieces(facts, graph, tape, &leaf);
+                facts.account.boxes += runs as u64;
                 let term = term.limited(limit);
                 let here = if taken { term.value.neg() } else { term.value };
                 value = value.add(here);
@@ -108,12 +109,12 @@ impl Facts {
     }
 
     /// The domain with a point in place of each side along which all terms are planes: how steep they are is the same all over it.
-    fn without_steady(&mut self, graph: &Graph, tapes: &[Rc<Tape>], within: Interval, domain: &Domain) -> Domain {
+    fn without_steady(&mut self, graph: &Graph, tapes: &[Rc<Formula>], within: Interval, domain: &Domain) -> Domain {
         let mut left = domain.clone();
         if within != Interval::ALL || !domain.within.is_empty() || domain.tube.is_some() {
             return left;
         }
-        let bent: Vec<&Rc<Tape>> = tapes
+        let bent: Vec<&Rc<Formula>> = tapes
             .iter()
             .filter(|tape| {
                 let (dual, _) = self.dual_of(graph, tape, domain);
