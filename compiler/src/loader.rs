@@ -1,5 +1,8 @@
 //! Where files come from: the compiler opens none itself.
 
+use crate::sampled::{Grid, MOST_BYTES, Settings};
+use std::sync::Arc;
+
 /// The outside world, as far as the compiler needs it: files by their name.
 pub trait Loader {
     /// The bytes of a file, or why they can't be had. `path` is relative to the working directory, or absolute.
@@ -9,6 +12,16 @@ pub trait Loader {
     fn read_up_to(&self, path: &str, most: u64) -> Result<Vec<u8>, String> {
         let bytes = self.read(path)?;
         if bytes.len() as u64 > most { Err(format!("the file is larger than {} MiB", most >> 20)) } else { Ok(bytes) }
+    }
+
+    /// A file of triangles, sampled as the settings say; or why that can't be had. Who reads no meshes has only what is a grid already, an `.sfgrid` file,
+    /// of which the settings are its own.
+    fn grid(&self, path: &str, settings: Settings) -> Result<Arc<Grid>, String> {
+        let _ = settings;
+        if !path.to_ascii_lowercase().ends_with(".sfgrid") {
+            return Err("meshes are not read here; `surefoot bake` makes an .sfgrid file of it, which is".to_owned());
+        }
+        Grid::from_bytes(&self.read_up_to(path, MOST_BYTES as u64)?).map(Arc::new)
     }
 }
 

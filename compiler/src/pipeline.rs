@@ -8,6 +8,7 @@ use crate::loader::Loader;
 use crate::diagnostic::{Code, Diagnostic, Severity, tidy};
 use crate::camera::Home;
 use crate::source::Sources;
+use crate::program::Grids;
 use crate::program::load::Loaded;
 use crate::{emit, functions, program};
 
@@ -69,10 +70,11 @@ pub fn compile_remembering(
         let is_new = memory.is_empty();
         let loaded = program::load::load(loader, path);
         finished(Stage::Read);
-        let mut made = run(&loaded, options, memory, finished);
+        let grids = Grids::new(loader);
+        let mut made = run(&loaded, &grids, options, memory, finished);
         if !is_new && memory.fell_short {
             memory.forget();
-            made = run(&loaded, options, memory, finished);
+            made = run(&loaded, &grids, options, memory, finished);
         }
         let (mut diagnostics, compiled) = made;
         tidy(&mut diagnostics);
@@ -90,12 +92,12 @@ const MOST_ENTERED: f64 = 1e8;
 const STACK: usize = 256 << 20;
 
 /// What the texts come to: diagnostics, and the scene where none is an error.
-fn run(loaded: &Loaded, options: &Options, memory: &mut Memory, finished: &mut dyn FnMut(Stage)) -> (Vec<Diagnostic>, Option<Compiled>) {
+fn run(loaded: &Loaded, grids: &Grids, options: &Options, memory: &mut Memory, finished: &mut dyn FnMut(Stage)) -> (Vec<Diagnostic>, Option<Compiled>) {
     let mut diagnostics = loaded.diagnostics.clone();
     let mut made = None;
     let has_errors = |diagnostics: &[Diagnostic]| diagnostics.iter().any(|d| d.severity == Severity::Error);
     let facts = Facts::with(std::mem::take(memory), options.rules);
-    let mut elaboration = program::elaborate(&loaded.modules, &loaded.sources, options, facts);
+    let mut elaboration = program::elaborate(&loaded.modules, &loaded.sources, grids, options, facts);
     diagnostics.append(&mut elaboration.diagnostics);
     finished(Stage::Elaborate);
     if let (Some(root), false) = (elaboration.root, has_errors(&diagnostics)) {
@@ -117,7 +119,7 @@ fn run(loaded: &Loaded, options: &Options, memory: &mut Memory, finished: &mut d
         if let Some(extent) = is_free.then(|| functions::ample_extent(&mut graph, facts, root, &elaboration.blocks)).flatten() {
             // All is proven within the extent, so that with another one it is another scene.
             *memory = elaboration.facts.memory;
-            return run(loaded, &Options { extent: Some(extent), ..options.clone() }, memory, finished);
+            return run(loaded, grids, &Options { extent: Some(extent), ..options.clone() }, memory, finished);
         }
         let (functions, summary, found) =
             functions::build(&mut graph, facts, root, &elaboration.blocks, options.strict, Vec::new());

@@ -3,7 +3,10 @@
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use surefoot_compiler::Loader;
+use surefoot_compiler::sampled::{Grid, Settings};
+use surefoot_runtime::mesh::field;
 
 /// Larger files are refused: a scene's text is smaller, and reading must not fill the memory. A mesh may be larger.
 pub const LARGEST_FILE: u64 = 16 << 20;
@@ -19,6 +22,10 @@ impl Loader for FileLoader {
 
     fn read_up_to(&self, path: &str, most: u64) -> Result<Vec<u8>, String> {
         read_up_to(Path::new(path), most)
+    }
+
+    fn grid(&self, path: &str, settings: Settings) -> Result<Arc<Grid>, String> {
+        field::grid(self, path, settings, &|_| {})
     }
 }
 

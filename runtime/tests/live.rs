@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::*;
 use surefoot_compiler::diagnostic::{Code, Diagnostic};
 use surefoot_compiler::source::{FileId, Sources, Span};
+use surefoot_compiler::sampled::{Grid, Settings};
 use surefoot_runtime::live::{LiveScene, Report, Setup, Update, Words, Work};
 use surefoot_runtime::{Stage, View, ViewMode};
 
@@ -20,6 +21,10 @@ struct Disk;
 impl Loader for Disk {
     fn read(&self, path: &str) -> Result<Vec<u8>, String> {
         fs::read(path).map_err(|e| e.to_string())
+    }
+
+    fn grid(&self, path: &str, settings: Settings) -> Result<Arc<Grid>, String> {
+        surefoot_runtime::mesh::field::grid(self, path, settings, &|_| {})
     }
 }
 

@@ -4,9 +4,11 @@ mod common;
 
 use common::gpu;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use surefoot_compiler::compiled::{Loader, Options};
 use surefoot_compiler::reference::{Area, Reference, View, film, rgb8};
 use surefoot_compiler::{compile, diagnostic};
+use surefoot_compiler::sampled::{Grid, Settings};
 use surefoot_runtime::headless::{self, Shot};
 
 const SIZE: (u32, u32) = (160, 90);
@@ -16,6 +18,10 @@ struct Files;
 impl Loader for Files {
     fn read(&self, path: &str) -> Result<Vec<u8>, String> {
         std::fs::read(path).map_err(|e| e.to_string())
+    }
+
+    fn grid(&self, path: &str, settings: Settings) -> Result<Arc<Grid>, String> {
+        surefoot_runtime::mesh::field::grid(self, path, settings, &|_| {})
     }
 }
 

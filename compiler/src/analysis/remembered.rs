@@ -98,6 +98,8 @@ impl Facts {
                     digest(&(1, i, range))
                 }
                 Node::Leaf(leaf) => digest(&(2, leaf)),
+                // A grid's number may be another one's by now.
+                Node::Op(op, _) if op.reads_grid() => digest(&(8, op, args, graph.grid_of(id).map(|kept| kept.grid.content()))),
                 Node::Op(op, _) => digest(&(3, op, args)),
                 Node::Call(shape, function, _) => digest(&(4, self.content_of_shape(graph, *shape), function, args)),
                 Node::Claim(_, Claim::Continuous) => digest(&(5, args)),

@@ -396,6 +396,10 @@ fn slopes(op: Op, [a, b, c, d]: [Interval; 4], out: Interval) -> ([Interval; 4],
                 ([sine, cosine, by(Op::TurnU), ZERO], false)
             }
         }
+        Op::Sampled => {
+            let by = |op: Op| (op.row().interval)([a, b, c, d]);
+            ([ZERO, by(Op::SampledX), by(Op::SampledY), by(Op::SampledZ)], false)
+        }
         // The others are told apart before.
         _ => ([Interval::ALL; 4], true),
     }

@@ -23,7 +23,7 @@ pub struct Piece {
 pub const LEAST_DIVISOR: f64 = 9e-31;
 
 /// Helpers, in the order in which they are emitted. The place is the helper's bit in [`Helpers`].
-pub const HELPERS: [Piece; 11] = [
+pub const HELPERS: [Piece; 14] = [
     Piece { name: "square", text: "\
 fn sf_square(a: f32) -> f32 {
   return a * a;
@@ -165,7 +165,71 @@ fn sf_span(head: u32, p: vec3f) -> vec2u {
   return vec2u(sf_lists[index], sf_lists[index + 1u]);
 }
 " },
+    // The twin of `Grid::find` in `sampled/grid.rs`.
+    Piece { name: "samples", text: "\
+// The samples about a point of a grid, x first: those of the lower z and those of the higher; where between them it lies, from 0 to 1; and one over
+// their distance. Beyond the grid's box its nearest place counts.
+struct sf_Samples {
+  low: vec4f,
+  high: vec4f,
+  at: vec3f,
+  scale: f32,
+}
+
+fn sf_samples(grid: f32, p: vec3f) -> sf_Samples {
+  let head = sf_grid_head(grid);
+  let origin = vec3f(bitcast<f32>(sf_lists[head]), bitcast<f32>(sf_lists[head + 1u]), bitcast<f32>(sf_lists[head + 2u]));
+  let bricks = vec3u(sf_lists[head + 4u], sf_lists[head + 5u], sf_lists[head + 6u]);
+  var scale = bitcast<f32>(sf_lists[head + 3u]);
+  let cells = clamp((p - origin) * scale, vec3f(0.0), vec3f(bricks) * 8.0);
+  let cell = min(vec3u(cells), bricks * 8u - 1u);
+  let brick = cell >> vec3u(3u);
+  let fine = sf_lists[sf_lists[head + 8u] + (brick.z * bricks.y + brick.y) * bricks.x + brick.x];
+  // A brick without samples of its own is one cell.
+  var row = bricks.x + 1u;
+  var layer = row * (bricks.y + 1u);
+  var first = sf_lists[head + 7u] + brick.z * layer + brick.y * row + brick.x;
+  var at = cells * 0.125 - vec3f(brick);
+  if fine == 0u {
+    scale *= 0.125;
+  } else {
+    row = 9u;
+    layer = 81u;
+    let inner = cell & vec3u(7u);
+    first = sf_lists[head + 9u] + (fine - 1u) * 729u + inner.z * layer + inner.y * row + inner.x;
+    at = cells - vec3f(cell);
+  }
+  let next = first + layer;
+  let low = vec4u(sf_lists[first], sf_lists[first + 1u], sf_lists[first + row], sf_lists[first + row + 1u]);
+  let high = vec4u(sf_lists[next], sf_lists[next + 1u], sf_lists[next + row], sf_lists[next + row + 1u]);
+  return sf_Samples(bitcast<vec4f>(low), bitcast<vec4f>(high), at, scale);
+}
+" },
+    Piece { name: "sampled", text: "\
+// The value of a grid at a point.
+fn sf_sampled(grid: f32, x: f32, y: f32, z: f32) -> f32 {
+  let s = sf_samples(grid, vec3f(x, y, z));
+  let plane = mix(s.low, s.high, s.at.z);
+  let line = mix(plane.xy, plane.zw, s.at.y);
+  return mix(line.x, line.y, s.at.x);
+}
+" },
+    Piece { name: "sampled_slope", text: "\
+// How fast it changes along each axis, within a cell.
+fn sf_sampled_slope(grid: f32, x: f32, y: f32, z: f32) -> vec3f {
+  let s = sf_samples(grid, vec3f(x, y, z));
+  let plane = mix(s.low, s.high, s.at.z);
+  let line = mix(plane.xy, plane.zw, s.at.y);
+  let up = plane.zw - plane.xy;
+  let deep = s.high - s.low;
+  let across = mix(deep.xy, deep.zw, s.at.y);
+  return s.scale * vec3f(line.y - line.x, mix(up.x, up.y, s.at.x), mix(across.x, across.y, s.at.x));
+}
+" },
 ];
+
+/// The helper that reads grids.
+pub const GRIDS: &str = "samples";
 
 /// Which helpers a module needs.
 #[derive(Clone, Copy, Debug, Default)]
@@ -174,6 +238,9 @@ pub struct Helpers(u32);
 impl Helpers {
     /// Takes a helper by its name; what isn't one is left alone.
     pub fn need(&mut self, name: &str) {
+        if name.starts_with("sampled") {
+            self.need(GRIDS);
+        }
         if let Some(bit) = HELPERS.iter().position(|h| h.name == name) {
             self.0 |= 1 << bit;
         }
@@ -269,7 +336,7 @@ struct sf_Surface {
 }
 
 /// Names of structs, which nothing else may take.
-pub const STRUCTURES: [&str; 4] = ["Hit", "Contact", "Surface", "Passage"];
+pub const STRUCTURES: [&str; 5] = ["Hit", "Contact", "Surface", "Passage", "Samples"];
 
 /// The texts of `sf_trace` and `sf_shadow` by [`Ways`], each made when it is first asked for.
 static FOLLOW: [OnceLock<[String; 2]>; 32] = [const { OnceLock::new() }; 32];

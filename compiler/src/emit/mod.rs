@@ -210,7 +210,8 @@ pub fn emit(
             let _ = write!(text, "\nstruct {prefix}Carry {{\n  point: vec3f,\n  x: vec3f,\n  y: vec3f,\n  z: vec3f,\n}}\n");
         }
     };
-    declared(false, &mut wgsl);
+    // Grids are too large for a text.
+    declared(context.has_grids(), &mut wgsl);
     wgsl.push_str(&texts);
     let buffered = context.has_tables().then(|| {
         let mut code = String::with_capacity(texts.len() + 4096);
@@ -218,6 +219,7 @@ pub fn emit(
         code.push_str(&texts);
         code
     });
+    let has_grids = context.has_grids();
     let uniform_name = if fields.is_empty() { String::new() } else { context.uniform_name };
     Ok(Module {
         wgsl,
@@ -234,6 +236,7 @@ pub fn emit(
         meshes: meshes_text,
         one,
         ways,
+        grids: has_grids,
         tables: buffered.map(|code| Arc::new(ModuleTables::new(tables, code))),
     })
 }
@@ -243,7 +246,7 @@ fn reserved_names(prefix: &str) -> Scope {
     let mut names = Scope::default();
     let exports = Export::ALL.iter().map(|e| e.name());
     let helpers = library::HELPERS.iter().map(|h| h.name);
-    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists", "planes", "ahead", "rest_bound", "rest_distance", "region_low", "region_high", "passage", "shares", "across"];
+    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists", "planes", "ahead", "rest_bound", "rest_distance", "region_low", "region_high", "passage", "shares", "across", "grid_head"];
     for text in exports.chain(helpers).chain(library::STRUCTURES).chain(others) {
         names.reserve(&format!("{prefix}{text}"));
     }
@@ -412,6 +415,9 @@ fn declarations(context: &Context, facts: &header::Facts, buffers: bool, wgsl: &
         // No array: HLSL's front ends take no call for a constant, as which naga writes one.
         let (low, high) = (corner(|i| i.lo), corner(|i| i.hi));
         let _ = write!(wgsl, "\nconst {prefix}region_low = vec3f({low});\nconst {prefix}region_high = vec3f({high});\n");
+    }
+    if context.has_grids() {
+        table::text::grid_heads(context, wgsl);
     }
     for piece in context.helpers.pieces().filter(|p| buffers || p.name != "span") {
         let _ = write!(wgsl, "\n{}", prefixed(&with_rounding(piece.text, context.rounding), prefix));

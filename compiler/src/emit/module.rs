@@ -40,7 +40,9 @@ pub struct Module {
     pub one: bool,
     /// What its tracer is told.
     pub ways: Ways,
-    /// The unions of many operands, which are tables; none in most modules.
+    /// Whether it reads grids: then its text has buffers too.
+    pub grids: bool,
+    /// The unions of many operands, which are tables, and the grids; none in most modules.
     pub tables: Option<Arc<ModuleTables>>,
 }
 
@@ -70,7 +72,7 @@ impl Module {
         let lists = tables.lists().iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
         let (group, binding) = (options.group, u64::from(options.binding));
         let wgsl = format!(
-            "{}//\n// The tables of its unions are two storage buffers of group {group}, read only, little-endian:\n//\n\
+            "{}//\n// The tables of its unions and the grids of its meshes are two storage buffers of group {group}, read only, little-endian:\n//\n\
              //   binding {}: array<vec4f>, {} bytes\n//   binding {}: array<u32>, {} bytes\n{}",
             self.head(),
             binding + 1,

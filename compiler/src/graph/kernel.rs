@@ -5,6 +5,7 @@
 //! same way everywhere: no operation gives NaN.
 
 use crate::graph::interval::Interval;
+use crate::sampled::{Grid, Hull, Kept};
 
 /// How a WGSL implementation may err, from the accuracy table of the WGSL specification (§ 15.7.4).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +88,11 @@ impl Op {
     pub fn is_flat(self) -> bool {
         use Op::*;
         matches!(self, Sign | Floor | Ceil | Trunc | Round | Lt | Le | Eq | And | Or | Not | Hash)
+    }
+
+    /// Whether it reads a grid, whose number is its first argument.
+    pub fn reads_grid(self) -> bool {
+        matches!(self, Op::Sampled | Op::SampledX | Op::SampledY | Op::SampledZ)
     }
 
     /// What is left of a number when its whole part by this operation is taken away. None of operations that find no whole part.
@@ -212,6 +218,36 @@ kernel! {
     Hash "hash_of" 4 false Number true 9 Exact, "sf_hash({0}, {1}, {2}, {3})",
         |[a, b, c, d]| hash(a, b, c, d), |[a, b, c, d]| hash_interval(a, b, c, d),
         "A number in 0..1 made of four whole numbers, the same on every machine.";
+    Sampled "sampled" 4 false Number false 9 Inherited, "sf_sampled({0}, {1}, {2}, {3})",
+        |[g, x, y, z]| sampled(g, |grid| grid.inside([x, y, z])), |[g, x, y, z]| sampled_interval(g, [x, y, z], |hull| hull.values),
+        "The value of the grid of this number at a point, between the samples around; beyond its box, at the nearest place of that.";
+    SampledX "sampled_x" 4 false Number true 9 Inherited, "sf_sampled_slope({0}, {1}, {2}, {3}).x",
+        |[g, x, y, z]| sampled(g, |grid| grid.gradient([x, y, z])[0]), |[g, x, y, z]| sampled_interval(g, [x, y, z], |hull| hull.slopes[0]),
+        "How fast the value of a grid changes along x, within a cell of it.";
+    SampledY "sampled_y" 4 false Number true 9 Inherited, "sf_sampled_slope({0}, {1}, {2}, {3}).y",
+        |[g, x, y, z]| sampled(g, |grid| grid.gradient([x, y, z])[1]), |[g, x, y, z]| sampled_interval(g, [x, y, z], |hull| hull.slopes[1]),
+        "How fast the value of a grid changes along y, within a cell of it.";
+    SampledZ "sampled_z" 4 false Number true 9 Inherited, "sf_sampled_slope({0}, {1}, {2}, {3}).z",
+        |[g, x, y, z]| sampled(g, |grid| grid.gradient([x, y, z])[2]), |[g, x, y, z]| sampled_interval(g, [x, y, z], |hull| hull.slopes[2]),
+        "How fast the value of a grid changes along z, within a cell of it.";
+}
+
+/// What a grid says; nought where there is none.
+fn sampled(number: f64, of: impl Fn(&Grid) -> f64) -> f64 {
+    Kept::find(number).map_or(0.0, |grid| of(&grid))
+}
+
+fn sampled_interval(number: Interval, p: [Interval; 3], of: impl Fn(&Hull) -> [f64; 2]) -> Interval {
+    if p.iter().any(|side| side.is_empty()) {
+        return I::EMPTY;
+    }
+    if !number.is_point() {
+        return I::ALL;
+    }
+    Kept::find(number.lo).map_or(I::ZERO, |grid| {
+        let [lo, hi] = of(&grid.hull_within(p.map(|side| side.lo), p.map(|side| side.hi)));
+        I { lo, hi }
+    })
 }
 
 /// `a` to the power `b`, where `a` counts as at least zero and the result as at most 1e30.

@@ -33,6 +33,7 @@ pub use list::NodeList;
 pub use node::{ANY_TIME, Claim, ClaimGroup, FAR, FIRST_VARIABLE, Function, Leaf, Node, ParameterComponent, ValueRange, WORLD};
 pub use shape::{Exactness, Material, MaterialImage, Shape, Slot};
 
+use crate::sampled::Kept;
 use crate::source::ImageFile;
 use index::Index;
 use kernel::{Kind, Op};
@@ -68,6 +69,8 @@ pub struct Graph {
     pub materials: Vec<Material>,
     /// Files of images that materials are made of.
     pub images: Vec<ImageFile>,
+    /// Grids that formulas read by their numbers.
+    pub grids: Vec<Kept>,
     /// Components of parameters.
     pub parameters: Vec<ParameterComponent>,
     /// Factors, in the order in which they were met.
@@ -170,6 +173,22 @@ impl Graph {
         let value = if value.is_nan() { 0.0 } else { value.clamp(-limit, limit) };
         // One zero only.
         self.intern(Node::Constant(if value == 0.0 { 0 } else { value.to_bits() }))
+    }
+
+    /// The value of a grid at a point, beyond its box at the nearest place of that.
+    pub fn sampled(&mut self, kept: &Kept, [x, y, z]: [NodeId; 3]) -> NodeId {
+        if self.grids.iter().all(|known| known.number != kept.number) {
+            self.grids.push(kept.clone());
+        }
+        let number = self.constant(kept.number);
+        self.op(Op::Sampled, &[number, x, y, z])
+    }
+
+    /// The grid that an operation reads, where it is one that does.
+    pub fn grid_of(&self, id: NodeId) -> Option<&Kept> {
+        let Node::Op(op, args) = self.node(id) else { return None };
+        let number = args.first().filter(|_| op.reads_grid()).and_then(|number| self.as_constant(*number))?;
+        self.grids.iter().find(|kept| kept.number == number)
     }
 
     /// A value from outside.

@@ -122,6 +122,12 @@ pub fn partials<A: Algebra>(
             let by_c = algebra.op(Op::Select, &[a, zero.clone(), one]);
             few([zero, by_b, by_c], &pad)
         }
+        Op::Sampled => {
+            let [x, y, z] = [Op::SampledX, Op::SampledY, Op::SampledZ].map(|op| algebra.op(op, args));
+            few([zero, x, y, z], &pad)
+        }
+        // What jumps from cell to cell is no curvature: who asks for one is told of the jumps.
+        Op::SampledX | Op::SampledY | Op::SampledZ => few([], &pad),
         // Constant on each of their pieces.
         Op::Sign | Op::Floor | Op::Ceil | Op::Trunc | Op::Round | Op::Lt | Op::Le | Op::Eq | Op::And
         | Op::Or | Op::Not | Op::Hash => few([], &pad),

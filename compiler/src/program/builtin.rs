@@ -17,7 +17,7 @@ pub const FUNCTIONS: &[&str] = &[
     "acos", "atan", "atan2", "tanh", "length", "distance", "dot", "cross", "normalize", "vec2", "vec3", "vec4", "mat2",
     "mat3", "mat4", "transpose", "determinant", "inverse", "hash", "hash2", "hash3", "turn", "turn_about", "at",
     "material", "paint", "float", "int", "grid", "polar", "value",
-    "low_corner", "high_corner",
+    "low_corner", "high_corner", "mesh_field",
 ];
 
 /// Names that stand for a value and are not declared in the prelude.
@@ -200,6 +200,10 @@ impl Elaborator<'_> {
             ("low_corner" | "high_corner", [Value::Shape(id)]) => {
                 Ok(self.corner(*id, name == "high_corner"))
             }
+            ("mesh_field", [_, _, _]) => match args {
+                [file, resolution, padding] => self.mesh_field(file, [resolution, padding], span, env),
+                _ => Err(super::Stop),
+            },
             ("at", [Value::Nothing, _]) => Ok(Value::number(self.graph.constant(crate::graph::FAR))),
             ("material", [Value::Shape(id), m]) => {
                 let Value::Material(m) = m else { return Err(self.not_material(m, place(1))) };
@@ -514,7 +518,16 @@ pub fn argument_names(name: &str, count: usize) -> &'static [&'static str] {
         "material" => &["s", "m"],
         "paint" => &["s", "mask", "m"],
         "low_corner" | "high_corner" => &["s"],
+        "mesh_field" => &["file", "resolution", "padding"],
         _ if KERNEL.iter().any(|row| row.callable && row.name == name) => &["a"],
+        _ => &[],
+    }
+}
+
+/// What the arguments of a built-in function are where they are left out; none of those that can't be.
+pub fn defaults(name: &str) -> &'static [Option<f64>] {
+    match name {
+        "mesh_field" => &[None, Some(64.0), Some(0.05)],
         _ => &[],
     }
 }
@@ -530,6 +543,7 @@ fn usage(name: &str) -> (String, usize) {
         "material" => ("s.material(m)".into(), 2),
         "low_corner" | "high_corner" => (format!("{name}(s)"), 1),
         "paint" => ("s.paint(mask, m)".into(), 3),
+        "mesh_field" => ("mesh_field(\"duck.obj\", resolution: 64)".into(), 3),
         "vec2" => ("vec2(x, y)".into(), 1),
         "vec3" => ("vec3(x, y, z)".into(), 1),
         "vec4" => ("vec4(x, y, z, w)".into(), 1),

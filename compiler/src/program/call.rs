@@ -284,6 +284,12 @@ impl Elaborator<'_> {
         if failed {
             return Err(Stop);
         }
+        for (at, default) in super::builtin::defaults(name).iter().enumerate() {
+            values.resize(values.len().max(at + 1), None);
+            if let (Some(slot @ None), Some(default)) = (values.get_mut(at), default) {
+                *slot = Some((self.constant(*default), span));
+            }
+        }
         // A place that is left out shows as too few.
         let values: Vec<(Value, Span)> = values.into_iter().map_while(|value| value).collect();
         self.built_in(name, &values, span, env)
@@ -418,7 +424,7 @@ impl Elaborator<'_> {
         self.call_items_with(items, receiver.into_iter().collect(), args, span, env)
     }
 
-    fn call_items_with(
+    pub(super) fn call_items_with(
         &mut self,
         items: &[ItemRef],
         mut known: Vec<(Value, Span)>,

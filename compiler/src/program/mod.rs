@@ -19,6 +19,7 @@ mod faces;
 mod film;
 mod flush;
 mod gaps;
+mod grids;
 mod growth;
 pub mod load;
 mod loops;
@@ -31,6 +32,7 @@ pub mod physics;
 pub mod polar;
 mod reach;
 pub mod repeat;
+mod sampled;
 mod surroundings;
 mod texture;
 mod turn;
@@ -48,6 +50,7 @@ use crate::syntax::ast::{self, FunctionKind, ItemKind};
 use capped::Capped;
 use faces::Faces;
 use load::{ItemRef, Modules};
+pub use grids::Grids;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::Arc;
 use value::{Bound, Value};
@@ -67,6 +70,8 @@ pub struct Elaborator<'a> {
     pub modules: &'a Modules,
     /// The texts themselves, for what is said of a place.
     sources: &'a Sources,
+    /// Where grids come from.
+    grids: &'a Grids<'a>,
     /// What the host chose.
     pub options: &'a Options,
     /// The graph that is made.
@@ -132,20 +137,20 @@ pub struct Elaboration {
 }
 
 /// Elaborates the program whose texts are `modules`; the scene is that of the first text. `facts` know what was found before.
-pub fn elaborate(modules: &Modules, sources: &Sources, options: &Options, facts: Facts) -> Elaboration {
-    let (elaboration, read) = elaborate_reading((modules, sources), options, facts, FxHashMap::default());
+pub fn elaborate(modules: &Modules, sources: &Sources, grids: &Grids, options: &Options, facts: Facts) -> Elaboration {
+    let (elaboration, read) = elaborate_reading((modules, sources, grids), options, facts, FxHashMap::default());
     if read.is_empty() {
         return elaboration;
     }
     let ran = elaboration.facts.account.ran;
     let mut facts = Facts::with(elaboration.facts.memory, elaboration.facts.rules);
     facts.account.ran = ran;
-    elaborate_reading((modules, sources), options, facts, read).0
+    elaborate_reading((modules, sources, grids), options, facts, read).0
 }
 
 /// The same with what is known of how far repetitions are read; and how far they are, where that is farther than they look.
 fn elaborate_reading(
-    (modules, sources): (&Modules, &Sources),
+    (modules, sources, grids): (&Modules, &Sources, &Grids),
     options: &Options,
     facts: Facts,
     read_up_to: FxHashMap<Span, f64>,
@@ -153,6 +158,7 @@ fn elaborate_reading(
     let mut e = Elaborator {
         modules,
         sources,
+        grids,
         options,
         graph: Graph::new(),
         facts,

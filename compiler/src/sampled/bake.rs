@@ -11,6 +11,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Grids that would take more memory are refused.
 pub const MOST_BYTES: usize = 1 << 30;
+/// The most that all grids of a scene take on a device: every one binds a buffer of 128 MiB.
+pub const MOST_DEVICE_BYTES: usize = 120 << 20;
 /// Cells along the longest side.
 pub const RESOLUTIONS: std::ops::RangeInclusive<u32> = 8..=1024;
 

@@ -6,6 +6,8 @@
 use crate::vector::Vec3;
 use rayon::prelude::*;
 
+/// Words of a grid's head on a device.
+pub const HEAD: usize = 16;
 /// Cells of a brick along each axis.
 pub const BRICK: usize = 8;
 /// Samples of a brick along each axis: those on its faces are its own too.
@@ -100,6 +102,50 @@ pub struct Grid {
     /// [`VOLUME`] samples a brick, x first. On a face towards a brick without samples they are what its corners say, so that no value jumps.
     pub(super) fine: Vec<f32>,
     facts: Vec<Facts>,
+    /// Of each brick, and then of all of them.
+    hulls: Vec<Hull>,
+    content: u64,
+}
+
+/// Least and greatest of some numbers.
+pub type Span = [f64; 2];
+
+const NOWHERE: Span = [f64::INFINITY, f64::NEG_INFINITY];
+
+fn hull(a: Span, b: Span) -> Span {
+    [a[0].min(b[0]), a[1].max(b[1])]
+}
+
+/// What the values and slopes of some cells lie between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hull {
+    /// The values.
+    pub values: Span,
+    /// How fast they change along x, y and z.
+    pub slopes: [Span; 3],
+    /// No gradient is longer.
+    pub lipschitz: f64,
+}
+
+impl Hull {
+    const EMPTY: Self = Self { values: NOWHERE, slopes: [NOWHERE; 3], lipschitz: 0.0 };
+
+    fn with(self, other: Self) -> Self {
+        let slopes = [0, 1, 2].map(|i| hull(self.slopes[i], other.slopes[i]));
+        Self { values: hull(self.values, other.values), slopes, lipschitz: self.lipschitz.max(other.lipschitz) }
+    }
+
+    /// Of one cell. A trilinear value lies between its samples, and each slope between the differences along its axis.
+    fn of(cell: &Cell, side: f64) -> Self {
+        let values = cell.iter().fold(NOWHERE, |all, v| hull(all, [*v, *v]));
+        let slopes = [1, 2, 4].map(|bit| {
+            let along = (0..8usize).filter(|corner| corner & bit == 0).map(|corner| (cell[corner | bit] - cell[corner]) / side);
+            // For what is lost in rounding.
+            let [low, high] = along.fold(NOWHERE, |all, d| hull(all, [d, d]));
+            [low - 1e-12 * low.abs(), high + 1e-12 * high.abs()]
+        });
+        Self { values, slopes, lipschitz: slope(cell) / side * (1.0 + 1e-12) }
+    }
 }
 
 /// The eight samples of a cell, x first.
@@ -108,7 +154,7 @@ type Cell = [f64; 8];
 impl Grid {
     /// A grid of samples. Their numbers must fit.
     pub(super) fn new(shape: Shape, coarse: Vec<f32>, index: Vec<u32>, fine: Vec<f32>) -> Self {
-        let mut grid = Self { shape, coarse, index, fine, facts: Vec::new() };
+        let mut grid = Self { shape, coarse, index, fine, facts: Vec::new(), hulls: Vec::new(), content: 0 };
         let all = 0..shape.count();
         // Those without samples first: their excess reaches the faces of their neighbours.
         grid.facts = all.clone().into_par_iter().map(|brick| if grid.index[brick] == 0 { grid.known(brick, 0.0) } else { Facts::default() }).collect();
@@ -116,8 +162,143 @@ impl Grid {
             0 => grid.facts[brick],
             _ => grid.known(brick, grid.excess_around(brick)),
         };
-        grid.facts = all.into_par_iter().map(of).collect();
+        grid.facts = all.clone().into_par_iter().map(of).collect();
+        grid.hulls = all.into_par_iter().map(|brick| grid.brick_hull(brick)).collect();
+        grid.hulls.push(grid.hulls.iter().fold(Hull::EMPTY, |all, one| all.with(*one)));
+        grid.content = grid.hash();
         grid
+    }
+
+    fn brick_hull(&self, brick: usize) -> Hull {
+        let (side, cells) = if self.index[brick] == 0 { (self.shape.brick(), 1) } else { (self.shape.cell, BRICK) };
+        let all = (0..cells * cells * cells).map(|i| [i % cells, i / cells % cells, i / cells / cells]);
+        all.map(|cell| Hull::of(&self.cell(brick, cell), side)).fold(Hull::EMPTY, Hull::with)
+    }
+
+    /// A number of all that it holds, the same on every machine.
+    fn hash(&self) -> u64 {
+        let Shape { origin, cell, bricks } = self.shape;
+        let head = origin.into_iter().chain([cell]).map(f64::to_bits).chain(bricks.map(u64::from));
+        let samples = self.coarse.iter().chain(&self.fine).map(|v| u64::from(v.to_bits()));
+        let all = head.chain(self.index.iter().map(|number| u64::from(*number))).chain(samples);
+        // Multiply and rotate, as the finalizers of hash functions do, for each number.
+        let mix = |hash: u64, number: u64| (hash.rotate_left(23) ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let hash = all.fold(0xcbf2_9ce4_8422_2325, mix);
+        mix(hash ^ hash >> 32, 0)
+    }
+
+    /// A number of all that it holds, the same on every machine; two grids seldom have the same.
+    pub fn content(&self) -> u64 {
+        self.content
+    }
+
+    /// Of all of it.
+    pub fn hull(&self) -> Hull {
+        self.hulls.last().copied().unwrap_or(Hull::EMPTY)
+    }
+
+    /// The box about the cells with a sample that is not above zero: what is solid lies within. None where all are above.
+    pub fn solid(&self) -> Option<[Vec3; 2]> {
+        let mut found: Option<[Vec3; 2]> = None;
+        for brick in (0..self.shape.count()).filter(|brick| self.hulls[*brick].values[0] <= 0.0) {
+            let place = self.shape.place(brick);
+            let (step, cells) = if self.index[brick] == 0 { (BRICK, 1) } else { (1, BRICK) };
+            for i in 0..cells * cells * cells {
+                let cell = [i % cells, i / cells % cells, i / cells / cells];
+                if self.cell(brick, cell).iter().all(|v| *v > 0.0) {
+                    continue;
+                }
+                let first = [0, 1, 2].map(|axis| place[axis] * BRICK + cell[axis] * step);
+                let (low, high) = (self.shape.at(first), self.shape.at(first.map(|c| c + step)));
+                let known = found.unwrap_or([low, high]);
+                found = Some([[0, 1, 2].map(|i| known[0][i].min(low[i])), [0, 1, 2].map(|i| known[1][i].max(high[i]))]);
+            }
+        }
+        found
+    }
+
+    /// What values and slopes lie between in a box of places, each of which counts as the nearest of the grid's own box.
+    pub fn hull_within(&self, low: Vec3, high: Vec3) -> Hull {
+        /// More cells are taken brick by brick, and more bricks together.
+        const MOST: usize = 512;
+        let ends = [low, high].map(|p| [0, 1, 2].map(|i| self.place_along(i, p[i])));
+        let [first, last] = [0, 1].map(|end| ends[end].map(|(whole, _)| whole));
+        let count = |step: usize| (0..3).map(|i| last[i] / step - first[i] / step + 1).product::<usize>();
+        let (step, all) = if count(1) <= MOST { (1, false) } else { (BRICK, count(BRICK) > MOST) };
+        if all || low.iter().chain(&high).any(|c| c.is_nan()) {
+            return self.hull();
+        }
+        let [from, to] = [first, last].map(|place| place.map(|c| c / step));
+        let mut found = Hull::EMPTY;
+        for k in from[2]..=to[2] {
+            for j in from[1]..=to[1] {
+                for i in from[0]..=to[0] {
+                    let place = [i, j, k].map(|c| c * step);
+                    let brick = self.shape.number(place.map(|c| c / BRICK));
+                    found = found.with(match self.index[brick] {
+                        _ if step == BRICK => self.hulls[brick],
+                        0 => self.hulls[brick],
+                        _ => Hull::of(&self.cell(brick, place.map(|c| c % BRICK)), self.shape.cell),
+                    });
+                }
+            }
+        }
+        // From the middle it is at most so far, along each axis and in all.
+        let (end, mut half) = (self.shape.end(), [0.0; 3]);
+        let within = |p: Vec3| [0, 1, 2].map(|i| p[i].clamp(self.shape.origin[i], end[i]));
+        let [low, high] = [low, high].map(within);
+        let middle = [0, 1, 2].map(|i| 0.5 * (low[i] + high[i]));
+        for i in 0..3 {
+            half[i] = 0.5 * (high[i] - low[i]);
+        }
+        let by_axes: f64 = (0..3).map(|i| half[i] * found.slopes[i][0].abs().max(found.slopes[i][1].abs())).sum();
+        let by_length = found.lipschitz * half.iter().map(|h| h * h).sum::<f64>().sqrt();
+        let value = self.inside(middle);
+        let way = by_axes.min(by_length);
+        let rounding = 1e-13 * (value.abs() + way + found.lipschitz * (0..3).map(|i| low[i].abs() + high[i].abs()).sum::<f64>());
+        let values = [found.values[0].max(value - way - rounding), found.values[1].min(value + way + rounding)];
+        Hull { values: if values[0] <= values[1] { values } else { found.values }, ..found }
+    }
+
+    /// In which cell along an axis a coordinate lies, and where in it, from 0 to 1. Outside of the grid it is the last.
+    fn place_along(&self, axis: usize, c: f64) -> (usize, f64) {
+        let most = self.shape.bricks[axis] as usize * BRICK;
+        let cells = ((c - self.shape.origin[axis]) / self.shape.cell).clamp(0.0, most as f64);
+        let whole = (cells as usize).min(most - 1);
+        (whole, cells - whole as f64)
+    }
+
+    /// The value at a place, which counts as the nearest of the grid's box.
+    pub fn inside(&self, p: Vec3) -> f64 {
+        let (brick, cell, at) = self.find(p);
+        interpolate(&self.cell(brick, cell), at)
+    }
+
+    /// The gradient of [`Grid::inside`] within the cell of a place.
+    pub fn gradient(&self, p: Vec3) -> Vec3 {
+        let (brick, cell, [x, y, z]) = self.find(p);
+        let side = if self.index[brick] == 0 { self.shape.brick() } else { self.shape.cell };
+        let [a, b, c, d, e, f, g, h] = self.cell(brick, cell);
+        let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
+        let plane = |[a, b, c, d]: [f64; 4], s: f64, t: f64| mix(mix(a, b, s), mix(c, d, s), t);
+        [plane([b - a, d - c, f - e, h - g], y, z), plane([c - a, d - b, g - e, h - f], x, z), plane([e - a, f - b, g - c, h - d], x, y)].map(|s| s / side)
+    }
+
+    /// As a device reads it, little-endian words: [`HEAD`] of them that begin with the least corner, one over the side of a cell, and the bricks along
+    /// each axis, then the samples at the corners of bricks, the number of each brick, and its samples. `at`: where the first word after the head will stand.
+    pub fn words(&self, at: u32) -> ([u32; HEAD], Vec<u32>) {
+        let Shape { origin: [x, y, z], cell, bricks: [i, j, k] } = self.shape;
+        let bits = |c: f64| (c as f32).to_bits();
+        let (corners, index) = (at, at + self.coarse.len() as u32);
+        let fine = index + self.index.len() as u32;
+        let head = [bits(x), bits(y), bits(z), bits(1.0 / cell), i, j, k, corners, index, fine, 0, 0, 0, 0, 0, 0];
+        let samples = |from: &[f32]| from.iter().map(|v| v.to_bits()).collect::<Vec<u32>>();
+        (head, [samples(&self.coarse), self.index.clone(), samples(&self.fine)].concat())
+    }
+
+    /// How many bytes it takes on a device.
+    pub fn bytes(&self) -> usize {
+        4 * (HEAD + self.coarse.len() + self.index.len() + self.fine.len())
     }
 
     /// The most excess of bricks without samples that touch a brick.
@@ -180,16 +361,9 @@ impl Grid {
 
     /// The brick in which a place of the grid lies, by its number, and the cell and the place in it, from 0 to 1.
     fn find(&self, p: Vec3) -> (usize, [usize; 3], Vec3) {
-        let mut place = [0; 3];
-        let mut cell = [0; 3];
-        let mut rest = [0.0; 3];
-        for i in 0..3 {
-            let bricks = self.shape.bricks[i] as usize;
-            let cells = ((p[i] - self.shape.origin[i]) / self.shape.cell).clamp(0.0, (bricks * BRICK) as f64);
-            let whole = (cells as usize).min(bricks * BRICK - 1);
-            (place[i], cell[i], rest[i]) = (whole / BRICK, whole % BRICK, cells - whole as f64);
-        }
-        let brick = self.shape.number(place);
+        let along = [0, 1, 2].map(|i| self.place_along(i, p[i]));
+        let (cell, rest) = (along.map(|(whole, _)| whole % BRICK), along.map(|(_, rest)| rest));
+        let brick = self.shape.number(along.map(|(whole, _)| whole / BRICK));
         if self.index[brick] == 0 {
             return (brick, [0; 3], [0, 1, 2].map(|i| (cell[i] as f64 + rest[i]) / BRICK as f64));
         }
@@ -208,8 +382,7 @@ impl Grid {
     pub fn value(&self, p: Vec3) -> f64 {
         let end = self.shape.end();
         let away: f64 = (0..3).map(|i| (self.shape.origin[i] - p[i]).max(p[i] - end[i]).max(0.0)).map(|t| t * t).sum();
-        let (brick, cell, at) = self.find(p);
-        let value = interpolate(&self.cell(brick, cell), at);
+        let value = self.inside(p);
         if away > 0.0 { (value * value + away).sqrt() } else { value }
     }
 

@@ -7,13 +7,15 @@ mod boxes;
 mod examine;
 mod file;
 mod grid;
+mod kept;
 mod measure;
 mod surface;
 mod triangle;
 
-pub use bake::{MOST_BYTES, RESOLUTIONS, Settings, bake};
+pub use bake::{MOST_BYTES, MOST_DEVICE_BYTES, RESOLUTIONS, Settings, bake};
 pub use examine::{Findings, MOST_TRIANGLES};
-pub use grid::{BRICK, Facts, Grid, Shape};
+pub use grid::{BRICK, Facts, Grid, HEAD, Hull, Shape};
+pub use kept::Kept;
 pub use measure::{Measured, measure};
 pub use surface::{Near, Sign, Surface};
 pub use triangle::{Part, Triangle};

@@ -3,7 +3,9 @@
 use super::{folder, run};
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 use surefoot_compiler::Loader;
+use surefoot_compiler::sampled::{Grid, Settings};
 use surefoot_runtime::mesh::Mesh;
 
 struct Disk;
@@ -11,6 +13,10 @@ struct Disk;
 impl Loader for Disk {
     fn read(&self, path: &str) -> Result<Vec<u8>, String> {
         fs::read(path).map_err(|why| why.to_string())
+    }
+
+    fn grid(&self, path: &str, settings: Settings) -> Result<Arc<Grid>, String> {
+        surefoot_runtime::mesh::field::grid(self, path, settings, &|_| {})
     }
 }
 

@@ -4,7 +4,9 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
+use crate::mesh::field;
 use surefoot_compiler::compiled::Loader;
+use surefoot_compiler::sampled::{Grid, Settings};
 
 /// Reads files, from any thread.
 pub type SharedLoader = Arc<dyn Loader + Send + Sync>;
@@ -66,6 +68,11 @@ impl Loader for Recorder {
 
     fn read_up_to(&self, path: &str, most: u64) -> Result<Vec<u8>, String> {
         self.noted(path, Some(most))
+    }
+
+    fn grid(&self, path: &str, settings: Settings) -> Result<Arc<Grid>, String> {
+        // By way of this, so that the files that it reads are followed.
+        field::grid(self, path, settings, &|_| {})
     }
 }
 

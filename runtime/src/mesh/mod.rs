@@ -2,6 +2,7 @@
 //! the size of the file, and no file may be larger than [`LARGEST_FILE`].
 
 mod assets;
+pub mod field;
 mod normals;
 mod raw;
 mod read;

@@ -21,9 +21,13 @@ pub struct Mesh {
 impl Mesh {
     /// Reads a mesh. The end of its name says which format it has; files that it names are read too.
     pub fn load(loader: &dyn Loader, path: &str) -> Result<Self, String> {
-        let bytes = loader.read_up_to(path, LARGEST_FILE)?;
+        Self::from_bytes(loader, path, &loader.read_up_to(path, LARGEST_FILE)?)
+    }
+
+    /// The same of a file whose bytes were read.
+    pub(super) fn from_bytes(loader: &dyn Loader, path: &str, bytes: &[u8]) -> Result<Self, String> {
         // The crates that read are careful, and yet each stops the program at some file; a scene must go on.
-        let raw = catch_unwind(AssertUnwindSafe(|| read::read(loader, path, &bytes)))
+        let raw = catch_unwind(AssertUnwindSafe(|| read::read(loader, path, bytes)))
             .unwrap_or_else(|_| Err("the file is broken".to_owned()))?;
         Self::of(raw)
     }

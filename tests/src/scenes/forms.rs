@@ -161,6 +161,7 @@ const SHAPE: &[&str] = &[
     "<same>.fold(<axis>)",
     "<same>.matrix(mat3((1, 0, 0), (<number>, 1, 0), (0, <number>, <size>)))",
     "<same>.matrix(mat4((1, 0, 0, 0), (0.4, 1, 0, 0), (0, <number>, 1.4, 0), (0.2, 0, <number>, 1)))",
+    "<same>.beyond_box((-0.9, -1, -0.8), <sizes>)",
     "<same>.repeat(<sizes>).within(<same>)",
     "<same>.scale(0.3).repeat((<size>, 0, <size>))",
     "<same>.repeat(<sizes>, (2, <count>, 1))",

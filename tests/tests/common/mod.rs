@@ -4,9 +4,11 @@
 pub mod alike;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use surefoot_compiler::compiled::{Compiled, Export, Loader, Options};
 use surefoot_compiler::reference_text::{CHAPTERS, entries};
 use surefoot_compiler::{MemoryLoader, compile, diagnostic};
+use surefoot_compiler::sampled::{Grid, Settings};
 use surefoot_runtime::Gpu;
 
 /// Files on the disk.
@@ -15,6 +17,10 @@ pub struct Disk;
 impl Loader for Disk {
     fn read(&self, path: &str) -> Result<Vec<u8>, String> {
         std::fs::read(path).map_err(|e| e.to_string())
+    }
+
+    fn grid(&self, path: &str, settings: Settings) -> Result<Arc<Grid>, String> {
+        surefoot_runtime::mesh::field::grid(self, path, settings, &|_| {})
     }
 }
 

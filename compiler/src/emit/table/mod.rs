@@ -9,7 +9,8 @@ use crate::functions::loop_counters::Turns;
 use crate::functions::unions::{FEWEST_ROWS, Join, MOST_CLASSES, Of, Operand, Step, Union};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
-use crate::graph::{Function, Graph};
+use crate::graph::{Function, Graph, NodeId};
+use crate::sampled::Kept;
 use form::{Filled, Former};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
@@ -22,6 +23,7 @@ pub use grid::Grid;
 pub const CLASS_SHIFT: u32 = 24;
 /// Numbers in a union's head, which stands at the beginning of the lists.
 pub const HEAD: u32 = 16;
+const _: () = assert!(HEAD as usize == crate::sampled::HEAD);
 /// The class of [`Step::Push`].
 pub const PUSH: u32 = 31;
 /// Of an entry that sets aside what is there before it joins its operand.
@@ -105,6 +107,8 @@ pub struct Tables {
     pub rows: Vec<[f32; 4]>,
     /// The range of each component of the parameters.
     pub parameters: Vec<Interval>,
+    /// The grids that formulas read. Their heads stand after those of the tables.
+    pub grids: Vec<Kept>,
 }
 
 impl Class {
@@ -169,7 +173,7 @@ impl Tables {
     /// The tables of all unions that are worth one.
     pub fn new(graph: &Graph, functions: &Functions) -> Self {
         let parameters = graph.parameters.iter().map(|p| Interval::new(p.min, p.max)).collect();
-        let mut tables = Self { parameters, ..Self::default() };
+        let mut tables = Self { parameters, grids: grids(graph, functions), ..Self::default() };
         let mut unions: Vec<(&Of, &Union)> = functions.unions.iter().filter(|(_, u)| u.same.is_none()).collect();
         unions.sort_unstable_by_key(|(of, _)| **of);
         for (of, union) in unions {
@@ -292,8 +296,20 @@ impl Tables {
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.tables.is_empty()
+        self.tables.is_empty() && self.grids.is_empty()
     }
+}
+
+/// The grids that the functions of a scene read, in the order in which its text names them.
+fn grids(graph: &Graph, functions: &Functions) -> Vec<Kept> {
+    if graph.grids.is_empty() {
+        return Vec::new();
+    }
+    let surfaces = std::iter::once(&functions.surface).chain(&functions.meshes);
+    let looks = surfaces.flat_map(|surface| surface.look().into_iter().chain(surface.layer_nodes()).chain(surface.glass.into_iter().flatten()));
+    let roots: Vec<NodeId> = functions.formulas.values().copied().chain(looks).collect();
+    let read: Vec<f64> = graph.reachable(&roots).into_iter().filter_map(|id| graph.grid_of(id)).map(|kept| kept.number).collect();
+    graph.grids.iter().filter(|kept| read.contains(&kept.number)).cloned().collect()
 }
 
 /// The tables of a module, and how a device reads them.

@@ -264,6 +264,17 @@ pub fn declare_buffers(prefix: &str, group: u32, binding: u32, wgsl: &mut String
     }
 }
 
+/// Writes the function that says where the head of a grid stands.
+pub fn grid_heads(context: &Context, wgsl: &mut String) {
+    let Tables { tables, grids, .. } = context.tables;
+    let _ = write!(wgsl, "\n// Where the head of the grid of a number stands.\nfn {}grid_head(grid: f32) -> u32 {{\n", context.prefix);
+    let first = HEAD * tables.len() as u32;
+    for (kept, at) in grids.iter().skip(1).zip(1..) {
+        let _ = writeln!(wgsl, "  if grid == {:?} {{\n    return {}u;\n  }}", kept.number, first + HEAD * at);
+    }
+    let _ = write!(wgsl, "  return {first}u;\n}}\n");
+}
+
 /// Declares the tables as text, so that the module needs nothing else.
 pub fn declare_text(context: &Context, wgsl: &mut String) {
     let p = context.prefix;

@@ -3,7 +3,7 @@
 use crate::emit::arms::{Arm, Arms, BlockId};
 use crate::emit::body::Body;
 use crate::emit::code::ExprId;
-use crate::emit::library::Helpers;
+use crate::emit::library::{GRIDS, Helpers};
 use crate::emit::names::Scope;
 use crate::emit::plan::{Plans, TargetId};
 use crate::emit::table::Tables;
@@ -58,9 +58,14 @@ impl Context<'_> {
         operations / turns.max(1)
     }
 
-    /// Whether a function that is written reads a table.
+    /// Whether a function that is written reads a grid.
+    pub fn has_grids(&self) -> bool {
+        self.helpers.pieces().any(|piece| piece.name == GRIDS)
+    }
+
+    /// Whether a function that is written reads a table, or a grid.
     pub fn has_tables(&self) -> bool {
-        self.functions.keys().filter_map(|id| self.plans.get(*id)).any(|t| self.plans.table(t).is_some_and(|table| table.turns.is_none()))
+        self.has_grids() || self.functions.keys().filter_map(|id| self.plans.get(*id)).any(|t| self.plans.table(t).is_some_and(|table| table.turns.is_none()))
     }
 }
 

@@ -1,0 +1,30 @@
+//! The grids that a program names, as whoever loads files brings them.
+
+use crate::loader::Loader;
+use crate::sampled::{Kept, Settings};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
+/// The grids of one compilation, each asked for once.
+pub struct Grids<'a> {
+    loader: &'a dyn Loader,
+    known: RefCell<BTreeMap<(String, u32, u64), Result<Kept, String>>>,
+}
+
+impl<'a> Grids<'a> {
+    /// None yet.
+    pub fn new(loader: &'a dyn Loader) -> Self {
+        Self { loader, known: RefCell::default() }
+    }
+
+    /// That of a file of triangles, or why there is none.
+    pub fn of_mesh(&self, path: &str, settings: Settings) -> Result<Kept, String> {
+        let key = (path.to_owned(), settings.resolution, settings.padding.to_bits());
+        let known = self.known.borrow().get(&key).cloned();
+        known.unwrap_or_else(|| {
+            let read = self.loader.grid(path, settings).map(Kept::new);
+            self.known.borrow_mut().insert(key, read.clone());
+            read
+        })
+    }
+}
