@@ -3,9 +3,12 @@
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
+#[cfg(feature = "gpu")]
 use std::sync::Arc;
 use surefoot_compiler::Loader;
+#[cfg(feature = "gpu")]
 use surefoot_compiler::sampled::{Grid, Settings};
+#[cfg(feature = "gpu")]
 use surefoot_runtime::mesh::field;
 
 /// Larger files are refused: a scene's text is smaller, and reading must not fill the memory. A mesh may be larger.
@@ -24,6 +27,7 @@ impl Loader for FileLoader {
         read_up_to(Path::new(path), most)
     }
 
+    #[cfg(feature = "gpu")]
     fn grid(&self, path: &str, settings: Settings) -> Result<Arc<Grid>, String> {
         field::grid(self, path, settings, &|_| {})
     }

@@ -57,6 +57,7 @@ pub fn sphere_in(wgsl: &str, radius: f64, (min, max): (f64, f64)) -> Compiled {
         cancels: None,
         one: false,
         ways: Default::default(),
+        grids: false,
     };
     compiled
 }
