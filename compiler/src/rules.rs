@@ -2,9 +2,6 @@
 //!
 //! Every bound is safe without any rule, but rays need more steps. So each rule can be switched off (`--without-rule ID`), and `docs/rules.md`
 //! says what each gains. The searches themselves, and the walk back from a value to the coordinates, are not rules.
-//!
-//! Four rules have no row yet, since no scene is known that gets worse without them: `lipschitz_atoms`, `noise_cells` and `planar_region` in
-//! `analysis/rules`, and `meets_at_walls` in `functions/jump_magnitude.rs`.
 
 /// When a rule is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -135,7 +132,7 @@ rules! {
         what "Where a box straddles a kink, each side is searched by itself. Sides that exclude each other vanish."
         source "The constant of a continuous piecewise formula is the largest of its pieces'."
         scene "field f = { let q = abs(p - (0.1, 0.2, 0.3)) - 1; length(max(q, 0)) + min(max(q.x, max(q.y, q.z)), 0) }\nscene = f"
-    Mirror "mirror" Constant Once "analysis/tape.rs"
+    Mirror "mirror" Constant Once "analysis/formula.rs"
         what "A coordinate that one `abs` alone reads is searched on one side of its plane."
         source "The other side is its mirror image."
         scene "field f = { let q = abs(p) - 1; length(max(q, 0)) + min(max(q.x, max(q.y, q.z)), 0) }\nscene = f"
@@ -199,6 +196,10 @@ rules! {
         what "The angle of something that is never below zero does not cross its cut."
         source "`atan2(y, x)` jumps where y changes its sign and x is negative."
         scene "field f = length(p) - 1 - 0.05 * atan(abs(p.z), p.x)\nscene = f.within(box(3))"
+    MeetsAtWalls "meets-at-walls" Continuity Search "functions/jump_magnitude.rs"
+        what "A minimum over neighbouring cells is continuous where the cells that change at a wall are never the nearest."
+        source "What two sides of a wall have in common cancels; intervals of the rest."
+        scene "field strewn = { let n = floor(p.xz); for i in -1..2 by min { for j in -1..2 by min { let o = hash3(n + (i, j)); length(p - (n.x + i + 0.3 + 0.4 * o.x, 0, n.y + j + 0.3 + 0.4 * o.y)) - 0.1 } } }\nscene = strewn.within(box(3))"
     RotatedDistance "rotated-distance" Constant Box "analysis/rules/rotated_distance.rs"
         what "A distance at a point that is turned by a varying angle is no steeper far away than its solid reaches."
         source "Turning the point is turning its nearest point back: at most R dt."
@@ -223,6 +224,10 @@ rules! {
         what "What repeats is searched over one period in place of all of space."
         source "A gradient that repeats takes all its values in one period."
         scene "field web(f: float) = dot(sin(f * p), cos(f * p.zxy)) / f\nscene = web(3).shell(0.1) & sphere(1.2)"
+    NoiseCells "noise-cells" Constant Search "analysis/rules/noise_cells.rs"
+        what "A longer search of what noise warps goes cell by cell, in which noise is a polynomial."
+        source "Bernstein coefficients bound a polynomial over a box (Garloff 1986)."
+        scene "warp wander = p + (0, 0.15 * perlin(1.5 * p.xz) + 0.02 * p.x * p.y, 0.1 * perlin(2 * p) * p.x)\nscene = sphere(1).wander()"
     Twist "twist" Constant Once "analysis/constant.rs"
         what "A turn about an axis by an angle that goes along with it has a constant in closed form, within a tube."
         source "The largest singular value of a shear by a: a/2 + √(1 + a²/4)."

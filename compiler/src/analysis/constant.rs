@@ -185,7 +185,7 @@ impl Facts {
                         return (Norm { norm: most, jumps, runs: 1 }, ());
                     }
                 }
-                let runs = each_piece(facts, graph, &tape, &leaf, &mut |duals, _| {
+                let runs = each_piece(facts, graph, &tape, &leaf, &mut |duals| {
                     norm.jumps |= rows.iter().any(|&r| duals.get(r).is_some_and(|d| d.jumps != 0));
                     norm.norm = norm.norm.max(map_norm(&tape, duals, &rows));
                 });

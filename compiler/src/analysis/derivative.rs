@@ -11,7 +11,6 @@ use super::rules::angle_periodicity::is_same_after_turns;
 use super::rules::claims::claimed;
 use super::rules::isometry_chain::{chain, chain_norm, point_norm};
 use super::rules::jacobian_norm::map_norm;
-use super::rules::lipschitz_atoms::norm_by_atoms;
 use super::rules::rotated_distance::turned_norm;
 use super::slopes::quotient_of_positive;
 use super::tape::Step;
@@ -91,12 +90,8 @@ impl Facts {
     /// Value, gradient and norm of a tape's last step over all of its pieces, and how many runs that took, side by side of all kinks.
     pub(super) fn pieces(&mut self, graph: &Graph, tape: &Formula, leaf: &dyn Fn(Leaf) -> Dual) -> (Dual, usize) {
         let mut all: Option<Dual> = None;
-        let closely = self.looks_closely();
-        let runs = each_piece(self, graph, tape, leaf, &mut |values, branches| {
-            let Some(mut last) = values.last().copied() else { return };
-            if closely && last.norm > 1.0 && values.len() <= MOST_STEPS {
-                last = last.limited(norm_by_atoms(tape, values, branches));
-            }
+        let runs = each_piece(self, graph, tape, leaf, &mut |values| {
+            let Some(last) = values.last().copied() else { return };
             all = Some(match all {
                 None => last,
                 Some(known) => {
@@ -294,9 +289,6 @@ fn is_mirrored(tape: &Formula, values: &[Dual], step: usize) -> bool {
         && *dual == Dual::coordinate(usize::from(*i), dual.value)
 }
 
-/// Longer formulas are not looked at as functions of their distances.
-const MOST_STEPS: usize = 400;
-
 /// Value, gradient and norm of a tape's last step over all of its pieces, and how many runs that took. The gradient of mirrored axes has
 /// both signs.
 pub fn hull_of_pieces(facts: &mut Facts, graph: &Graph, tape: &Formula, leaf: &dyn Fn(Leaf) -> Dual) -> (Dual, usize) {
@@ -385,7 +377,7 @@ pub fn each_piece(
     graph: &Graph,
     tape: &Formula,
     leaf: &dyn Fn(Leaf) -> Dual,
-    visit: &mut dyn FnMut(&[Dual], Option<&Branches>),
+    visit: &mut dyn FnMut(&[Dual]),
 ) -> usize {
     // What is called shares the budget of what calls it.
     let outermost = facts.looks.forks.is_none();
@@ -405,13 +397,13 @@ fn each_piece_until(
     graph: &Graph,
     tape: &Formula,
     leaf: &dyn Fn(Leaf) -> Dual,
-    visit: &mut dyn FnMut(&[Dual], Option<&Branches>),
+    visit: &mut dyn FnMut(&[Dual]),
     end: u64,
 ) -> usize {
     let mut kink = None;
     let Some(whole) = run(facts, graph, tape, None, &mut kink, leaf) else { return 1 };
     let Some(kink) = kink.filter(|_| tape.rules.has(Rule::Branches)) else {
-        visit(&whole, None);
+        visit(&whole);
         return 1;
     };
     // A jump stays one, whichever side is looked at.
@@ -421,7 +413,7 @@ fn each_piece_until(
     let mut open = vec![(Branches::none(tape.steps.len()), whole.clone(), kink)];
     while let Some((branches, values, kink)) = open.pop() {
         if runs + 2 > RUNS || facts.account.ran > end {
-            visit(&values, Some(&branches));
+            visit(&values);
             visited = true;
             continue;
         }
@@ -436,14 +428,14 @@ fn each_piece_until(
             match undecided {
                 Some(kink) => open.push((next, piece, kink)),
                 None => {
-                    visit(&piece, Some(&next));
+                    visit(&piece);
                     visited = true;
                 }
             }
         }
     }
     if !visited {
-        visit(&whole, None);
+        visit(&whole);
     }
     runs
 }

@@ -411,11 +411,8 @@ impl Facts {
             }
             let tape = self.tape(graph, node);
             let mut region = self.contract(graph, &tape, &domain, target);
-            let is_drawing = s.dimensions == 2 && s.exactness == Exactness::Exact;
             if self.looks.sifts > 0 {
                 region = self.sift(graph, node, &domain, region, level);
-            } else if is_drawing && region.axis(0).is_finite() && region.axis(1).is_finite() && region.size() > FAR {
-                region = self.drawn(graph, node, &domain, region, level);
             }
             self.regions.insert(key, region);
             return region;

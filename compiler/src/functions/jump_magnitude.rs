@@ -9,6 +9,7 @@ use crate::functions::builder::Builder;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{Kind, Op};
 use crate::graph::{Node, NodeId};
+use crate::rules::Rule;
 
 /// So many pairs of formulas are looked at, and lists no longer than that.
 const MOST_PAIRS: usize = 2000;
@@ -29,7 +30,7 @@ impl Builder<'_> {
     /// Whether a minimum (or maximum) hardly jumps though its operands do, as that over neighbouring cells: where the number of a cell changes, an
     /// operand becomes another cell's.
     pub(super) fn meets_at_walls(&mut self, node: NodeId, domain: &Domain) -> bool {
-        if !self.graph.reads(node).rounds || self.found.vain_groups > MOST_TRIED {
+        if !self.facts.rules.has(Rule::MeetsAtWalls) || !self.graph.reads(node).rounds || self.found.vain_groups > MOST_TRIED {
             return false;
         }
         let whole = self.total_height(node, domain);

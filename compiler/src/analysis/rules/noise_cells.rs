@@ -13,7 +13,7 @@ use crate::analysis::{Domain, Facts, leaf_range};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Op};
 use crate::graph::{Claim, Graph, Leaf, NodeId};
-use crate::rules::RuleSet;
+use crate::rules::{Rule, RuleSet};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -288,7 +288,7 @@ impl Facts {
     /// A constant, at most `most`, of what is known by claims over the cells of noise: looked for cell by cell, with so many boxes. None where it
     /// has none, or too many, or is no polynomial in each.
     pub(in crate::analysis) fn by_cells(&mut self, graph: &Graph, nodes: &[NodeId], domain: &Domain, most: f64, boxes: usize) -> Option<f64> {
-        if !domain.point.is_finite() || nodes.len() > 3 || !has_cells(graph, nodes) {
+        if !self.rules.has(Rule::NoiseCells) || !domain.point.is_finite() || nodes.len() > 3 || !has_cells(graph, nodes) {
             return None;
         }
         let tape = Tape::new(graph, nodes, self.rules);
