@@ -49,7 +49,7 @@ impl Builder<'_> {
     /// Those of some jumps of a formula whose sides agree at all of many places, and those whose sides do not as far as is known. Where any do not,
     /// rays stop anyway, and the others are not worth a long look.
     pub(super) fn agreeing(&mut self, root: NodeId, sites: Vec<Site>, near: &Domain) -> (Vec<Site>, Vec<Site>) {
-        if self.strict || !self.facts.rules.has(Rule::Agreement) {
+        if self.scene.strict || !self.facts.rules.has(Rule::Agreement) {
             return (Vec::new(), sites);
         }
         let first: Vec<Option<bool>> = sites.iter().map(|site| self.agrees(root, site, near, QUICK)).collect();
@@ -63,7 +63,7 @@ impl Builder<'_> {
 
     /// Whether both sides of all of some jumps agree at all places that are looked at about the formula's solid.
     pub(super) fn all_agree(&mut self, root: NodeId, sites: &[Site], near: &Domain) -> bool {
-        let Some((region, _)) = self.region_of(root, near).filter(|_| !self.strict) else { return false };
+        let Some((region, _)) = self.region_of(root, near).filter(|_| !self.scene.strict) else { return false };
         let about = near.at(region.grow(region.size()).intersect(&near.point));
         sites.iter().all(|site| self.agrees(root, site, &about, LONGEST) == Some(true))
     }

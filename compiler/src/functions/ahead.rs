@@ -30,7 +30,7 @@ const ROOM: f64 = 0.01;
 /// The extent that a scene should have of which the text says none, where that is known and more than it has: five times as far as what is
 /// solid but its planes.
 pub fn ample_extent(graph: &mut Graph, facts: &mut Facts, root: ShapeId, blocks: &SceneBlocks) -> Option<f64> {
-    Builder::new(graph, facts, root, blocks).ample_extent()
+    Builder::new(graph, facts, root, (blocks, false)).ample_extent()
 }
 
 /// A box with room about it, so that a ray has looked twice before it is at what is solid.
@@ -83,7 +83,7 @@ impl Builder<'_> {
             let home = self.home(solid);
             (!home.is_empty()).then(|| reach(home)).filter(known)
         })?;
-        (LEAST * reach > self.extent).then_some(AMPLE * reach)
+        (LEAST * reach > self.scene.extent).then_some(AMPLE * reach)
     }
 
     /// The formula of a shape's function; the field's is known before any are built.
@@ -187,28 +187,28 @@ impl Builder<'_> {
             return self.facts.on_top(|facts| look(facts, far));
         }
         let pinned = graph.parameters.iter().map(|p| p.default).collect();
-        look(&mut Facts::at(pinned, RuleSet::default()), self.extent)
+        look(&mut Facts::at(pinned, RuleSet::default()), self.scene.extent)
     }
 
     /// What reaches farther is looked at more closely. Nothing is where the text says from where and how far one sees.
     fn far(&self) -> f64 {
-        if self.framed || !self.says_extent { self.extent } else { f64::INFINITY }
+        if self.scene.framed || !self.scene.says_extent { self.scene.extent } else { f64::INFINITY }
     }
 
     /// The box about what is solid, and that box as the text gives the parameters.
     fn where_solid(&mut self, solid: NodeId) -> (Option<Box3>, Option<Box3>) {
         let Some((solid, box_about)) = self.box_about(solid) else { return (None, None) };
-        let extent = self.extent;
+        let extent = self.scene.extent;
         let ends = |solid: &Box3| solid.0.iter().all(|side| side.magnitude() < extent);
         let known = Some(box_about).filter(ends);
         // What holds for all parameters holds for these, and may say more where looks are spent.
-        let home = self.framed.then(|| self.home(solid).intersect(&box_about)).filter(|home| !home.is_empty() && ends(home));
+        let home = self.scene.framed.then(|| self.home(solid).intersect(&box_about)).filter(|home| !home.is_empty() && ends(home));
         (known, home)
     }
 
     /// What is solid but the planes, or all of it where nothing else is within the extent, and a box that holds it. None where nothing is solid.
     fn box_about(&mut self, solid: NodeId) -> Option<(NodeId, Box3)> {
-        if self.extent > WORLD_SIDE {
+        if self.scene.extent > WORLD_SIDE {
             return None;
         }
         // What is nowhere within the extent may be beyond it.

@@ -333,7 +333,7 @@ impl Builder<'_> {
             let region = Some((Box3::EMPTY, 0.0));
             return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, over: Over::Region });
         };
-        let near = domain.at(region.grow(reach).intersect(&Box3::cube(self.extent)));
+        let near = domain.at(region.grow(reach).intersect(&Box3::cube(self.scene.extent)));
         let mut steepest = self.facts.sampled_constant(self.graph, node, &near, SAMPLES);
         if !steepest.is_finite() {
             // Of a shape that moves no slope may be known anywhere.
@@ -343,7 +343,7 @@ impl Builder<'_> {
         let finite = steepest > 0.0 && steepest < 100.0 * STEEPEST;
         let (code, message) = if !finite {
             (Code::NoBound, format!("no finite bound is known for this formula, so no ray could step safely: {why}"))
-        } else if self.strict {
+        } else if self.scene.strict {
             (Code::NoBound, format!("no bound is proven for this formula: {why}"))
         } else if steepest > SLOW {
             let message = "no bound is proven for this formula, and it is so steep where samples lie that rays may stop on their way and leave holes";

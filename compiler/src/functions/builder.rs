@@ -4,25 +4,31 @@ use crate::analysis::search::Target;
 use crate::analysis::{Box3, Domain, Facts};
 use crate::blocks::SceneBlocks;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::functions::found::{Dress, Folds, Found, Look, Looks, Slopes, Wall};
+use crate::functions::found::{Found, Folds, Gradients, Materials};
 use crate::functions::made::{Functions, Kind};
-use crate::functions::outline::Outlines;
 use crate::graph::interval::Interval;
 use crate::graph::{Function, Graph, Node, NodeId, ShapeId, WORLD};
 use crate::source::Span;
 use rustc_hash::FxHashMap;
-use std::rc::Rc;
+
+/// What the scene says of how its functions are to be.
+pub(super) struct Asked {
+    /// Half the side of the cube within which it is drawn.
+    pub extent: f64,
+    /// Whether the text says it.
+    pub says_extent: bool,
+    /// Whether there is a camera that frames what is solid.
+    pub framed: bool,
+    /// Whether what can't be proven is an error.
+    pub strict: bool,
+}
 
 /// What is made on the way from graph to functions.
 pub struct Builder<'a> {
     pub(super) graph: &'a mut Graph,
     pub(super) facts: &'a mut Facts,
     pub(super) root: ShapeId,
-    pub(super) extent: f64,
-    /// Whether the text says it.
-    pub(super) says_extent: bool,
-    /// Whether there is a camera that frames what is solid.
-    pub(super) framed: bool,
+    pub(super) scene: Asked,
     pub(super) domains: FxHashMap<ShapeId, Domain>,
     pub(super) found: Found,
     /// Whether the scene has so many parts that they may be a union of many; found when it is first asked for.
@@ -32,31 +38,14 @@ pub struct Builder<'a> {
     pub diagnostics: Vec<Diagnostic>,
     /// What is known of the whole.
     pub kind: Kind,
-    /// Whether what can't be proven is an error.
-    pub(super) strict: bool,
-    /// Gradients of nodes by the point of their space, as far as they were asked for.
-    pub(super) slopes: Slopes,
-    /// Jumps of shapes as light sees them, which shapes have any in or under them, and what fields are by which such shapes are told apart.
-    pub(super) walls: FxHashMap<ShapeId, Rc<Option<Wall>>>,
-    pub(super) walled: FxHashMap<ShapeId, bool>,
-    pub(super) beside: FxHashMap<(NodeId, bool), NodeId>,
-    /// Outlines of claims, as far as they were asked for.
-    pub(super) outlines: FxHashMap<NodeId, Outlines>,
-    /// Their shapes, by formula and dimensions.
-    pub(super) outlined: FxHashMap<(NodeId, u8), ShapeId>,
-    /// Trees of one operation, and the shapes that stand for them.
+    /// Gradients and the jumps that light sees.
+    pub(super) gradients: Gradients,
+    /// Materials of surfaces.
+    pub(super) materials: Materials,
+    /// Formulas that become functions, and trees of one operation.
     pub(super) folds: Folds,
-    /// The variables that stand for numbers in them which do not move, and for those in which their parts differ.
-    pub(super) still: Vec<u32>,
-    /// The one among them whose own gradient is being made.
-    pub(super) own: Option<ShapeId>,
     /// Whether a plane may be among the operands of a union.
     pub(super) planes: FxHashMap<NodeId, bool>,
-    pub(super) surfaces: FxHashMap<NodeId, Option<Look>>,
-    pub(super) looks: FxHashMap<NodeId, Looks>,
-    pub(super) dresses: FxHashMap<NodeId, Dress>,
-    /// How many shapes of several materials were looked at.
-    pub(super) looked: usize,
     /// How wide the widest opening is of which the estimate of the distance tells a face that is not there.
     pub(super) opening: f64,
     /// Within how many smooth unions, each taken apart, the bound that is being made lies.
@@ -75,37 +64,24 @@ pub(super) fn whole_scene(extent: f64) -> Domain {
 
 impl<'a> Builder<'a> {
     /// Nothing built yet.
-    pub(super) fn new(graph: &'a mut Graph, facts: &'a mut Facts, root: ShapeId, blocks: &SceneBlocks) -> Self {
+    pub(super) fn new(graph: &'a mut Graph, facts: &'a mut Facts, root: ShapeId, (blocks, strict): (&SceneBlocks, bool)) -> Self {
         let shapes = graph.shapes().len();
         graph.is_spread = graph.spreads();
         Self {
             graph,
             facts,
             root,
-            extent: blocks.extent,
-            says_extent: blocks.says_extent,
-            framed: blocks.is_framed(),
+            scene: Asked { extent: blocks.extent, says_extent: blocks.says_extent, framed: blocks.is_framed(), strict },
             domains: with_room(shapes),
             found: Found::default(),
             crowded: None,
             built: Functions { formulas: with_room(6 * shapes), ..Functions::default() },
             diagnostics: Vec::new(),
             kind: Kind::Exact,
-            strict: false,
-            slopes: Vec::new(),
-            walls: FxHashMap::default(),
-            walled: FxHashMap::default(),
-            beside: FxHashMap::default(),
-            outlines: FxHashMap::default(),
-            outlined: FxHashMap::default(),
+            gradients: Gradients::default(),
+            materials: Materials::default(),
             folds: Folds::default(),
-            still: Vec::new(),
-            own: None,
             planes: FxHashMap::default(),
-            surfaces: FxHashMap::default(),
-            looks: FxHashMap::default(),
-            dresses: FxHashMap::default(),
-            looked: 0,
             opening: 0.0,
             parting: 0,
         }
@@ -158,7 +134,7 @@ impl Builder<'_> {
             span,
             format!(
                 "this has no bound over all space; it is proven and drawn within the scene's extent of {}",
-                self.extent
+                self.scene.extent
             ),
             "keep it within a region with `.within(box(…))`, or set `render { extent: … }` to what the scene needs",
         ));

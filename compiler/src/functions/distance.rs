@@ -388,7 +388,7 @@ impl Builder<'_> {
         let part = Shape { name: None, dimensions: 3, value: node, variables: [].into(), exactness, material: None, paints: [].into(), span };
         let part = self.graph.add_shape(part);
         // No wall is met where a ray only passes one.
-        self.walled.insert(part, false);
+        self.gradients.walled.insert(part, false);
         let here = self.graph.point();
         let [node, gradient @ ..] = self.seen_from(part, here);
         let slope = self.graph.op(Op::Length3, &gradient);
@@ -396,7 +396,7 @@ impl Builder<'_> {
         let proven = self.graph.op(Op::Div, &[node, length]);
         if may_be_gentler {
             // Nothing of it is farther away than its region is large.
-            let size = if size.is_finite() { size } else { self.extent };
+            let size = if size.is_finite() { size } else { self.scene.extent };
             let [times, share] = [1.0 / TIMES_NEAR, 1.0 / size].map(|c| self.graph.constant(c));
             let value = self.graph.op(Op::Abs, &[node]);
             let across = self.graph.op(Op::Mul, &[value, share]);
@@ -413,7 +413,7 @@ impl Builder<'_> {
                 None => estimate,
             };
         }
-        let near = self.graph.constant(CLOSE * self.extent.min(WIDE));
+        let near = self.graph.constant(CLOSE * self.scene.extent.min(WIDE));
         let [one, two, end] = [1.0, 2.0, 1.5].map(|c| self.graph.constant(c));
         let away = self.graph.op(Op::Abs, &[proven]);
         let away = self.graph.op(Op::Div, &[away, near]);

@@ -26,7 +26,7 @@ pub(super) const LONGER: usize = 16;
 impl Builder<'_> {
     /// Where each shape's formula is asked for, from the extent of the scene inward.
     pub(super) fn find_domains(&mut self) {
-        self.domains.insert(self.root, whole_scene(self.extent));
+        self.domains.insert(self.root, whole_scene(self.scene.extent));
         let mut order: Vec<ShapeId> = vec![self.root];
         let mut seen: FxHashSet<ShapeId> = order.iter().copied().collect();
         let (mut at, mut nodes) = (0, Vec::new());
@@ -379,7 +379,7 @@ impl Builder<'_> {
     }
 
     pub(super) fn domain(&self, shape: ShapeId) -> Domain {
-        self.domains.get(&shape).cloned().unwrap_or(Domain::of(Box3::cube(self.extent)))
+        self.domains.get(&shape).cloned().unwrap_or(Domain::of(Box3::cube(self.scene.extent)))
     }
 
     /// Where a formula is solid within its domain, and how far beyond that it is trusted. None where it is nowhere solid.

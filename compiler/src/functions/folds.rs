@@ -3,7 +3,7 @@
 
 use crate::analysis::Box3;
 use crate::functions::builder::Builder;
-use crate::functions::found::{Fold, Folds};
+use crate::functions::found::{Fold, Trees};
 use crate::functions::loop_counters::Turns;
 use crate::functions::outline::Outline;
 use crate::functions::outlines::MOST_STILL;
@@ -73,7 +73,7 @@ impl Builder<'_> {
         if !matches!(self.graph.node(id), Node::Op(op, _) if folds(*op)) {
             return false;
         }
-        let Folds { operands, inner, .. } = &mut self.folds;
+        let Trees { operands, inner, .. } = &mut self.folds.trees;
         for at in operands.len()..self.graph.len() {
             let mut count = 1;
             if let Node::Op(op, args) = self.graph.node(NodeId(at as u32))
@@ -122,19 +122,19 @@ impl Builder<'_> {
         let Places { mut coordinates, .. } = places;
         let read = (coordinates.len(), values.iter().any(|&value| self.moves(value)));
         coordinates.resize(COORDINATES, *coordinates.last()?);
-        self.folds.shapes.insert(shape, Fold { op, operands });
+        self.folds.trees.shapes.insert(shape, Fold { op, operands });
         let beside = Some((op, beside)).filter(|(_, beside)| !beside.is_empty());
         Some(Outline::new(shape, coordinates.into_iter().chain(still).collect(), read, beside))
     }
 
     /// Makes unions of the shapes that stand for folds, as far as they are `asked` for: what a table is made from.
     pub(super) fn unite_folds(&mut self, asked: &FxHashSet<ShapeId>) {
-        self.folds.shapes.retain(|shape, _| asked.contains(shape));
-        if self.folds.shapes.is_empty() {
+        self.folds.trees.shapes.retain(|shape, _| asked.contains(shape));
+        if self.folds.trees.shapes.is_empty() {
             return;
         }
         let mut near = self.where_folds_are();
-        let mut shapes: Vec<(&ShapeId, &Fold)> = self.folds.shapes.iter().collect();
+        let mut shapes: Vec<(&ShapeId, &Fold)> = self.folds.trees.shapes.iter().collect();
         shapes.sort_unstable_by_key(|(shape, _)| **shape);
         for (&shape, Fold { op, operands }) in shapes {
             let near = near.remove(&shape).unwrap_or(Box3::ALL);
@@ -150,7 +150,7 @@ impl Builder<'_> {
         let mut near: FxHashMap<ShapeId, Box3> = FxHashMap::default();
         for shape in asking {
             let Some(value) = self.graph.shape(shape).map(|s| s.value) else { continue };
-            let known = |id: &NodeId| self.built.outlines.get(id)?.iter().find(|outline| self.folds.shapes.contains_key(&outline.shape));
+            let known = |id: &NodeId| self.built.outlines.get(id)?.iter().find(|outline| self.folds.trees.shapes.contains_key(&outline.shape));
             let asked: Vec<Outline> = self.graph.reachable(&[value]).iter().filter_map(known).cloned().collect();
             if asked.is_empty() {
                 continue;
@@ -297,10 +297,10 @@ impl Builder<'_> {
 
     /// Variables that stand for numbers which do not move: so many from one of them on.
     pub(super) fn spare_variables(&mut self, first: usize, count: usize) -> Vec<u32> {
-        while self.still.len() < first + count {
-            self.still.push(self.graph.fresh_variable());
+        while self.folds.still.len() < first + count {
+            self.folds.still.push(self.graph.fresh_variable());
         }
-        self.still.get(first..first + count).unwrap_or(&[]).to_vec()
+        self.folds.still.get(first..first + count).unwrap_or(&[]).to_vec()
     }
 
     fn numbers(&self, parts: &[NodeId]) -> Option<Vec<NodeId>> {

@@ -3,6 +3,7 @@
 use crate::analysis::domain::Key;
 use crate::analysis::{Box3, Domain};
 use crate::functions::made::Layer;
+use crate::functions::outline::Outlines;
 use crate::functions::treatment::Treatment;
 use crate::graph::kernel::Op;
 use crate::graph::{MaterialId, NodeId, ShapeId};
@@ -89,13 +90,26 @@ impl Uneven {
 
 /// The trees of one operation in a graph.
 #[derive(Debug, Default)]
-pub(super) struct Folds {
+pub(super) struct Trees {
     /// For each node, as far as they were looked at: how many operands has the tree of one operation that ends in it.
     pub operands: Vec<u32>,
     /// Whether that is a part of a larger tree.
     pub inner: Vec<bool>,
     /// What the shapes that stand for folds do, and with which others.
     pub shapes: FxHashMap<ShapeId, Fold>,
+}
+
+/// Formulas that become functions of their own, and trees of one operation, which become loops.
+#[derive(Default)]
+pub(super) struct Folds {
+    /// Outlines of claims, as far as they were asked for.
+    pub outlines: FxHashMap<NodeId, Outlines>,
+    /// Their shapes, by formula and dimensions.
+    pub outlined: FxHashMap<(NodeId, u8), ShapeId>,
+    /// Trees of one operation, and the shapes that stand for them.
+    pub trees: Trees,
+    /// The variables that stand for numbers in them which do not move, and for those in which their parts differ.
+    pub still: Vec<u32>,
 }
 
 /// A shape that is one operation over many others, all at its own point.
@@ -110,6 +124,21 @@ pub(super) struct Fold {
 /// Gradients by the index of their node, as far as they are known.
 pub(super) type Slopes = Vec<Option<[NodeId; 3]>>;
 
+/// Gradients, and the jumps of shapes as light sees them.
+#[derive(Default)]
+pub(super) struct Gradients {
+    /// Gradients of nodes by the point of their space, as far as they were asked for.
+    pub slopes: Slopes,
+    /// The jumps of shapes.
+    pub walls: FxHashMap<ShapeId, Rc<Option<Wall>>>,
+    /// Which shapes have any in or under them.
+    pub walled: FxHashMap<ShapeId, bool>,
+    /// What fields are by which such shapes are told apart.
+    pub beside: FxHashMap<(NodeId, bool), NodeId>,
+    /// The shape whose own gradient is being made.
+    pub own: Option<ShapeId>,
+}
+
 /// The jump of a shape's field that is nearest to a place.
 #[derive(Debug)]
 pub(super) struct Wall {
@@ -117,6 +146,16 @@ pub(super) struct Wall {
     pub steep: NodeId,
     /// The numbers by which the field may jump, and 1 or -1 with the one by which it does, as it goes up or down across the wall.
     pub across: Vec<(NodeId, NodeId)>,
+}
+
+/// Materials of surfaces, by formula.
+#[derive(Default)]
+pub(super) struct Materials {
+    pub surfaces: FxHashMap<NodeId, Option<Look>>,
+    pub looks: FxHashMap<NodeId, Looks>,
+    pub dresses: FxHashMap<NodeId, Dress>,
+    /// How many shapes of several materials were looked at.
+    pub looked: usize,
 }
 
 /// The materials of what a formula is made of.

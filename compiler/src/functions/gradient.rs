@@ -44,9 +44,9 @@ fn set(slopes: &mut Slopes, id: NodeId, slope: [NodeId; 3]) {
 impl Builder<'_> {
     /// The gradient of a node by the point of its space, as nodes: forward, by the kernel's partial derivatives. Between jumps.
     pub(super) fn gradient(&mut self, root: NodeId) -> [NodeId; 3] {
-        let mut slopes = std::mem::take(&mut self.slopes);
+        let mut slopes = std::mem::take(&mut self.gradients.slopes);
         let found = self.gradient_of(root, &mut slopes, Seen::Pieces);
-        self.slopes = slopes;
+        self.gradients.slopes = slopes;
         found
     }
 
@@ -54,9 +54,9 @@ impl Builder<'_> {
     pub(super) fn gradient_with_walls(&mut self, shape: ShapeId, value: NodeId) -> [NodeId; 3] {
         if self.is_outlined(shape) {
             // By its own formula, which elsewhere it stands for.
-            self.own = Some(shape);
+            self.gradients.own = Some(shape);
             let found = self.gradient_of(value, &mut Slopes::new(), Seen::Pieces);
-            self.own = None;
+            self.gradients.own = None;
             return found;
         }
         if !self.has_walls(shape) {
@@ -77,13 +77,13 @@ impl Builder<'_> {
 
     /// Whether the field of a shape, or of one that it calls, has walls.
     pub(super) fn has_walls(&mut self, shape: ShapeId) -> bool {
-        if let Some(known) = self.walled.get(&shape) {
+        if let Some(known) = self.gradients.walled.get(&shape) {
             return *known;
         }
         let Some(value) = self.graph.shape(shape).map(|s| s.value) else { return false };
         self.found.deep += 1;
         if self.found.deep > DEEP {
-            for shape in self.graph.called_below(value, |shape| self.walled.contains_key(&shape)) {
+            for shape in self.graph.called_below(value, |shape| self.gradients.walled.contains_key(&shape)) {
                 self.has_walls(shape);
             }
         }
@@ -91,17 +91,17 @@ impl Builder<'_> {
         let inner: Vec<ShapeId> = self.calls(&[value], &mut nodes).map(|(inner, _)| inner).collect();
         let found = self.wall(shape).is_some() || inner.into_iter().any(|inner| self.has_walls(inner));
         self.found.deep -= 1;
-        self.walled.insert(shape, found);
+        self.gradients.walled.insert(shape, found);
         found
     }
 
     /// The wall that a shape's own formula makes.
     fn wall(&mut self, shape: ShapeId) -> Rc<Option<Wall>> {
-        if let Some(known) = self.walls.get(&shape) {
+        if let Some(known) = self.gradients.walls.get(&shape) {
             return known.clone();
         }
         let wall = Rc::new(self.find_wall(shape));
-        self.walls.insert(shape, wall.clone());
+        self.gradients.walls.insert(shape, wall.clone());
         wall
     }
 
@@ -233,7 +233,7 @@ impl Builder<'_> {
     /// A field that is as near to zero at a wall as the wall is: where shapes with walls are put together by the least or the greatest of them, what
     /// is met is found by their bounds. `deep`: within a drawing, as beneath a bevel, it is the field itself where no wall of its own is seen.
     fn beside_walls(&mut self, node: NodeId, deep: bool) -> NodeId {
-        if let Some(known) = self.beside.get(&(node, deep)) {
+        if let Some(known) = self.gradients.beside.get(&(node, deep)) {
             return *known;
         }
         let found = match self.graph.node(node).clone() {
@@ -255,7 +255,7 @@ impl Builder<'_> {
             }
             _ => node,
         };
-        self.beside.insert((node, deep), found);
+        self.gradients.beside.insert((node, deep), found);
         found
     }
 

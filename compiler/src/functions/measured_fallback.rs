@@ -41,7 +41,7 @@ const DIFFERENCE: f64 = 1e-7;
 impl Builder<'_> {
     /// A measured constant in place of one that is proven, where no ray would get anywhere by that.
     pub(super) fn affordable(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, treatment: Treatment) -> Treatment {
-        if self.strict || treatment.proof == Proof::Measured || treatment.constant <= DEAR {
+        if self.scene.strict || treatment.proof == Proof::Measured || treatment.constant <= DEAR {
             return treatment;
         }
         let at = treatment.holds_in(domain);
@@ -84,7 +84,7 @@ impl Builder<'_> {
     /// Whether the factor of a map is of no use for a formula that it moves: no ray gets anywhere by it, and the steepest place that is found is far
     /// gentler.
     pub(super) fn is_dear(&mut self, node: NodeId, at: &Domain, factor: f64) -> bool {
-        !self.strict && factor > HOPELESS && self.steepest(node, at).is_some_and(|steepest| steepest > 0.0 && factor > TIMES_STEEPEST * MARGIN * steepest)
+        !self.scene.strict && factor > HOPELESS && self.steepest(node, at).is_some_and(|steepest| steepest > 0.0 && factor > TIMES_STEEPEST * MARGIN * steepest)
     }
 
     /// A constant over a domain at the defaults of parameters; the one that is known of their ranges where it reads none.

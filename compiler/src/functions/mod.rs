@@ -89,9 +89,8 @@ pub fn build(
     strict: bool,
     searches: Vec<Option<Search>>,
 ) -> (Functions, Summary, Vec<Diagnostic>) {
-    let mut builder = Builder::new(graph, facts, root, blocks);
+    let mut builder = Builder::new(graph, facts, root, (blocks, strict));
     builder.built.searches = searches;
-    builder.strict = strict;
     builder.find_domains();
     let mut functions = vec![
         (root, Function::Field),
@@ -168,7 +167,7 @@ impl Builder<'_> {
         // Who writes `nothing` means it: there may be meshes.
         let value = self.graph.shape(self.root).map(|s| s.value).filter(|v| self.graph.as_constant(*v).is_none());
         if let Some(value) = value
-            && self.facts.is_nowhere(self.graph, value, &whole_scene(self.extent))
+            && self.facts.is_nowhere(self.graph, value, &whole_scene(self.scene.extent))
         {
             let span = self.place(self.root, value);
             let nothing_within = [WORLD_SIDE, ANYWHERE].map(|side| self.facts.is_nowhere(self.graph, value, &whole_scene(side)));
@@ -178,12 +177,12 @@ impl Builder<'_> {
                     format!("nothing solid lies within {WORLD_SIDE} of the origin, and farther out the GPU's numbers are too coarse"),
                     "move the scene toward the origin",
                 ),
-                [false, _] if !self.says_extent => (
-                    format!("nothing solid lies within the scene's extent of {}, which grows by itself only for what lies within {}", self.extent, WORLD_SIDE / AMPLE),
+                [false, _] if !self.scene.says_extent => (
+                    format!("nothing solid lies within the scene's extent of {}, which grows by itself only for what lies within {}", self.scene.extent, WORLD_SIDE / AMPLE),
                     "move the scene toward the origin, or set `render { extent: … }` to what it needs",
                 ),
                 [false, _] => (
-                    format!("nothing solid lies within the scene's extent of {}", self.extent),
+                    format!("nothing solid lies within the scene's extent of {}", self.scene.extent),
                     "move the scene toward the origin, or set `render { extent: … }` to what it needs",
                 ),
             };
@@ -194,7 +193,7 @@ impl Builder<'_> {
             let (message, instead) = ("what is solid of this scene is a single point, which nobody sees", "give it a size: a radius or an edge is 0 here");
             self.diagnostics.push(Diagnostic::new(Code::NothingSolid, self.place(self.root, value), message, instead));
         } else if let Some(value) = value
-            && let Some((shape, node)) = self.without_width(self.root, value, &whole_scene(self.extent), &mut FxHashSet::default())
+            && let Some((shape, node)) = self.without_width(self.root, value, &whole_scene(self.scene.extent), &mut FxHashSet::default())
         {
             let (message, instead) = ("this is made of a drawing without an inside, so that it is as thin as a hair", "give the drawing a width, for example `segment(a, b).round(0.05)`");
             self.diagnostics.push(Diagnostic::new(Code::NothingSolid, self.place(shape, node), message, instead));

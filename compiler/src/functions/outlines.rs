@@ -39,15 +39,15 @@ impl Builder<'_> {
         if !is_function && !is_fold {
             return None;
         }
-        let own = self.own;
-        if let Some(known) = self.outlines.get(&id) {
+        let own = self.gradients.own;
+        if let Some(known) = self.folds.outlines.get(&id) {
             return outline_beside(known, own).cloned();
         }
         let function = if is_function { self.find_outline(id) } else { None };
         let fold = if is_fold { self.find_fold(id) } else { None };
         let found: Outlines = function.into_iter().chain(fold).collect();
         let outline = outline_beside(&found, own).cloned();
-        self.outlines.insert(id, found);
+        self.folds.outlines.insert(id, found);
         outline
     }
 
@@ -57,8 +57,8 @@ impl Builder<'_> {
 
     /// Whether a shape stands for formulas.
     pub(super) fn is_outlined(&self, shape: ShapeId) -> bool {
-        let known = |s: &Shape| self.outlined.get(&(s.value, s.dimensions)) == Some(&shape);
-        !self.outlined.is_empty() && self.graph.shape(shape).is_some_and(known)
+        let known = |s: &Shape| self.folds.outlined.get(&(s.value, s.dimensions)) == Some(&shape);
+        !self.folds.outlined.is_empty() && self.graph.shape(shape).is_some_and(known)
     }
 
     fn find_outline(&mut self, id: NodeId) -> Option<Outline> {
@@ -113,16 +113,16 @@ impl Builder<'_> {
 
     /// The shape of a formula: one, wherever the first node that it stands for is.
     pub(super) fn outlined_as(&mut self, name: Option<Arc<str>>, value: NodeId, dimensions: u8, first: NodeId) -> ShapeId {
-        if let Some(&known) = self.outlined.get(&(value, dimensions)) {
+        if let Some(&known) = self.folds.outlined.get(&(value, dimensions)) {
             return known;
         }
         let (span, exactness) = (self.place(self.root, first), Exactness::Formula);
         let shape = Shape { name, dimensions, value, variables: [].into(), exactness, material: None, paints: [].into(), span };
         let shape = self.graph.add_shape(shape);
         // Where it jumps the shapes that ask for it say so.
-        self.walled.insert(shape, false);
+        self.gradients.walled.insert(shape, false);
         self.built.formulas.insert((shape, Function::Field), value);
-        self.outlined.insert((value, dimensions), shape);
+        self.folds.outlined.insert((value, dimensions), shape);
         shape
     }
 
@@ -143,7 +143,7 @@ impl Builder<'_> {
             if !seen.insert((id, own)) {
                 continue;
             }
-            self.own = own;
+            self.gradients.own = own;
             let Some(Outline { shape, operands, .. }) = self.outline(id) else {
                 open.extend(self.graph.operands(id).iter().map(|&operand| (operand, own)));
                 continue;
@@ -155,8 +155,8 @@ impl Builder<'_> {
                 }
             }
         }
-        self.own = None;
-        let found = std::mem::take(&mut self.outlines);
+        self.gradients.own = None;
+        let found = std::mem::take(&mut self.folds.outlines);
         self.built.outlines = found.into_iter().filter(|(_, outlines)| !outlines.is_empty()).collect();
         shapes
     }

@@ -152,11 +152,11 @@ impl Builder<'_> {
 
     /// The material at the zero set of a formula in the scene's space.
     pub(super) fn look(&mut self, node: NodeId) -> Option<Look> {
-        if let Some(known) = self.surfaces.get(&node) {
+        if let Some(known) = self.materials.surfaces.get(&node) {
             return known.clone();
         }
         let found = self.find_look(node);
-        self.surfaces.insert(node, found.clone());
+        self.materials.surfaces.insert(node, found.clone());
         found
     }
 
@@ -257,7 +257,7 @@ impl Builder<'_> {
     fn looks_under(&mut self, node: NodeId) -> Looks {
         let mut open = vec![node];
         while let Some(&id) = open.last() {
-            if self.looks.contains_key(&id) {
+            if self.materials.looks.contains_key(&id) {
                 open.pop();
                 continue;
             }
@@ -268,16 +268,16 @@ impl Builder<'_> {
             let args = self.graph.arguments(id);
             let before = open.len();
             let wanted = |a: &&NodeId| self.graph.reads(**a).shapes;
-            open.extend(args.iter().filter(wanted).filter(|a| !self.looks.contains_key(a)));
+            open.extend(args.iter().filter(wanted).filter(|a| !self.materials.looks.contains_key(a)));
             if open.len() > before {
                 continue;
             }
-            let known = args.iter().filter_map(|a| self.looks.get(a).cloned());
+            let known = args.iter().filter_map(|a| self.materials.looks.get(a).cloned());
             let all = known.fold(own, Looks::and);
-            self.looks.insert(id, all);
+            self.materials.looks.insert(id, all);
             open.pop();
         }
-        self.looks.get(&node).cloned().unwrap_or(Looks::None)
+        self.materials.looks.get(&node).cloned().unwrap_or(Looks::None)
     }
 
     pub(super) fn pick_look(&mut self, condition: NodeId, a: Look, b: Look) -> Look {

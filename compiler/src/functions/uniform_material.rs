@@ -33,13 +33,13 @@ impl Builder<'_> {
         if !self.graph.reads(node).shapes {
             return Dress::Bare;
         }
-        if let Some(known) = self.dresses.get(&node) {
+        if let Some(known) = self.materials.dresses.get(&node) {
             return *known;
         }
         self.found.deep += 1;
         if self.found.deep > DEEP {
             let value = |graph: &Graph, shape| graph.shape(shape).map(|s| s.value);
-            let known = |shape| value(self.graph, shape).is_none_or(|value| self.dresses.contains_key(&value));
+            let known = |shape| value(self.graph, shape).is_none_or(|value| self.materials.dresses.contains_key(&value));
             for value in self.graph.called_below(node, known).into_iter().filter_map(|shape| value(self.graph, shape)).collect::<Vec<_>>() {
                 self.dress(value);
             }
@@ -61,14 +61,14 @@ impl Builder<'_> {
             _ => Dress::Many,
         };
         self.found.deep -= 1;
-        self.dresses.insert(node, dress);
+        self.materials.dresses.insert(node, dress);
         dress
     }
 
     /// Counts a look; says so where there are too many.
     pub(super) fn may_look(&mut self, shape: ShapeId) -> bool {
-        self.looked += 1;
-        if self.looked == MOST_LOOKS {
+        self.materials.looked += 1;
+        if self.materials.looked == MOST_LOOKS {
             let at = self.graph.shape(shape).map(|s| s.span);
             self.diagnostics.extend(at.map(|at| {
                 Diagnostic::new(
@@ -79,6 +79,6 @@ impl Builder<'_> {
                 )
             }));
         }
-        self.looked < MOST_LOOKS
+        self.materials.looked < MOST_LOOKS
     }
 }
