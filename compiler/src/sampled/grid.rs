@@ -146,6 +146,21 @@ impl Hull {
         });
         Self { values, slopes, lipschitz: slope(cell) / side * (1.0 + 1e-12) }
     }
+
+    /// Of a part of one cell, between two places in it, each from 0 to 1. Values and slopes are linear in each coordinate, and so lie between those at
+    /// the part's corners; a gradient is a mean of those there.
+    fn of_part(cell: &Cell, side: f64, ends: [Vec3; 2]) -> Self {
+        let size = cell.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        // For what is lost in rounding.
+        let (value_off, slope_off) = (1e-14 * size, 1e-14 * size / side);
+        (0..8usize).fold(Self::EMPTY, |found, corner| {
+            let at = [0, 1, 2].map(|i| ends[corner >> i & 1][i]);
+            let (value, slopes) = (interpolate(cell, at), slopes(cell, at).map(|s| s / side));
+            let length = slopes.iter().map(|s| s * s).sum::<f64>().sqrt() + slope_off;
+            let [values, slopes] = [([value; 3], value_off), (slopes, slope_off)].map(|(all, off)| all.map(|v| [v - off, v + off]));
+            found.with(Self { values: values[0], slopes, lipschitz: length })
+        })
+    }
 }
 
 /// The eight samples of a cell, x first.
@@ -221,9 +236,12 @@ impl Grid {
     pub fn hull_within(&self, low: Vec3, high: Vec3) -> Hull {
         /// More cells are taken brick by brick, and more bricks together.
         const MOST: usize = 512;
+        /// Of so few, only the part within the box counts.
+        const FEW: usize = 8;
         let ends = [low, high].map(|p| [0, 1, 2].map(|i| self.place_along(i, p[i])));
         let [first, last] = [0, 1].map(|end| ends[end].map(|(whole, _)| whole));
         let count = |step: usize| (0..3).map(|i| last[i] / step - first[i] / step + 1).product::<usize>();
+        let is_few = count(1) <= FEW;
         let (step, all) = if count(1) <= MOST { (1, false) } else { (BRICK, count(BRICK) > MOST) };
         if all || low.iter().chain(&high).any(|c| c.is_nan()) {
             return self.hull();
@@ -235,7 +253,16 @@ impl Grid {
                 for i in from[0]..=to[0] {
                     let place = [i, j, k].map(|c| c * step);
                     let brick = self.shape.number(place.map(|c| c / BRICK));
+                    let is_fine = self.index[brick] != 0;
                     found = found.with(match self.index[brick] {
+                        _ if is_few => {
+                            let cell = if is_fine { place.map(|c| c % BRICK) } else { [0; 3] };
+                            let part = [0, 1].map(|end| {
+                                let along = |i: usize| if place[i] == ends[end][i].0 { ends[end][i].1 } else { end as f64 };
+                                [0, 1, 2].map(|i| if is_fine { along(i) } else { ((place[i] % BRICK) as f64 + along(i)) / BRICK as f64 })
+                            });
+                            Hull::of_part(&self.cell(brick, cell), if is_fine { self.shape.cell } else { self.shape.brick() }, part)
+                        }
                         _ if step == BRICK => self.hulls[brick],
                         0 => self.hulls[brick],
                         _ => Hull::of(&self.cell(brick, place.map(|c| c % BRICK)), self.shape.cell),
@@ -255,7 +282,9 @@ impl Grid {
         let by_length = found.lipschitz * half.iter().map(|h| h * h).sum::<f64>().sqrt();
         let value = self.inside(middle);
         let way = by_axes.min(by_length);
-        let rounding = 1e-13 * (value.abs() + way + found.lipschitz * (0..3).map(|i| low[i].abs() + high[i].abs()).sum::<f64>());
+        let rounding = 1e-14 * (value.abs() + way + found.lipschitz * (0..3).map(|i| low[i].abs() + high[i].abs()).sum::<f64>());
+        // Where a place lies in its cell is rounded too.
+        let found = Hull { values: [found.values[0] - rounding, found.values[1] + rounding], ..found };
         let values = [found.values[0].max(value - way - rounding), found.values[1].min(value + way + rounding)];
         Hull { values: if values[0] <= values[1] { values } else { found.values }, ..found }
     }
@@ -276,12 +305,9 @@ impl Grid {
 
     /// The gradient of [`Grid::inside`] within the cell of a place.
     pub fn gradient(&self, p: Vec3) -> Vec3 {
-        let (brick, cell, [x, y, z]) = self.find(p);
+        let (brick, cell, at) = self.find(p);
         let side = if self.index[brick] == 0 { self.shape.brick() } else { self.shape.cell };
-        let [a, b, c, d, e, f, g, h] = self.cell(brick, cell);
-        let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
-        let plane = |[a, b, c, d]: [f64; 4], s: f64, t: f64| mix(mix(a, b, s), mix(c, d, s), t);
-        [plane([b - a, d - c, f - e, h - g], y, z), plane([c - a, d - b, g - e, h - f], x, z), plane([e - a, f - b, g - c, h - d], x, y)].map(|s| s / side)
+        slopes(&self.cell(brick, cell), at).map(|s| s / side)
     }
 
     /// As a device reads it, little-endian words: [`HEAD`] of them that begin with the least corner, one over the side of a cell, and the bricks along
@@ -412,6 +438,14 @@ pub(super) fn interpolate(cell: &Cell, [x, y, z]: Vec3) -> f64 {
     let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
     let [a, b, c, d, e, f, g, h] = *cell;
     mix(mix(mix(a, b, x), mix(c, d, x), y), mix(mix(e, f, x), mix(g, h, x), y), z)
+}
+
+/// How fast that changes along x, y and z, in a cell of side one.
+fn slopes(cell: &Cell, [x, y, z]: Vec3) -> Vec3 {
+    let [a, b, c, d, e, f, g, h] = *cell;
+    let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
+    let plane = |[a, b, c, d]: [f64; 4], s: f64, t: f64| mix(mix(a, b, s), mix(c, d, s), t);
+    [plane([b - a, d - c, f - e, h - g], y, z), plane([c - a, d - b, g - e, h - f], x, z), plane([e - a, f - b, g - c, h - d], x, y)]
 }
 
 /// The longest gradient within a cell of side one: at one of its corners, see [`Facts::lipschitz`].
