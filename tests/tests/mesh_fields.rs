@@ -7,11 +7,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::{Compiled, Export, Live, Options};
+use surefoot_compiler::contour::{self, Detail};
+use surefoot_compiler::evaluate::Tape;
+use surefoot_compiler::graph::Function;
 use surefoot_compiler::graph::interval::Interval;
 use surefoot_compiler::graph::kernel::{self, Op};
 use surefoot_compiler::random::Random;
 use surefoot_compiler::reference::{Area, Reference, View, rgb8};
-use surefoot_compiler::sampled::{self, Grid, Kept};
+use surefoot_compiler::sampled::{self, Grid, Kept, Sign, Surface};
 use surefoot_compiler::verify::{Settings, WORK, verify};
 use surefoot_compiler::{Loader, compile};
 use surefoot_runtime::headless::{self, FORMAT, Shot};
@@ -232,4 +235,69 @@ fn a_vertex_that_moves_is_in_the_next_picture() {
     let third = next().ready.expect("the scene again").compiled;
     assert_eq!(picture(&gpu, &first), picture(&gpu, &third));
     assert_eq!(first.graph.grids[0].number, third.graph.grids[0].number);
+}
+
+/// Places at which a field is zero, each found between a point within and one without.
+fn zeros(field: &dyn Fn([f64; 3]) -> f64, count: usize, random: &mut Random) -> Vec<[f64; 3]> {
+    let mut found = Vec::new();
+    while found.len() < count {
+        let mut ends = [random.within(1.6), random.within(1.6)];
+        if (field(ends[0]) < 0.0) == (field(ends[1]) < 0.0) {
+            continue;
+        }
+        let within = usize::from(field(ends[0]) >= 0.0);
+        for _ in 0..50 {
+            let middle = [0, 1, 2].map(|i| 0.5 * (ends[0][i] + ends[1][i]));
+            ends[if field(middle) < 0.0 { within } else { 1 - within }] = middle;
+        }
+        found.push(ends[0]);
+    }
+    found
+}
+
+#[test]
+fn a_field_that_became_a_mesh_and_a_field_again_is_where_it_was() {
+    /// How far the mesh may be from the surface.
+    const TOLERANCE: f64 = 0.01;
+    let shapes = [
+        ("ring", "scene = torus(0.8, 0.3).rotate(x, 0.4)"),
+        ("drilled", "scene = box((1.3, 0.9, 1.1)).rotate(y, 0.5) - cylinder(0.3, 3)"),
+        ("blended", "scene = smooth_union(box(1).twist(y, 0.6), sphere(0.6).translate(0.5, 0.5, 0), 0.3)"),
+        ("hollow", "scene = sphere(1).shell(0.2) - box(2).translate(1, 1, 1)"),
+    ];
+    for (name, text) in shapes {
+        let (mesh_path, path) = scene(&format!("trip-{name}"), text);
+        let first = compile_file(path.to_str().unwrap()).unwrap();
+        let fine = contour::Settings { detail: Detail::Tolerance(TOLERANCE), sharp: true, within: None };
+        let mesh = contour::contour(&first, &first.live(), &fine, &|_| {}).unwrap();
+        let vertices = mesh.vertices.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n"));
+        let triangles = mesh.triangles.iter().map(|t| t.map(|i| i + 1)).map(|[a, b, c]| format!("f {a} {b} {c}\n"));
+        std::fs::write(&mesh_path, vertices.chain(triangles).collect::<String>()).unwrap();
+        std::fs::write(&path, "scene = mesh_field(\"pyramid.obj\", resolution: 96)").unwrap();
+        let again = compile_file(path.to_str().unwrap()).unwrap();
+        let surface = Surface::new(&mesh.vertices, &mesh.triangles, Sign::Auto).unwrap();
+        let [_, near] = sampled::measure(&again.graph.grids[0].grid, &surface, 20_000);
+        let most = TOLERANCE + near.largest;
+        let tapes = [&first, &again].map(|scene| {
+            let formulas = &scene.functions.formulas;
+            Tape::new(&scene.graph, formulas, &[formulas[&(scene.root, Function::Field)]], &scene.live(), 100_000).unwrap()
+        });
+        let value = |which: usize, p: [f64; 3]| {
+            let mut value = f64::NAN;
+            tapes[which].evaluator().at(&[p], &[], |_, found| value = found[0]);
+            value
+        };
+        let mut random = Random(5);
+        for (one, other) in [(0, 1), (1, 0)] {
+            for p in zeros(&|p| value(one, p), 500, &mut random) {
+                // Where the other has both signs within a ball, it has a zero there.
+                let side = value(other, p) < 0.0;
+                let is_near = (0..400).any(|_| {
+                    let way = random.direction();
+                    (value(other, [0, 1, 2].map(|i| p[i] + most * way[i])) < 0.0) != side
+                });
+                assert!(is_near, "{name}: no zero of {other} is within {most} of {p:?}, a zero of {one}");
+            }
+        }
+    }
 }
