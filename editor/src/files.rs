@@ -33,6 +33,21 @@ impl Loader for FileLoader {
     }
 }
 
+/// Where the system keeps what programs can make again. None where it does not say.
+#[cfg(feature = "gpu")]
+pub fn cache() -> Option<PathBuf> {
+    let set = |name| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let base = if cfg!(windows) {
+        set("LOCALAPPDATA")
+    } else if cfg!(target_os = "macos") {
+        set("HOME").map(|home| home.join("Library/Caches"))
+    } else {
+        // <https://specifications.freedesktop.org/basedir-spec/latest/>
+        set("XDG_CACHE_HOME").or_else(|| set("HOME").map(|home| home.join(".cache")))
+    };
+    base.map(|base| base.join("surefoot"))
+}
+
 /// The bytes of a regular file, or why they can't be had, in plain words.
 pub fn read(path: &Path) -> Result<Vec<u8>, String> {
     read_up_to(path, LARGEST_FILE)

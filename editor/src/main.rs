@@ -11,6 +11,10 @@ mod window;
 
 fn main() -> ExitCode {
     quiet_drivers();
+    #[cfg(feature = "gpu")]
+    if let Some(folder) = files::cache() {
+        surefoot_runtime::mesh::field::keep_in(folder.join("grids"));
+    }
     command::run()
 }
 

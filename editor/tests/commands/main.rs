@@ -33,6 +33,8 @@ fn folder(test: &str) -> PathBuf {
 fn command(folder: &Path, args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_surefoot"));
     command.current_dir(folder).args(args).stdin(Stdio::null());
+    // What it keeps is nothing of who runs the tests.
+    command.env("XDG_CACHE_HOME", folder.join("cache"));
     command
 }
 

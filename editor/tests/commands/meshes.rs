@@ -104,3 +104,27 @@ fn what_has_no_mesh_is_refused() {
         assert!(!folder.join("x.stl").exists());
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_mesh_is_sampled_at_the_first_start_alone() {
+    use std::os::unix::fs::MetadataExt;
+    let folder = folder("mesh_kept");
+    let pyramid = |tip: f64| format!("v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 {tip} 0\nf 1 2 3\nf 1 3 4\nf 2 1 5\nf 3 2 5\nf 4 3 5\nf 1 4 5\n");
+    fs::write(folder.join("tip.obj"), pyramid(1.5)).unwrap();
+    fs::write(folder.join("tip.sdf"), "scene = mesh_field(\"tip.obj\", 24)\n").unwrap();
+    let check = || run(&folder, &["check", "tip.sdf", "--factors"]);
+    let grids = || fs::read_dir(folder.join("cache/surefoot/grids")).unwrap().map(|entry| entry.unwrap().path()).collect::<Vec<_>>();
+    let first = check();
+    assert_eq!(first.0, 0, "{first:?}");
+    let [kept] = &grids()[..] else { panic!("{:?}", grids()) };
+    let (file, bytes) = (|| fs::metadata(kept).unwrap().ino(), fs::read(kept).unwrap());
+    let written = file();
+    assert_eq!((check(), file()), (first.clone(), written));
+    // One that is broken is made again.
+    fs::write(kept, &bytes[..bytes.len() - 1]).unwrap();
+    assert_eq!((check(), fs::read(kept).unwrap()), (first, bytes));
+    // Another mesh has another.
+    fs::write(folder.join("tip.obj"), pyramid(1.6)).unwrap();
+    assert_eq!((check().0, grids().len()), (0, 2));
+}

@@ -6,6 +6,7 @@ pub mod field;
 mod normals;
 mod raw;
 mod read;
+mod shelf;
 mod triangles;
 
 pub use assets::Assets;
