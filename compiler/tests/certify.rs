@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+mod common;
+
+use common::Disk;
 use surefoot_compiler::certify::{Ball, Box3, Claim, Hit, Truth, falsify};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
@@ -9,15 +12,7 @@ use surefoot_compiler::graph::interval::Interval;
 use surefoot_compiler::camera::Basis;
 use surefoot_compiler::reference_text::{CHAPTERS, entries};
 use surefoot_compiler::random::Random;
-use surefoot_compiler::{Compiled, Loader, MemoryLoader, Options, compile};
-
-struct Disk;
-
-impl Loader for Disk {
-    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
-        std::fs::read(path).map_err(|e| e.to_string())
-    }
-}
+use surefoot_compiler::{Compiled, MemoryLoader, Options, compile};
 
 fn scene(text: &str) -> Compiled {
     let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());

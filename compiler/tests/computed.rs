@@ -3,18 +3,13 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+mod common;
+
+use common::Disk;
 use naga::{BinaryOperator, Expression, Function, Handle, Module, Statement, UnaryOperator};
 use std::path::{Path, PathBuf};
 use surefoot_compiler::compiled::UniformSource;
-use surefoot_compiler::{Compiled, Loader, MemoryLoader, Options, compile, emit};
-
-struct Disk;
-
-impl Loader for Disk {
-    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
-        std::fs::read(path).map_err(|e| e.to_string())
-    }
-}
+use surefoot_compiler::{Compiled, MemoryLoader, Options, compile, emit};
 
 /// What an expression is made of.
 #[derive(Clone, Copy, PartialEq)]

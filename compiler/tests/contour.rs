@@ -2,20 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+mod common;
+
+use common::Disk;
 use surefoot_compiler::certify::Truth;
 use surefoot_compiler::contour::{Detail, Examined, Mesh, Refused, Settings, contour};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
 use surefoot_compiler::graph::interval::Interval;
-use surefoot_compiler::{Compiled, Loader, MemoryLoader, Options, compile};
-
-struct Disk;
-
-impl Loader for Disk {
-    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
-        std::fs::read(path).map_err(|e| e.to_string())
-    }
-}
+use surefoot_compiler::{Compiled, MemoryLoader, Options, compile};
 
 fn scene(text: &str) -> Compiled {
     let loader = MemoryLoader::new().with("main.sdf", text);

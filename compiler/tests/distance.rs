@@ -5,19 +5,14 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+mod common;
+
+use common::Disk;
 use surefoot_compiler::certify::{Hit, Prover, Truth};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
 use surefoot_compiler::random::Random;
-use surefoot_compiler::{Compiled, Loader, MemoryLoader, Options, compile};
-
-struct Disk;
-
-impl Loader for Disk {
-    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
-        std::fs::read(path).map_err(|e| e.to_string())
-    }
-}
+use surefoot_compiler::{Compiled, MemoryLoader, Options, compile};
 
 /// How far over the true distance the estimate may be.
 const OVER: f64 = 1.05;

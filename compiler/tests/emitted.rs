@@ -3,22 +3,16 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+mod common;
 mod wgsl;
 
+use common::Disk;
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::{Function, kernel};
 use surefoot_compiler::prelude::PRELUDE;
 use surefoot_compiler::reference::{Reference, march::Ray};
-use surefoot_compiler::{Compiled, Loader, MemoryLoader, Options, compile, emit};
+use surefoot_compiler::{Compiled, MemoryLoader, Options, compile, emit};
 use wgsl::{Machine, Value};
-
-struct Disk;
-
-impl Loader for Disk {
-    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
-        std::fs::read(path).map_err(|e| e.to_string())
-    }
-}
 
 /// Points that fill a ball evenly enough, the same on every run (the generalised golden ratio; Roberts 2018).
 fn points(count: usize, half: f64) -> Vec<[f64; 3]> {

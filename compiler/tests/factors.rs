@@ -2,11 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+mod common;
+
+use common::Disk;
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::functions::bounds;
 use surefoot_compiler::graph::{Function, Proof};
 use surefoot_compiler::random::Random;
-use surefoot_compiler::{Compiled, Loader, Memory, MemoryLoader, Options, compile, compile_remembering};
+use surefoot_compiler::{Compiled, Memory, MemoryLoader, Options, compile, compile_remembering};
 
 /// Formulas of which the edit's factor is over a fifth above the samples of this test, and why.
 const LOOSE: &[(&str, &str)] = &[
@@ -16,14 +19,6 @@ const LOOSE: &[(&str, &str)] = &[
     ("cells_of_bumps", "steepest where bumps of four cells lie as badly as they may"),
     ("noise_warp", "steepest in cells that so few samples do not find: 1.18 times what a long search attains"),
 ];
-
-struct Disk;
-
-impl Loader for Disk {
-    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
-        std::fs::read(path).map_err(|e| e.to_string())
-    }
-}
 
 fn scene(text: &str) -> Compiled {
     let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());

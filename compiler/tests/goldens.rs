@@ -4,12 +4,15 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing)]
 
+mod common;
+
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-use surefoot_compiler::{Memory, MemoryLoader, Options, compile_remembering, factors};
+use std::sync::{Arc, Mutex};
+use surefoot_compiler::sampled::{Grid, Settings};
+use surefoot_compiler::{Loader, Memory, Options, compile_remembering, factors};
 
 /// Folders of scenes, from the top of the repository.
 const FOLDERS: [&str; 7] =
@@ -19,6 +22,19 @@ const STEPS_APART: f64 = 0.01;
 
 fn top() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Files by their paths in a folder, whose own path is not seen.
+struct Folder(PathBuf);
+
+impl Loader for Folder {
+    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
+        std::fs::read(self.0.join(path)).map_err(|e| e.to_string())
+    }
+
+    fn grid(&self, path: &str, settings: Settings) -> Result<Arc<Grid>, String> {
+        common::grid(self, path, settings)
+    }
 }
 
 /// The scenes of a folder, in order.
@@ -35,7 +51,7 @@ fn hash(bytes: &[u8]) -> u64 {
 }
 
 /// What is made of one scene: a line of its own, and one for each factor and each warning.
-fn golden(loader: &MemoryLoader, path: &str, name: &str) -> String {
+fn golden(loader: &Folder, path: &str, name: &str) -> String {
     let mut memory = Memory::default();
     let outcome = compile_remembering(loader, path, &Options::default(), &mut memory, &mut |_| {});
     let mut text = format!("{name}\n  steps {}\n", memory.steps);
@@ -61,17 +77,9 @@ fn goldens() -> String {
     let top = top();
     let mut parts = Vec::new();
     for folder in FOLDERS {
-        let mut loader = MemoryLoader::new();
-        for under in ["", "parts/"] {
-            let inner = top.join(folder).join(under);
-            for path in if inner.is_dir() { scenes(&inner) } else { Vec::new() } {
-                let name = format!("{under}{}", path.file_name().unwrap().to_string_lossy());
-                loader = loader.with(&name, std::fs::read(&path).unwrap());
-            }
-        }
         for path in scenes(&top.join(folder)) {
             let name = path.file_name().unwrap().to_string_lossy().into_owned();
-            parts.push((loader.clone(), name.clone(), format!("{folder}/{name}")));
+            parts.push((Folder(top.join(folder)), name.clone(), format!("{folder}/{name}")));
         }
     }
     let next = AtomicUsize::new(0);

@@ -5,20 +5,15 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
+mod common;
+
+use common::Disk;
 use surefoot_compiler::certify::{Claim, falsify};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;
 use surefoot_compiler::random::Random;
 use surefoot_compiler::prelude::PRELUDE;
-use surefoot_compiler::{compile, Compiled, Loader, MemoryLoader, Options};
-
-struct Disk;
-
-impl Loader for Disk {
-    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
-        std::fs::read(path).map_err(|e| e.to_string())
-    }
-}
+use surefoot_compiler::{compile, Compiled, MemoryLoader, Options};
 
 fn add(p: [f64; 3], d: [f64; 3], t: f64) -> [f64; 3] {
     [0, 1, 2].map(|i| p[i] + t * d[i])

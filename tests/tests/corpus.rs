@@ -4,8 +4,10 @@ mod common;
 
 use common::{Disk, examples, root};
 use std::path::PathBuf;
+use std::sync::Arc;
 use surefoot_compiler::diagnostic;
-use surefoot_compiler::{MemoryLoader, Options, compile, syntax};
+use surefoot_compiler::sampled::{Grid, Settings};
+use surefoot_compiler::{Loader, Options, compile, syntax};
 
 /// Files of the language below a folder, in order.
 fn files(folder: &str) -> Vec<PathBuf> {
@@ -67,19 +69,29 @@ fn texts_that_are_laid_out_stay_as_they_are() {
     }
 }
 
+/// The files of the examples, whose texts are laid out or not.
+struct Examples {
+    laid_out: bool,
+}
+
+impl Loader for Examples {
+    fn read(&self, path: &str) -> Result<Vec<u8>, String> {
+        let bytes = Disk.read(root().join("examples").join(path).to_str().unwrap())?;
+        let is_text = self.laid_out && path.ends_with(".sdf");
+        Ok(if is_text { syntax::format(std::str::from_utf8(&bytes).unwrap()).unwrap().into_bytes() } else { bytes })
+    }
+
+    fn grid(&self, path: &str, settings: Settings) -> Result<Arc<Grid>, String> {
+        surefoot_runtime::mesh::field::grid(self, path, settings, &|_| {})
+    }
+}
+
 #[test]
 fn laying_out_does_not_change_a_scene() {
-    let path_of = |path: &PathBuf| path.strip_prefix(root().join("examples")).unwrap().to_str().unwrap().to_owned();
-    let (mut before, mut after) = (MemoryLoader::new(), MemoryLoader::new());
-    let all = files("examples");
-    for path in &all {
-        let text = std::fs::read_to_string(path).unwrap();
-        after = after.with(&path_of(path), syntax::format(&text).unwrap());
-        before = before.with(&path_of(path), text);
-    }
-    for path in all.iter().map(path_of).filter(|path| !path.contains('/')) {
-        let code = |loader| compile(loader, &path, &Options::default()).compiled.map(|c| c.module.code().to_owned());
-        let (before, after) = (code(&before), code(&after));
+    for (name, _) in examples() {
+        let path = format!("{name}.sdf");
+        let code = |laid_out| compile(&Examples { laid_out }, &path, &Options::default()).compiled.map(|c| c.module.code().to_owned());
+        let (before, after) = (code(false), code(true));
         assert!(before.is_some(), "{path} does not compile");
         assert!(before == after, "{path} is another scene when it is laid out");
     }

@@ -4,6 +4,8 @@
 //!     cargo run -- ../../still_life.sdf picture.png
 //!     cargo run -- ../../balls_bowl.sdf picture.png 2
 
+use std::sync::Arc;
+use surefoot_compiler::sampled::{Grid, Settings};
 use surefoot_compiler::{Loader, Options, compile, diagnostic};
 use surefoot_runtime::gpu::depth_attachment;
 use surefoot_runtime::physics::STEP;
@@ -18,6 +20,11 @@ struct Disk;
 impl Loader for Disk {
     fn read(&self, path: &str) -> Result<Vec<u8>, String> {
         std::fs::read(path).map_err(|error| error.to_string())
+    }
+
+    /// What `mesh_field` names.
+    fn grid(&self, path: &str, settings: Settings) -> Result<Arc<Grid>, String> {
+        surefoot_runtime::mesh::field::grid(self, path, settings, &|_| {})
     }
 }
 
