@@ -21,6 +21,7 @@ pub mod images;
 pub mod interface;
 pub mod live;
 pub mod loader;
+pub mod measure;
 pub mod mesh;
 pub mod outlook;
 pub mod physics;

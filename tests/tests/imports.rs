@@ -26,7 +26,7 @@ const FLOORS: [(&str, &[&str]); 3] = [
             "cells compiled",
             "followed physics",
             "mesh reference",
-            "ablation certify contour factors home outlook skipped solid verify",
+            "ablation certify contour factors home measure outlook skipped solid verify",
             "program",
             "pipeline reference_text",
             "lib",

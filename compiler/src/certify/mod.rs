@@ -46,7 +46,7 @@ use crate::functions::Functions;
 use crate::graph::interval::Interval;
 use crate::graph::{Function, Graph, NodeId};
 use code::{Code, Room};
-use forward::Domain;
+use forward::{Domain, Slot};
 use pieces::{Branches, Piece};
 use std::sync::Arc;
 
@@ -107,8 +107,15 @@ impl Prover<'_> {
     /// An interval that holds all values of the field over a box.
     pub fn range(&mut self, range: Box3) -> Interval {
         self.boxes += 1;
+        self.whole(range).1.range
+    }
+
+    /// The code for a box, and what its last step is there.
+    fn whole(&mut self, range: Box3) -> (Arc<Code>, Slot<3>) {
         let code = self.narrowed(self.truth.point.clone(), &range).1;
-        forward::full(&code, &Domain::new(range, None), &mut self.slots).range
+        self.work += SLOPES * code.steps.len() as u64;
+        let last = forward::full(&code, &Domain::new(range, None), &mut self.slots);
+        (code, last)
     }
 
     /// The field at a point in 64 bits, not rounded outward.
@@ -118,14 +125,19 @@ impl Prover<'_> {
 
     /// What is known of the field over a box, kinks branch by branch.
     pub fn over(&mut self, range: Box3) -> Over {
+        self.over_branches(range, BRANCHES)
+    }
+
+    /// The same, looking at so many branches, about; what is beyond them is taken together.
+    pub fn over_branches(&mut self, range: Box3, branches: usize) -> Over {
         self.boxes += 1;
-        let code = self.narrowed(self.truth.point.clone(), &range).1;
-        let last = forward::full(&code, &Domain::new(range, None), &mut self.slots);
+        let (code, last) = self.whole(range);
         let mut pieces = None;
-        self.branches.each(&code, &self.slots, BRANCHES, |piece| {
+        let looked = self.branches.each(&code, &self.slots, branches, |piece| {
             pieces = Some(joined(pieces, piece));
             true
         });
+        self.work += SLOPES * looked;
         // Branches that all contradict each other are left by rounding only.
         let known = pieces.unwrap_or(Piece { gradient: last.gradient, norm: last.norm, jump: last.jump });
         Over { value: last.range, gradient: known.gradient, norm: known.norm.min(last.norm), jump: known.jump }

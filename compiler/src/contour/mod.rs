@@ -23,7 +23,7 @@ mod join;
 mod mesh;
 mod place;
 
-pub use examine::Examined;
+pub use examine::{Examined, Shell};
 pub use mesh::{MOST_VERTICES, Mesh, Refused};
 use mesh::{Grid, at};
 
@@ -96,21 +96,25 @@ impl Grid {
     }
 }
 
-fn longest([low, high]: [Vec3; 2]) -> f64 {
+/// The longest side of a box.
+pub(crate) fn longest([low, high]: [Vec3; 2]) -> f64 {
     sub(high, low).into_iter().fold(0.0, f64::max)
 }
 
-/// The mesh of a scene's surface at one moment. `progress` hears the part that is done; with a tolerance, of each try.
-pub fn contour(compiled: &Compiled, live: &Live, settings: &Settings, progress: &(dyn Fn(f64) + Sync)) -> Result<Mesh, Refused> {
+/// A box that holds all that is solid, or the one at which that is cut off.
+pub(crate) fn room(compiled: &Compiled, within: Option<[Vec3; 2]>) -> Result<[Vec3; 2], Refused> {
     let extent = compiled.blocks.extent;
-    let room = match settings.within {
+    let room = match within {
         Some(within) if within.iter().flatten().any(|c| c.abs() > extent) => return Err(Refused::Beyond(extent)),
         Some(within) => within,
         None => compiled.bounds().ok_or(Refused::Endless)?,
     };
-    if longest(room) <= 0.0 || longest(room).is_nan() {
-        return Err(Refused::Empty);
-    }
+    if longest(room) > 0.0 { Ok(room) } else { Err(Refused::Empty) }
+}
+
+/// The mesh of a scene's surface at one moment. `progress` hears the part that is done; with a tolerance, of each try.
+pub fn contour(compiled: &Compiled, live: &Live, settings: &Settings, progress: &(dyn Fn(f64) + Sync)) -> Result<Mesh, Refused> {
+    let room = room(compiled, settings.within)?;
     // A box that holds the solid cuts nothing off, and is kept at some way from it.
     let cut = if settings.within.is_some() { room } else { grown(room, longest(room) / f64::from(CLOSE)) };
     let field = Field::new(compiled, live, cut).map_err(Refused::Long)?;

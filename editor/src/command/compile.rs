@@ -2,7 +2,7 @@
 
 use super::check::parameter_json;
 use super::values::{self, Setting};
-use super::console::{Exit, Failure, compile_file, ends_wrong, print, show_broken, show_diagnostics, spare};
+use super::console::{Exit, Failure, ends_wrong, print, show_broken, spare};
 use crate::files;
 use clap::builder::PossibleValuesParser;
 use serde_json::{Value, json};
@@ -98,7 +98,6 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         return Err(Failure::usage("GLSL ES 3.0 has no storage buffers: leave --tables buffers out"));
     }
     let options = Options {
-        choose: values::choices(&args.set),
         exports: args.functions.clone(),
         prefix: args.prefix.clone(),
         group: args.group,
@@ -107,10 +106,8 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         live_in_shader: args.live_in_shader,
         ..Options::default()
     };
-    let outcome = compile_file(&args.scene, &options)?;
-    show_diagnostics(&outcome);
+    let (outcome, _) = values::read(&args.scene, &args.set, &options)?;
     let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
-    values::apply(&args.set, compiled, &mut compiled.live()).map_err(Failure::usage)?;
     if let Some(live) = compiled.parameters.iter().find(|p| p.first.is_some() && args.set.iter().any(|s| s.name == p.name)) {
         let name = &live.name;
         return Err(Failure::usage(format!("--set {name}=…: only choices are set here; a module's host writes `{name}` into the uniform block")));

@@ -2,7 +2,7 @@
 
 use super::bar::LateBar;
 use super::values::{self, Setting};
-use super::console::{Exit, Failure, compile_file, ends_wrong, print, show_diagnostics, spare};
+use super::console::{Exit, Failure, ends_wrong, print, spare};
 use crate::files;
 use crate::meshes::Format;
 use std::path::{Path, PathBuf};
@@ -39,16 +39,18 @@ pub struct Args {
     set: Vec<Setting>,
 }
 
-fn number(text: &str) -> Result<f64, String> {
+/// Reads a finite number.
+pub(super) fn number(text: &str) -> Result<f64, String> {
     text.trim().parse().ok().filter(|n: &f64| n.is_finite()).ok_or_else(|| "write a number".to_owned())
 }
 
-fn above_zero(text: &str) -> Result<f64, String> {
+/// Reads a number above zero.
+pub(super) fn above_zero(text: &str) -> Result<f64, String> {
     number(text).ok().filter(|n| *n > 0.0).ok_or_else(|| "write a number above zero".to_owned())
 }
 
 /// Reads `(-1, 0, -1)..(1, 2, 1)`; the parentheses may be left out.
-fn corners(text: &str) -> Result<[[f64; 3]; 2], String> {
+pub(super) fn corners(text: &str) -> Result<[[f64; 3]; 2], String> {
     let corner = |text: &str| {
         let text = text.trim();
         let text = text.strip_prefix('(').and_then(|t| t.strip_suffix(')')).unwrap_or(text);
@@ -82,12 +84,8 @@ fn output(text: &str) -> Result<PathBuf, String> {
 
 /// Finds the surface and writes it.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
-    let options = Options { choose: values::choices(&args.set), ..Options::default() };
-    let outcome = compile_file(&args.scene, &options)?;
-    show_diagnostics(&outcome);
-    let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
-    let mut live = compiled.live();
-    values::apply(&args.set, compiled, &mut live).map_err(Failure::usage)?;
+    let (outcome, live) = values::read(&args.scene, &args.set, &Options::default())?;
+    let (Some(compiled), Some(mut live)) = (&outcome.compiled, live) else { return Ok(Exit::Errors) };
     live.time = args.time;
     compiled.settle(&mut live);
     spare(&args.output, &outcome)?;
@@ -112,8 +110,8 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     Ok(Exit::Fine)
 }
 
-/// Why there is no mesh, and what to do about it.
-fn words(why: &Refused, compiled: &Compiled) -> String {
+/// Why a scene has no mesh, or nothing to measure, and what to do about it.
+pub(super) fn words(why: &Refused, compiled: &Compiled) -> String {
     match why {
         Refused::Endless => {
             let ask = "it is cut off and closed at a box that is asked for, as `--within=\"(-1,0,-1)..(1,2,1)\"`";

@@ -9,6 +9,7 @@ mod compile;
 mod console;
 mod explain;
 mod fmt;
+mod measure;
 mod mesh;
 #[cfg(feature = "gpu")]
 mod page;
@@ -59,6 +60,8 @@ enum Command {
     Render(render::Args),
     /// Write the surface of a scene as a closed mesh, for example for a 3D printer.
     Mesh(mesh::Args),
+    /// Measure a scene's solid: box, volume, area, centre of mass, pieces, each with its error.
+    Measure(measure::Args),
     /// Simulate a scene's balls and write their positions.
     Simulate(simulate::Args),
     /// Convert a mesh into a grid of signed distances.
@@ -98,6 +101,7 @@ pub fn run() -> ExitCode {
         Some(Command::Fmt(args)) => fmt::run(&args),
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Mesh(args)) => mesh::run(&args),
+        Some(Command::Measure(args)) => measure::run(&args),
         Some(Command::Simulate(args)) => simulate::run(&args),
         #[cfg(feature = "gpu")]
         Some(Command::Bake(args)) => bake::run(&args),

@@ -2,7 +2,7 @@
 
 use super::bar::LateBar;
 use super::values::{self, Setting};
-use super::console::{Exit, Failure, compile_file, ends_wrong, print, show_broken, show_diagnostics, show_found, spare};
+use super::console::{Exit, Failure, ends_wrong, print, show_broken, show_found, spare};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -87,12 +87,8 @@ fn frames(text: &str) -> Result<Range<u32>, String> {
 
 /// Draws and writes.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
-    let options = Options { choose: values::choices(&args.set), strict: args.strict, ..Options::default() };
-    let outcome = compile_file(&args.scene, &options)?;
-    show_diagnostics(&outcome);
-    let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
-    let mut live = compiled.live();
-    values::apply(&args.set, compiled, &mut live).map_err(Failure::usage)?;
+    let (outcome, live) = values::read(&args.scene, &args.set, &Options { strict: args.strict, ..Options::default() })?;
+    let (Some(compiled), Some(mut live)) = (&outcome.compiled, live) else { return Ok(Exit::Errors) };
     compiled.settle(&mut live);
     if args.output.as_os_str() == "-" && args.frames.is_some() {
         return Err(Failure::usage("frames are files of their own: say where to write with `-o FRAME.png`"));

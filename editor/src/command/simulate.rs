@@ -2,7 +2,7 @@
 
 use super::bar::LateBar;
 use super::values::{self, Setting};
-use super::console::{Exit, Failure, compile_file, ends_wrong, print, show_diagnostics};
+use super::console::{Exit, Failure, ends_wrong, print};
 use crate::picture::Device;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -61,12 +61,8 @@ enum Machine {
 
 /// Simulates, and writes.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
-    let options = Options { choose: values::choices(&args.set), ..Options::default() };
-    let outcome = compile_file(&args.scene, &options)?;
-    show_diagnostics(&outcome);
-    let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
-    let mut live = compiled.live();
-    values::apply(&args.set, compiled, &mut live).map_err(Failure::usage)?;
+    let (outcome, live) = values::read(&args.scene, &args.set, &Options::default())?;
+    let (Some(compiled), Some(mut live)) = (&outcome.compiled, live) else { return Ok(Exit::Errors) };
     if !compiled.has_balls() {
         return Err(Failure::usage(format!("{} has no balls: write `balls drops {{ count: 100 }}`", args.scene)));
     }

@@ -1,8 +1,9 @@
 //! Values on the command line: `--set spin=1.2`, `--set tint=#d08770`, `--set spot=0,1,0`, `--set angle=45deg`.
 
-use surefoot_compiler::Live;
+use super::console::{Failure, compile_file, show_diagnostics};
 use surefoot_compiler::compiled::{Compiled, Parameter};
 use surefoot_compiler::syntax::ast::Type;
+use surefoot_compiler::{Live, Options, Outcome};
 
 /// `name=value` as written.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,13 +91,23 @@ fn color(digits: &str) -> Option<[f64; 3]> {
     }
 }
 
+/// A scene on disk, compiled with some settings, and its values at time zero; none where it has errors. Shows what the compilation found.
+pub fn read(scene: &str, settings: &[Setting], options: &Options) -> Result<(Outcome, Option<Live>), Failure> {
+    let outcome = compile_file(scene, &Options { choose: choices(settings), ..options.clone() })?;
+    show_diagnostics(&outcome);
+    let Some(compiled) = &outcome.compiled else { return Ok((outcome, None)) };
+    let mut live = compiled.live();
+    apply(settings, compiled, &mut live).map_err(Failure::usage)?;
+    Ok((outcome, Some(live)))
+}
+
 /// The settings for `Options::choose`, which is asked only where a parameter chooses from a list.
 pub fn choices(settings: &[Setting]) -> Vec<(String, String)> {
     settings.iter().map(|s| (s.name.clone(), s.label.clone())).collect()
 }
 
 /// Puts the settings into a scene's live values, or says which of them does not fit.
-pub fn apply(settings: &[Setting], compiled: &Compiled, live: &mut Live) -> Result<(), String> {
+fn apply(settings: &[Setting], compiled: &Compiled, live: &mut Live) -> Result<(), String> {
     for setting in settings {
         let name = &setting.name;
         let parameter = compiled.parameters.iter().find(|p| p.name == *name).ok_or_else(|| {
