@@ -56,3 +56,20 @@ pub fn claim_constant(graph: &Graph, pinned: &[f64], formula: NodeId, constants:
         if (r.hi - nearest).abs() < 1e-12 * nearest.abs() { nearest } else { r.hi }
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::analysis::rules::tried::factors;
+    use crate::rules::Rule;
+
+    #[test]
+    fn a_claim_counts_where_it_stands_and_not_for_the_same_formula_written_out() {
+        let [with, without] = factors(Rule::Claims, "scene = sphere(1).displace(0.1 * fbm(3 * p))");
+        assert!(with < 0.7 * without, "{with} {without}");
+        let [with, without] = factors(Rule::Claims, "field f = length(p) - 1 + 0.1 * sin(3 * p.x) * sin(3 * p.y)\nscene = f");
+        assert_eq!(with, without);
+        // A claim in the constants of its operands is as steep as they are.
+        let [with, _] = factors(Rule::Claims, "field steep = 2 * p.y\nscene = smooth_union(steep, sphere(1), 0.3)");
+        assert!((2.0..2.001).contains(&with), "{with}");
+    }
+}

@@ -105,3 +105,23 @@ fn steady(tape: &Tape, values: &[Dual], step: usize, depth: u32) -> ([Interval; 
         _ => ([Interval::ZERO; 3], dual.norm),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::analysis::rules::tried::factors;
+    use crate::rules::Rule;
+
+    #[test]
+    fn a_map_is_as_steep_as_its_rows_together_and_not_less() {
+        // The golden ratio is the largest singular value of this shear.
+        let [with, without] = factors(Rule::JacobianNorm, "scene = sphere(0.6).matrix(mat3((1, 0, 0), (1, 1, 0), (0, 0, 1)))");
+        assert!((1.618..1.62).contains(&with) && without > 1.9, "{with} {without}");
+        let [with, without] = factors(Rule::JacobianNorm, "scene = sphere(0.6).stretch((1, 2, 3))");
+        assert_eq!(with, without, "one row alone is all there is");
+        // A turn is an isometry; a pair whose halves are turned by two angles is none.
+        let turned = |second: &str| format!("field f = {{ let a = 0.5 * p.x; let b = {second} * p.x; box((1, 2, 0.2)).at((cos(a) * p.x - sin(a) * p.z, p.y, sin(b) * p.x + cos(b) * p.z)) }}\nscene = f.within(box(2))");
+        let [pair, _] = factors(Rule::TurnedPair, &turned("0.5"));
+        let [other, without] = factors(Rule::TurnedPair, &turned("0.7"));
+        assert!(pair < other && other == without, "{pair} {other} {without}");
+    }
+}

@@ -186,3 +186,21 @@ fn is_halved(tape: &Tape, courses: &[Course], turned: impl Fn(usize) -> Option<H
     }
     tape.roots().all(|r| matches!(halves.get(r), Some(Half::Same | Half::Turned)))
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::analysis::rules::tried::factors;
+    use crate::rules::Rule;
+
+    #[test]
+    fn one_period_stands_for_all_where_there_is_one() {
+        let web = |wave: &str| format!("field web(f: float) = {wave} / f\nscene = web(3).shell(0.1) & sphere(1.2)");
+        let [with, without] = factors(Rule::Period, &web("dot(sin(f * p), cos(f * p.zxy))"));
+        assert!(with < without, "{with} {without}");
+        let [with, without] = factors(Rule::Period, &web("dot(sin(f * p * abs(p)), cos(f * p.zxy))"));
+        assert_eq!(with, without, "this has no period");
+        // Two waves of which one is twice as long have the longer one's.
+        let [with, without] = factors(Rule::Period, &web("(sin(f * p.x) * cos(f * p.y / 2) + sin(f * p.z))"));
+        assert!(with <= without);
+    }
+}

@@ -113,3 +113,21 @@ impl Polar {
         Dual { norm: turned.magnitude(), jumps: if cut { JUMPS_HERE } else { 0 }, ..dual }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::analysis::rules::tried::factors;
+    use crate::rules::Rule;
+
+    #[test]
+    fn an_angle_and_its_distance_are_two_coordinates_where_nothing_else_is_read() {
+        let gear = |tooth: &str| format!("field gear = max(length(p.xz) - 1 - 0.06 * {tooth}, abs(p.y) - 0.2)\nscene = gear.within(box(2.5, 0.5, 2.5) - cylinder(0.5, 1))");
+        let [with, without] = factors(Rule::Polar, &gear("cos(12 * atan(p.z, p.x))"));
+        assert!(with < without, "{with} {without}");
+        let [with, without] = factors(Rule::Polar, &gear("p.x * cos(12 * atan(p.z, p.x))"));
+        assert_eq!(with, without, "a coordinate is read beside its angle");
+        // The angle of two other coordinates than those of the distance.
+        let [with, without] = factors(Rule::Polar, &gear("cos(12 * atan(p.y + 2, p.x))"));
+        assert_eq!(with, without);
+    }
+}

@@ -125,3 +125,22 @@ fn linear(tape: &Tape, step: usize, depth: u32) -> Option<(Vec3, f64)> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::analysis::rules::tried::sides;
+    use crate::rules::Rule;
+
+    #[test]
+    fn planes_that_close_a_solid_are_its_box_and_those_that_do_not_are_none() {
+        let gem = |last: &str| format!("field f = max(max(p.x + p.y, p.x - p.y), max(max(-p.x + p.z, -p.x - p.z), max(p.y - p.x, {last}))) - 1\nscene = f");
+        let [with, without] = sides(Rule::Polytope, &gem("0 - p.x - p.y"));
+        assert!(with < without, "{with} {without}");
+        let open = gem("p.x + p.y");
+        let [with, without] = sides(Rule::Polytope, &open);
+        assert_eq!(with, without, "one side is open");
+        // A plane that bends is none.
+        let [with, without] = sides(Rule::Polytope, &gem("0 - p.x - abs(p.y)"));
+        assert!(with <= without);
+    }
+}

@@ -122,3 +122,19 @@ impl Facts {
         Some(found.constant).filter(|found| !found.jumps)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::analysis::rules::tried::factors;
+    use crate::rules::Rule;
+
+    #[test]
+    fn what_reads_one_distance_is_searched_along_it() {
+        let [with, without] = factors(Rule::Radial, "field f = 0.5 - exp(-4 * dot(p, p))\nscene = f.within(box(6))");
+        assert!(with < without, "{with} {without}");
+        // At 1/√8 from the middle it is 4 √(1/2e) steep.
+        assert!((1.715..1.75).contains(&with), "{with}");
+        let [with, without] = factors(Rule::Radial, "field f = 0.5 - exp(-4 * dot(p, p)) * (1 + 0.1 * sin(9 * p.x))\nscene = f.within(box(6))");
+        assert_eq!(with, without, "a coordinate is read beside the distance");
+    }
+}

@@ -72,3 +72,21 @@ fn distance_level(graph: &Graph, node: NodeId, depth: u32) -> Option<f64> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::analysis::rules::tried::factors;
+    use crate::rules::Rule;
+
+    #[test]
+    fn a_turned_distance_is_no_steeper_far_away_than_its_solid_reaches() {
+        let blend = |turned: &str| format!("scene = chamfer_union({turned}, box(1, 2, 0.6).translate(0.7, 0, 0).stretch((1, 0.5, 2)), 0.3)");
+        let [with, without] = factors(Rule::RotatedDistance, &blend("sphere(0.8).twist(y, 2)"));
+        assert!(with < without, "{with} {without}");
+        let [with, without] = factors(Rule::RotatedDistance, &blend("sphere(0.8).rotate(y, 2)"));
+        assert_eq!(with, without, "an angle that does not vary costs nothing");
+        // What is turned is no distance: its nearest point is not known to turn along.
+        let [with, without] = factors(Rule::RotatedDistance, &blend("ellipsoid(0.8, 0.4, 0.6).twist(y, 2)"));
+        assert!(with <= without);
+    }
+}

@@ -148,3 +148,19 @@ impl Facts {
         terms.iter().enumerate().map(|(i, &(term, taken))| limit(self, i, term, taken)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::analysis::rules::tried::factors;
+    use crate::rules::Rule;
+
+    #[test]
+    fn a_term_that_is_flat_over_a_box_is_left_out_and_a_single_one_is_not() {
+        let [with, without] = factors(Rule::SumTerms, "field f = 0.5 - exp(-dot(p, p)) - exp(-dot(p - 1.2, p - 1.2))\nscene = f.within(box(6))");
+        assert!(with < without, "{with} {without}");
+        let [with, without] = factors(Rule::SumTerms, "field f = 0.5 - exp(-dot(p, p)) * cos(p.x)\nscene = f.within(box(6))");
+        assert_eq!(with, without, "one product is no sum of terms");
+        let [with, without] = factors(Rule::SumTerms, "field f = p.x + 0.5 * p.y + 0.25 * p.z\nscene = f.within(box(2))");
+        assert_eq!(with, without, "planes are found at once");
+    }
+}
