@@ -50,7 +50,7 @@ fn compiled(name: &str, text: &str) -> Compiled {
 }
 
 /// Alone, and in all that the language does with shapes.
-const SCENES: [(&str, &str); 8] = [
+const SCENES: [(&str, &str); 11] = [
     ("alone", "scene = mesh_field(\"knot.obj\")"),
     ("coarse", "scene = mesh_field(\"pyramid.obj\", resolution: 16, padding: 0.01)"),
     ("blended", "scene = smooth_union(mesh_field(\"pyramid.obj\", 32), sphere(0.7).translate(0, 1.4, 0), 0.4) - box(0.6).translate(0.6, 0.3, 0.6)"),
@@ -58,6 +58,9 @@ const SCENES: [(&str, &str); 8] = [
     ("repeated", "scene = mesh_field(\"pyramid.obj\", 32).repeat((3, 0, 3), (3, 1, 2)) | mesh_field(\"pyramid.obj\", 32).scale(0.5).repeat_polar(y, 5)"),
     ("moved", "param x = 0.2 in -1..1\nscene = mesh_field(\"pyramid.obj\", 32).translate(x, 0.3 * sin(time), 0) | mesh_field(\"knot.obj\", 32).scale(0.3).translate(0, 2, x)"),
     ("rounded", "scene = mesh_field(\"pyramid.obj\", 32).round(0.2).shell(0.1) & mesh_field(\"pyramid.obj\", 32).scale(1.3).translate(0.4, 0, 0)"),
+    ("baked", "scene = sphere(1).displace(0.1 * fbm(3 * p, 3)).baked(32)"),
+    ("baked-blended", "material m { color: #804020 }\nscene = smooth_union((torus(1, 0.3) | box(0.8)).material(m).baked(48), sphere(0.5).translate(0, 0.8, 0), 0.2)"),
+    ("baked-moved", "param x = 0.2 in -1..1\nlet s = gyroid(0.7, 0.1).within(sphere(1)).baked(40)\nscene = s.twist(y, 0.5).translate(x, 0, 0) | s.scale(0.5).translate(0, 1.5 + 0.2 * sin(time), 0)"),
     ("displaced", "material m { color: (0.5 + 0.4 * sin(8 * p.y), 0.4, 0.3) }\nscene = mesh_field(\"pyramid.obj\", 32).displace(0.05 * sin(9 * p.x) * sin(9 * p.y)).material(m)"),
 ];
 
@@ -163,6 +166,11 @@ fn what_is_wrong_is_said_at_its_place() {
         ("mesh_field(\"pyramid.obj\", 4)", "a grid has 8 to 1024 cells", 38),
         ("mesh_field(\"pyramid.obj\", 20.5)", "a grid has 8 to 1024 cells", 38),
         ("mesh_field(\"pyramid.obj\", padding: 3)", "the padding is a share", 47),
+        ("sphere(1).baked(4)", "a grid has 8 to 1024 cells", 28),
+        ("sphere(1).baked(700)", "it can't be baked: the grid would take", 22),
+        ("sphere(1 + 0.1 * sin(time)).baked()", "what is baked is sampled while compiling", 12),
+        ("plane(y).baked()", "has no end that is known", 12),
+        ("circle(1).baked()", "this is a drawing", 12),
         ("mesh_field(3)", "the name of a file is needed here", 23),
         ("mesh_field()", "needs more arguments", 12),
         ("mesh_field(\"pyramid.obj\", resolution: 32 + 8 * sin(time))", "this must be known while compiling", 50),
@@ -300,4 +308,43 @@ fn a_field_that_became_a_mesh_and_a_field_again_is_where_it_was() {
             }
         }
     }
+}
+
+#[test]
+fn what_is_baked_is_the_nearer_the_more_cells_there_are() {
+    let text = "torus(0.8, 0.3).displace(0.05 * fbm(4 * p, 3))";
+    let exact = compiled("fine", &format!("scene = {text}"));
+    let field = exact.functions.formulas[&(exact.root, Function::Field)];
+    let tape = Tape::new(&exact.graph, &exact.functions.formulas, &[field], &exact.live(), 100_000).unwrap();
+    let mut random = Random(11);
+    let value = |p: [f64; 3]| {
+        let mut value = f64::NAN;
+        tape.evaluator().at(&[p], &[], |_, found| value = found[0]);
+        value
+    };
+    let places = zeros(&value, 1000, &mut random);
+    let [coarse, fine] = [24, 96].map(|cells| {
+        let scene = compiled("fine", &format!("scene = {text}.baked({cells})"));
+        let [baked] = &scene.graph.baked[..] else { panic!("{:?}", scene.graph.baked) };
+        let grid = &scene.graph.grids[0].grid;
+        // Where the formula is zero the grid is nearly.
+        let off: Vec<f64> = places.iter().map(|p| grid.inside(*p).abs()).collect();
+        let (largest, mean) = (off.iter().copied().fold(0.0, f64::max), off.iter().sum::<f64>() / 1000.0);
+        assert!(largest < 1.5 * baked.off.largest && mean < 1.5 * baked.off.mean, "{cells}: {largest} {mean} {:?}", baked.off);
+        baked.off
+    });
+    assert!(fine.mean < 0.25 * coarse.mean && fine.largest < 0.5 * coarse.largest, "{coarse:?} {fine:?}");
+}
+
+#[test]
+fn what_is_baked_keeps_its_material_and_is_sampled_once() {
+    let text = "material red { color: #ff0000 }\nscene = sphere(1).displace(0.05 * fbm(4 * p, 3)).material(red).baked(32).translate(0, 0, 0)";
+    let loader = surefoot_compiler::MemoryLoader::new().with("main.sdf", text);
+    let mut memory = surefoot_compiler::Memory::default();
+    let mut compiled = || surefoot_compiler::compile_remembering(&loader, "main.sdf", &Options::default(), &mut memory, &mut |_| {}).compiled.unwrap();
+    let (first, second) = (compiled(), compiled());
+    assert_eq!(first.graph.grids.len(), 1);
+    assert!(Arc::ptr_eq(&first.graph.grids[0].grid, &second.graph.grids[0].grid));
+    let color = first.functions.surface.color.map(|node| first.graph.as_constant(node));
+    assert_eq!(color, [Some(1.0), Some(0.0), Some(0.0)]);
 }

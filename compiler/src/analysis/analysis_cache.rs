@@ -2,8 +2,10 @@
 
 use super::domain::Box3;
 use super::dual::Constant;
+use crate::sampled::{Grid, Off};
 use rustc_hash::FxHashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::Arc;
 
 /// How many results are kept. Beyond that all are forgotten, which costs time and nothing else.
 const MOST: usize = 1 << 16;
@@ -14,6 +16,18 @@ pub type Content = u128;
 /// Whether a jump agrees, as far as that is known, and what it cost to look.
 pub type Agreement = (Option<bool>, u64);
 
+/// More bytes of grids are not kept.
+const MOST_SAMPLED: usize = 512 << 20;
+
+/// A formula that was sampled, and how far its grid is from it.
+#[derive(Clone, Debug)]
+pub struct Sampled {
+    /// The samples.
+    pub grid: Arc<Grid>,
+    /// How far they are off between them.
+    pub off: Off,
+}
+
 /// Results of searches, by content, place and budget.
 #[derive(Clone, Debug, Default)]
 pub struct Memory {
@@ -21,6 +35,8 @@ pub struct Memory {
     pub(super) constants: FxHashMap<Content, (Constant, u64, u64)>,
     pub(super) regions: FxHashMap<Content, (Box3, u64)>,
     pub(super) agreements: FxHashMap<Content, Agreement>,
+    /// Formulas that were sampled.
+    samplings: FxHashMap<Content, Sampled>,
     /// Whether searches of the last compilation were cut short.
     pub(crate) fell_short: bool,
     /// Searches made since the memory began.
@@ -42,6 +58,18 @@ impl Memory {
         self.constants.clear();
         self.regions.clear();
         self.agreements.clear();
+    }
+
+    pub(super) fn sampled(&self, key: Content) -> Option<Sampled> {
+        self.samplings.get(&key).cloned()
+    }
+
+    pub(super) fn keep_sampled(&mut self, key: Content, found: Sampled) {
+        let bytes = |all: &FxHashMap<Content, Sampled>| all.values().map(|sampled| sampled.grid.bytes()).sum::<usize>();
+        if bytes(&self.samplings) + found.grid.bytes() > MOST_SAMPLED {
+            self.samplings.clear();
+        }
+        self.samplings.insert(key, found);
     }
 
     pub(super) fn make_room(&mut self) {

@@ -28,6 +28,7 @@ mod slopes;
 pub mod tape;
 pub mod unbounded_blame;
 
+pub use analysis_cache::Sampled;
 pub use domain::{Box3, Domain, Key, Pinned, call_domain, cell_ranges, leaf_range};
 pub use dual::{Constant, leaf_dual};
 pub use facts::Facts;

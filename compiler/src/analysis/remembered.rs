@@ -1,6 +1,6 @@
 //! Searches whose results earlier compilations may have left: they are made only where nothing is remembered.
 
-use super::analysis_cache::{Agreement, Content, digest};
+use super::analysis_cache::{Agreement, Content, digest, Sampled};
 use super::domain::{Box3, Domain, cell_ranges};
 use super::dual::Constant;
 use super::facts::Facts;
@@ -72,6 +72,21 @@ impl Facts {
         self.memory.searched += 1;
         self.memory.make_room();
         self.memory.agreements.insert(key, found);
+    }
+
+    /// By what it is kept how a formula was sampled within a box.
+    pub fn sampling(&mut self, graph: &Graph, node: NodeId, settings: (u32, u64), bounds: [[f64; 3]; 2]) -> Content {
+        digest(&(self.content(graph, node), settings, bounds.map(|corner| corner.map(f64::to_bits))))
+    }
+
+    /// What [`Facts::keep_sampled`] kept.
+    pub fn sampled(&self, key: Content) -> Option<Sampled> {
+        self.memory.sampled(key)
+    }
+
+    /// Keeps what a formula was sampled to, from one compilation to the next.
+    pub fn keep_sampled(&mut self, key: Content, found: Sampled) {
+        self.memory.keep_sampled(key, found);
     }
 
     fn content_of_domain(&mut self, graph: &Graph, domain: &Domain) -> Content {

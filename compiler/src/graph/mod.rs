@@ -31,7 +31,7 @@ pub use id::{MaterialId, NodeId, ShapeId};
 pub use labels::Made;
 pub use list::NodeList;
 pub use node::{ANY_TIME, Claim, ClaimGroup, FAR, FIRST_VARIABLE, Function, Leaf, Node, ParameterComponent, ValueRange, WORLD};
-pub use shape::{Exactness, Material, MaterialImage, Shape, Slot};
+pub use shape::{Baked, Exactness, Material, MaterialImage, Shape, Slot};
 
 use crate::sampled::Kept;
 use crate::source::ImageFile;
@@ -71,6 +71,8 @@ pub struct Graph {
     pub images: Vec<ImageFile>,
     /// Grids that formulas read by their numbers.
     pub grids: Vec<Kept>,
+    /// Shapes that are read from grids of samples, in the order in which they were met.
+    pub baked: Vec<Baked>,
     /// Components of parameters.
     pub parameters: Vec<ParameterComponent>,
     /// Factors, in the order in which they were met.

@@ -1,6 +1,7 @@
 //! Shapes and their materials.
 
 use crate::graph::id::{MaterialId, NodeId, ShapeId};
+use crate::sampled::Off;
 use crate::source::Span;
 use std::sync::Arc;
 
@@ -32,6 +33,19 @@ pub struct Shape {
     pub paints: Arc<[(ShapeId, MaterialId)]>,
     /// Where it stands in the source.
     pub span: Span,
+}
+
+/// A shape that was sampled, as `s.baked()` says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Baked {
+    /// Where that stands in the source.
+    pub span: Span,
+    /// Bricks of the grid along x, y and z.
+    pub bricks: [u32; 3],
+    /// How far it is from what its formula says.
+    pub off: Off,
+    /// Operations of its formula.
+    pub operations: usize,
 }
 
 /// How a surface answers light. Each entry is a formula in `p` (of the space in which the material was given), `normal` and variables.

@@ -17,7 +17,7 @@ pub const FUNCTIONS: &[&str] = &[
     "acos", "atan", "atan2", "tanh", "length", "distance", "dot", "cross", "normalize", "vec2", "vec3", "vec4", "mat2",
     "mat3", "mat4", "transpose", "determinant", "inverse", "hash", "hash2", "hash3", "turn", "turn_about", "at",
     "material", "paint", "float", "int", "grid", "polar", "value",
-    "low_corner", "high_corner", "mesh_field",
+    "low_corner", "high_corner", "mesh_field", "baked",
 ];
 
 /// Names that stand for a value and are not declared in the prelude.
@@ -56,7 +56,7 @@ impl Elaborator<'_> {
         }
         // In a formula, a shape among numbers is its field.
         let takes_shape =
-            matches!(name, "at" | "material" | "paint" | "value" | "low_corner" | "high_corner");
+            matches!(name, "at" | "material" | "paint" | "value" | "low_corner" | "high_corner" | "baked");
         let mut values: Vec<Value> = Vec::with_capacity(args.len());
         for (value, at) in args {
             values.push(match value {
@@ -202,6 +202,14 @@ impl Elaborator<'_> {
             }
             ("mesh_field", [_, _, _]) => match args {
                 [file, resolution, padding] => self.mesh_field(file, [resolution, padding], span, env),
+                _ => Err(super::Stop),
+            },
+            ("baked", [Value::Nothing, ..]) => Ok(Value::Nothing),
+            ("baked", [Value::Shape(id), _, _]) => match args {
+                [_, resolution, padding] => {
+                    let settings = self.sampling([resolution, padding])?;
+                    self.baked((*id, place(0)), settings, span, env)
+                }
                 _ => Err(super::Stop),
             },
             ("at", [Value::Nothing, _]) => Ok(Value::number(self.graph.constant(crate::graph::FAR))),
@@ -519,6 +527,7 @@ pub fn argument_names(name: &str, count: usize) -> &'static [&'static str] {
         "paint" => &["s", "mask", "m"],
         "low_corner" | "high_corner" => &["s"],
         "mesh_field" => &["file", "resolution", "padding"],
+        "baked" => &["s", "resolution", "padding"],
         _ if KERNEL.iter().any(|row| row.callable && row.name == name) => &["a"],
         _ => &[],
     }
@@ -528,6 +537,7 @@ pub fn argument_names(name: &str, count: usize) -> &'static [&'static str] {
 pub fn defaults(name: &str) -> &'static [Option<f64>] {
     match name {
         "mesh_field" => &[None, Some(64.0), Some(0.05)],
+        "baked" => &[None, Some(128.0), Some(0.05)],
         _ => &[],
     }
 }
@@ -544,6 +554,7 @@ fn usage(name: &str) -> (String, usize) {
         "low_corner" | "high_corner" => (format!("{name}(s)"), 1),
         "paint" => ("s.paint(mask, m)".into(), 3),
         "mesh_field" => ("mesh_field(\"duck.obj\", resolution: 64)".into(), 3),
+        "baked" => ("s.baked(resolution: 128)".into(), 3),
         "vec2" => ("vec2(x, y)".into(), 1),
         "vec3" => ("vec3(x, y, z)".into(), 1),
         "vec4" => ("vec4(x, y, z, w)".into(), 1),

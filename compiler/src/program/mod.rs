@@ -4,6 +4,7 @@
 //! left is a graph of formulas. Values are symbolic (a number is a node of the graph), so nothing is lost by it.
 
 mod apply;
+mod baked;
 mod bind;
 pub mod blocks;
 pub mod builtin;

@@ -1,4 +1,4 @@
-//! Shapes that are read from grids: meshes.
+//! Shapes that are read from grids: meshes, and what was sampled.
 
 use super::load::{Resolution, join};
 use super::value::Value;
@@ -19,12 +19,7 @@ impl Elaborator<'_> {
             let words = format!("the name of a file is needed here, and this is {found}");
             return Err(self.error(Code::TypeMismatch, file.1, words, "write `mesh_field(\"duck.obj\")`: OBJ, glTF, GLB, STL or PLY"));
         };
-        let [resolution, padding] = numbers;
-        let settings = Settings { resolution: self.resolution(resolution)?, padding: self.to_constant(&padding.0, padding.1)? };
-        if !(0.01..=1.0).contains(&settings.padding) {
-            let words = format!("the padding is a share of the mesh's longest side, and this is {}", settings.padding);
-            return Err(self.error(Code::BadValue, padding.1, words, "write a number from 0.01 to 1"));
-        }
+        let settings = self.sampling(numbers)?;
         let path = join(self.modules.path(env.module), &name.replace('\\', "/"));
         match self.grids.of_mesh(&path, settings) {
             Ok(kept) => self.sampled_shape(&kept, span, env),
@@ -35,6 +30,16 @@ impl Elaborator<'_> {
                 "write the path of an OBJ, glTF, GLB, STL or PLY file, relative to this one",
             )),
         }
+    }
+
+    /// How fine a grid is, and how much wider than what it holds.
+    pub(super) fn sampling(&mut self, [resolution, padding]: [&(Value, Span); 2]) -> Elaborated<Settings> {
+        let settings = Settings { resolution: self.resolution(resolution)?, padding: self.to_constant(&padding.0, padding.1)? };
+        if !(0.01..=1.0).contains(&settings.padding) {
+            let words = format!("the padding is a share of the longest side, and this is {}", settings.padding);
+            return Err(self.error(Code::BadValue, padding.1, words, "write a number from 0.01 to 1"));
+        }
+        Ok(settings)
     }
 
     /// Cells along the longest side of a grid.
@@ -49,7 +54,7 @@ impl Elaborator<'_> {
     }
 
     /// The shape that a grid says.
-    fn sampled_shape(&mut self, kept: &Kept, span: Span, env: &Env) -> Elaborated<Value> {
+    pub(super) fn sampled_shape(&mut self, kept: &Kept, span: Span, env: &Env) -> Elaborated<Value> {
         let (grid, point) = (&kept.grid, self.graph.point());
         let value = self.graph.sampled(kept, point);
         let bytes: usize = self.graph.grids.iter().map(|kept| kept.grid.bytes()).sum();

@@ -5,6 +5,7 @@
 
 use super::grid::{BRICK, Grid, SIDE, Shape, VOLUME, interpolate};
 use super::surface::Surface;
+use crate::vector::Vec3;
 use rayon::prelude::*;
 use smallvec::SmallVec;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -51,7 +52,7 @@ pub fn bake(surface: &Surface, settings: Settings, progress: &(dyn Fn(f64) + Syn
     if !(0.01..=1.0).contains(&settings.padding) {
         return Err("the padding is a share of the longest side, from 0.01 to 1".to_owned());
     }
-    let shape = shape(surface, settings);
+    let shape = shape(surface.bounds(), settings);
     if !shape.is_somewhere() {
         return Err("it is too small for where it stands: places a cell apart are the same in 64 bits".to_owned());
     }
@@ -117,9 +118,8 @@ pub fn bake(surface: &Surface, settings: Settings, progress: &(dyn Fn(f64) + Syn
     Ok(Grid::new(shape, coarse, index, fine))
 }
 
-/// The grid that fits a surface.
-fn shape(surface: &Surface, settings: Settings) -> Shape {
-    let [low, high] = surface.bounds();
+/// The grid that fits a box.
+pub(super) fn shape([low, high]: [Vec3; 2], settings: Settings) -> Shape {
     let size = [0, 1, 2].map(|i| high[i] - low[i]);
     let longest = size.into_iter().fold(0.0, f64::max);
     let wanted = size.map(|s| s + 2.0 * settings.padding * longest);

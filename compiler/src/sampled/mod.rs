@@ -4,6 +4,7 @@
 
 mod bake;
 mod boxes;
+mod dense;
 mod examine;
 mod file;
 mod grid;
@@ -13,6 +14,7 @@ mod surface;
 mod triangle;
 
 pub use bake::{MOST_BYTES, MOST_DEVICE_BYTES, RESOLUTIONS, Settings, bake};
+pub use dense::{Off, Values, compare, sample};
 pub use examine::{Findings, MOST_TRIANGLES};
 pub use grid::{BRICK, Facts, Grid, HEAD, Hull, Shape};
 pub use kept::Kept;

@@ -7,7 +7,8 @@ use std::path::Path;
 use surefoot_compiler::compiled::{Compiled, Parameter};
 use surefoot_compiler::diagnostic::{self, Diagnostic, Severity};
 use surefoot_compiler::factors::{self, Explained, Ranged};
-use surefoot_compiler::graph::Proof;
+use surefoot_compiler::graph::{Baked, Proof};
+use surefoot_compiler::sampled::Off;
 use surefoot_compiler::rules::{RULES, Row, RuleSet};
 use surefoot_compiler::skipped::{skipped, unseen};
 use surefoot_compiler::solid::SolidBox;
@@ -116,12 +117,24 @@ impl<'a> Report<'a> {
             text.push_str(&factors_text(factors, color));
         }
         let solid = known.solid.iter().map(SolidBox::words).collect();
-        for (title, lines) in [("left out", &known.skipped), ("never seen", &known.unseen), ("solid", &solid)] {
+        let baked = known.compiled.graph.baked.iter().map(|baked| self.baked_words(baked)).collect();
+        for (title, lines) in [("left out", &known.skipped), ("never seen", &known.unseen), ("solid", &solid), ("baked", &baked)] {
             if !lines.is_empty() {
                 text.push_str(&format!("  {title}:\n    {}\n", lines.join("\n    ")));
             }
         }
         text
+    }
+
+    /// What became of a shape that is baked.
+    fn baked_words(&self, baked: &Baked) -> String {
+        let (file, line, column) = self.outcome.sources.position(baked.span.file, baked.span.start);
+        let [x, y, z] = baked.bricks.map(|bricks| bricks * 8);
+        let Off { largest, mean } = baked.off;
+        format!(
+            "{file}:{line}:{column}: {x} × {y} × {z} cells for {} operations; off by {largest:.2e} at most, {mean:.2e} in the mean, at 20,000 places about the surface",
+            baked.operations
+        )
     }
 
     /// For a machine.

@@ -120,7 +120,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         return Err(Failure::usage("the grids of its meshes are a file of their own: say where to write with -o FILE"));
     }
     if compiled.module.grids && target == Target::Glsl {
-        return Err(Failure::usage("GLSL ES 3.0 has no storage buffers, from which `mesh_field` is read: write another target"));
+        return Err(Failure::usage("GLSL ES 3.0 has no storage buffers, from which `mesh_field` and `baked` are read: write another target"));
     }
     let buffered = buffered || compiled.module.grids;
     let with_buffers = compiled.module.with_buffers(&options).filter(|_| buffered);
