@@ -100,7 +100,7 @@ pub(super) fn surface(
             }
         }
     }
-    Ok(found(&looks).ok_or(Refused::Empty)?)
+    found(&looks).ok_or(Refused::Empty)
 }
 
 fn found(looks: &[Look]) -> Option<Surface> {

@@ -5,10 +5,13 @@ use crate::sampled::{Kept, Settings};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
+/// A file, a resolution and the bits of a padding.
+type Key = (String, u32, u64);
+
 /// The grids of one compilation, each asked for once.
 pub struct Grids<'a> {
     loader: &'a dyn Loader,
-    known: RefCell<BTreeMap<(String, u32, u64), Result<Kept, String>>>,
+    known: RefCell<BTreeMap<Key, Result<Kept, String>>>,
 }
 
 impl<'a> Grids<'a> {
