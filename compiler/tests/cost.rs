@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing)]
 
+mod common;
+
 use std::path::Path;
 use surefoot_compiler::{Memory, MemoryLoader, Options, compile_remembering};
 
@@ -13,19 +15,9 @@ const OTHERS: u64 = 250_000;
 /// And whatever is compiled, unless it is long.
 const MOST_OF_ALL: u64 = 4_000_000;
 
-/// A folder's scenes, by paths from that folder.
-fn read(folder: &Path, under: &str, loader: MemoryLoader) -> MemoryLoader {
-    let files = std::fs::read_dir(folder.join(under)).unwrap().map(|file| file.unwrap().path());
-    files.filter(|path| path.extension().is_some_and(|e| e == "sdf")).fold(loader, |loader, path| {
-        let name = format!("{under}{}", path.file_name().unwrap().to_string_lossy());
-        loader.with(&name, std::fs::read(&path).unwrap())
-    })
-}
-
 #[test]
 fn no_example_costs_more_than_it_did() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
-    let loader = read(&folder, "parts/", read(&folder, "", MemoryLoader::new()));
     let mut wrong = Vec::new();
     for file in std::fs::read_dir(&folder).unwrap().map(|file| file.unwrap().path()) {
         if file.extension().is_none_or(|e| e != "sdf") {
@@ -33,7 +25,8 @@ fn no_example_costs_more_than_it_did() {
         }
         let name = file.file_stem().unwrap().to_string_lossy().into_owned();
         let mut memory = Memory::default();
-        let outcome = compile_remembering(&loader, &format!("{name}.sdf"), &Options::default(), &mut memory, &mut |_| {});
+        let path = folder.join(format!("{name}.sdf"));
+        let outcome = compile_remembering(&common::Disk, &path.to_string_lossy(), &Options::default(), &mut memory, &mut |_| {});
         let most = MOST.iter().find(|(known, _)| *known == name).map_or(OTHERS, |(_, most)| *most);
         println!("{name}: {} of {most}", memory.steps);
         if outcome.compiled.is_none() || memory.steps > most || memory.steps == 0 {
