@@ -1,7 +1,5 @@
 //! The table of rules: each rule stands where its row says, and its own scene gets worse without it.
 
-#![allow(clippy::unwrap_used, clippy::panic)]
-
 use std::collections::BTreeSet;
 use std::path::Path;
 use surefoot_compiler::ablation::{Price, about};

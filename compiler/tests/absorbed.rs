@@ -1,7 +1,5 @@
 //! Operands of intersections that cut nothing off: rays and light do without them, and the surface is the same.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
 use surefoot_compiler::certify::Truth;
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;

@@ -1,7 +1,5 @@
 //! What rays find without a search: planes that a scene is the union of, and the box about everything else. They change nothing of what is seen.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
 use surefoot_compiler::functions::Ahead;
 use surefoot_compiler::reference::Reference;
 use surefoot_compiler::reference::area::{on_disc, toward};

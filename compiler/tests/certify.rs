@@ -1,10 +1,6 @@
 //! The oracle is held to what is known in closed form: roots along rays, suprema of gradients, distances.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
-mod common;
-
-use common::Disk;
+use crate::common::Disk;
 use surefoot_compiler::certify::{Ball, Box3, Claim, Hit, Truth, falsify};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;

@@ -1,11 +1,7 @@
 //! What depends on parameters and time alone is computed by the host: no function of a module does it for every pixel. This is seen in the
 //! graph that naga makes of the emitted text, which knows nothing of how the text came about.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
-mod common;
-
-use common::Disk;
+use crate::common::Disk;
 use naga::{BinaryOperator, Expression, Function, Handle, Module, Statement, UnaryOperator};
 use std::path::{Path, PathBuf};
 use surefoot_compiler::compiled::UniformSource;

@@ -1,10 +1,6 @@
 //! The mesh of a scene: closed, oriented, where the surface is, and with its edges sharp.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
-mod common;
-
-use common::Disk;
+use crate::common::Disk;
 use surefoot_compiler::certify::Truth;
 use surefoot_compiler::contour::{Detail, Examined, Mesh, Refused, Settings, contour};
 use surefoot_compiler::evaluate::Tape;

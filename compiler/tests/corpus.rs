@@ -12,8 +12,6 @@
 //! said yet, and the test fails when it is, so that the mark is taken out. `CORPUS=name` runs only the
 //! programs whose name contains it, and shows all that is said to them.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -1,9 +1,6 @@
 //! What compiling costs, in steps of formulas that the analysis runs: the same on each machine.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing)]
-
-mod common;
-
+use crate::common;
 use std::path::Path;
 use surefoot_compiler::{Memory, MemoryLoader, Options, compile_remembering};
 

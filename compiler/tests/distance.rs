@@ -3,11 +3,7 @@
 //! `SUREFOOT_POINTS=10000` asks at so many points of each scene, all within a hundredth of the scene's size of its surface;
 //! `SUREFOOT_SCENE=chess.sdf` asks in one.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
-mod common;
-
-use common::Disk;
+use crate::common::Disk;
 use surefoot_compiler::certify::{Hit, Prover, Truth};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;

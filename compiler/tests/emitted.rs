@@ -1,18 +1,13 @@
 //! The emitted text computes what the graph says: every example of the prelude and every scene, point by point, by an interpreter
 //! of WGSL beside the evaluation in 64 bits.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
-mod common;
-mod wgsl;
-
-use common::Disk;
+use crate::common::Disk;
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::{Function, kernel};
 use surefoot_compiler::prelude::PRELUDE;
 use surefoot_compiler::reference::{Reference, march::Ray};
 use surefoot_compiler::{Compiled, MemoryLoader, Options, compile, emit};
-use wgsl::{Machine, Value};
+use crate::wgsl::{Machine, Value};
 
 /// Points that fill a ball evenly enough, the same on every run (the generalised golden ratio; Roberts 2018).
 fn points(count: usize, half: f64) -> Vec<[f64; 3]> {

@@ -1,10 +1,6 @@
 //! Factors: never below the steepest sample, near to it, the same on every run, and alive with the sliders.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
-mod common;
-
-use common::Disk;
+use crate::common::Disk;
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::functions::bounds;
 use surefoot_compiler::graph::{Function, Proof};

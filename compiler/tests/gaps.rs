@@ -1,7 +1,5 @@
 //! What rounds or blends a repetition makes the same of it as of the copies written out, in the gaps between sparse copies too.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
 use surefoot_compiler::analysis::Box3;
 use surefoot_compiler::diagnostic::{Code, render};
 use surefoot_compiler::evaluate::Tape;

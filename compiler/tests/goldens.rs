@@ -1,11 +1,8 @@
 //! What the compiler makes of scenes, line for line as `tests/corpus/goldens.txt` says, so that a change shows in that file's diff what it changed.
 //!
-//! `SUREFOOT_GOLDENS=write cargo test --test goldens` writes the file anew.
+//! `SUREFOOT_GOLDENS=write cargo test --workspace --test compiler goldens::` writes the file anew.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing)]
-
-mod common;
-
+use crate::common;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -123,7 +120,7 @@ fn the_compiler_makes_of_scenes_what_it_did() {
     let (was, is) = (known.lines().count(), made.lines().count());
     assert!(
         wrong.is_empty() && was == is,
-        "{} of {was} lines differ, {is} are made; the first:\n{}\nIf that is meant, SUREFOOT_GOLDENS=write cargo test --test goldens, and say in the commit why.",
+        "{} of {was} lines differ, {is} are made; the first:\n{}\nIf that is meant, SUREFOOT_GOLDENS=write cargo test --workspace --test compiler goldens::, and say in the commit why.",
         wrong.len(),
         wrong.iter().take(10).map(String::as_str).collect::<Vec<_>>().join("\n")
     );

@@ -1,9 +1,7 @@
 //! Thin things that turn fast, seen from all around: no hole in a picture, and how many there are where no factor is known.
 //!
-//! `SUREFOOT_DIRECTIONS=64 cargo test --release -p surefoot-compiler --test holes -- --nocapture` looks from 64 directions, at larger
+//! `SUREFOOT_DIRECTIONS=64 cargo test --release -p surefoot-compiler --test compiler holes:: -- --nocapture` looks from 64 directions, at larger
 //! pictures, and prints the table.
-
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use surefoot_compiler::evaluate::{LANES, Tape, lanes};

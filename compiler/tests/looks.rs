@@ -1,7 +1,5 @@
 //! What light does between a scene and a screen: the light of scenes that say nothing of it, tone curves, fog.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
 use surefoot_compiler::compiled::{Compiled, Options};
 use surefoot_compiler::reference::{Area, Reference, View};
 use surefoot_compiler::{MemoryLoader, compile, diagnostic};

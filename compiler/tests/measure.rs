@@ -1,7 +1,5 @@
 //! What a solid measures, against closed forms: each number is as near as its error says, and what is proven holds the truth.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
 use surefoot_compiler::contour::Refused;
 use surefoot_compiler::measure::{Known, Measured, Settings, measure};
 use surefoot_compiler::random::Random;
@@ -132,12 +130,15 @@ fn what_is_proven_holds_what_points_say() {
         "steps\nfield steps = max(length(p) - 1, floor(3 * p.x) * 0.3 - 0.5)",
     ] {
         let scene = scene(&format!("scene = {text}\n"));
-        let found = measure(&scene, &scene.live(), &coarse(2e-3), &|_| {}).unwrap();
+        // Of noise less is proven, and each box costs more.
+        let noise = text.contains("perlin");
+        let tolerance = if noise { 8e-3 } else { 2e-3 };
+        let found = measure(&scene, &scene.live(), &coarse(tolerance), &|_| {}).unwrap();
         let truth = surefoot_compiler::certify::Truth::new(&scene, &scene.live(), 1_000_000).unwrap();
         let mut prover = truth.prover();
         let sides = [0, 1, 2].map(|i| [found.bounds[0][i].value - 0.01, found.bounds[1][i].value + 0.01]);
         // A place by chance in each of many cells, so that no flat side is counted by halves.
-        const N: usize = 40;
+        const N: usize = 24;
         let mut random = Random(7);
         let mut inside = 0;
         for i in 0..N * N * N {
@@ -153,10 +154,9 @@ fn what_is_proven_holds_what_points_say() {
         let counted = whole * inside as f64 / (N * N * N) as f64;
         assert!((found.volume.value - counted).abs() < 0.01 * counted, "{text}: {counted}, {found:?}");
         assert!(found.volume.proven.lo < counted * 1.01 && counted < found.volume.proven.hi * 1.01, "{text}: {counted}, {found:?}");
-        // Of noise less is proven.
-        let most = if text.contains("perlin") { 0.8 } else { 0.1 };
+        let most = if noise { 0.8 } else { 0.1 };
         assert!(found.volume.proven.width() < most * counted, "{text}: {found:?}");
-        assert!(found.bounds.concat().iter().all(|side| side.error < 4e-3), "{text}: {found:?}");
+        assert!(found.bounds.concat().iter().all(|side| side.error < 2.0 * tolerance), "{text}: {found:?}");
     }
 }
 

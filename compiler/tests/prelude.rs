@@ -1,7 +1,5 @@
 //! The prelude: it reads, every declaration is documented, its examples compile and what it claims is true.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
 use surefoot_compiler::diagnostic::render;
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function as GraphFunction;
@@ -67,7 +65,7 @@ fn every_declaration_is_documented() {
     }
 }
 
-/// `SUREFOOT_WRITE=1 cargo test -p surefoot-compiler --test prelude` writes the page anew, as `surefoot reference` does.
+/// `SUREFOOT_WRITE=1 cargo test -p surefoot-compiler --test compiler prelude::` writes the page anew, as `surefoot reference` does.
 #[test]
 fn the_reference_is_up_to_date() {
     let path = format!("{}/../docs/language.md", env!("CARGO_MANIFEST_DIR"));

@@ -1,7 +1,5 @@
 //! The ranges that the prelude claims of its noises: the most that any choice at the corners of a cell gives, at the best of its places.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
 use surefoot_compiler::reference_text::{CHAPTERS, entries};
 use surefoot_compiler::random::Random;
 use surefoot_compiler::{MemoryLoader, Options, compile};

@@ -1,7 +1,5 @@
 //! Pictures in 64 bits: a sphere has a closed form, and what a pixel shows does not depend on its neighbours.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing)]
-
 use surefoot_compiler::compiled::{Camera, Compiled, MemoryLoader};
 use surefoot_compiler::evaluate::lanes;
 use surefoot_compiler::reference::area::{on_disc, toward};

@@ -1,7 +1,5 @@
 //! What the language's rules say, as values: of expressions without a point, and of shapes at points.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
 use surefoot_compiler::diagnostic::render;
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;

@@ -1,7 +1,5 @@
 //! The text of the pass over the screen is valid WGSL after a module that has the functions it calls.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::indexing_slicing)]
-
 const STUB: &str = include_str!("scene_pass/stub.wgsl");
 const BASE: &str = concat!(include_str!("../../runtime/src/passes/scene/base.wgsl"), include_str!("../../runtime/src/passes/scene/pinhole.wgsl"));
 const LENS: &str = concat!(include_str!("../../runtime/src/passes/scene/base.wgsl"), include_str!("../../runtime/src/passes/scene/camera.wgsl"));

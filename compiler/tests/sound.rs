@@ -3,11 +3,7 @@
 //! This is the quick falsifier: it can't prove a bound, but a wrong factor does not pass it for long. Every example of the prelude's
 //! documentation and every scene of the examples is tried, at points near and far, inside and outside.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
-mod common;
-
-use common::Disk;
+use crate::common::Disk;
 use surefoot_compiler::certify::{Claim, falsify};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;

@@ -1,7 +1,5 @@
 //! Every rule for factors: never below what is attained, near to it where it says so, and a mutation of it is found out.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::factors::{Judged, RuleScene, judge, rules};
 use surefoot_compiler::graph::Function;

@@ -1,7 +1,5 @@
 //! A sound bound passes its trial, a broken one does not, on either side.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
-
 use surefoot_compiler::certify::{Ball, Truth};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;

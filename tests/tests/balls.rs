@@ -1,9 +1,7 @@
 //! Balls on the GPU: against the step in 64 bits, against closed forms, and through what a person does to them. `BALLS=1` makes the tests as
 //! large as the numbers in the documents.
 
-mod common;
-
-use common::gpu;
+use crate::common::gpu;
 use surefoot_compiler::compiled::{Compiled, Live};
 use surefoot_compiler::physics::{Ball, Field, Ground, Law, State, World, spawn};
 use surefoot_compiler::vector::{add, length, scale, sub};

@@ -1,9 +1,7 @@
 //! The scene drawn into a cubemap, for what mirrors it.
 
-mod common;
-
-use common::alike::{draw_with_meshes, png, prepare_with_meshes, save, scene_with_meshes};
-use common::gpu;
+use crate::common::alike::{draw_with_meshes, png, prepare_with_meshes, save, scene_with_meshes};
+use crate::common::gpu;
 use surefoot_compiler::MemoryLoader;
 use surefoot_compiler::compiled::{Camera, Tone};
 use surefoot_compiler::camera::Basis;

@@ -1,8 +1,6 @@
 //! What holds for every text of the language in the repository: examples, prelude, and the programs that are right.
 
-mod common;
-
-use common::{Disk, examples, root};
+use crate::common::{Disk, examples, root};
 use std::path::PathBuf;
 use std::sync::Arc;
 use surefoot_compiler::diagnostic;

@@ -1,8 +1,6 @@
 //! Every example compiles and is drawn by the GPU, in every view.
 
-mod common;
-
-use common::{compile_file, examples, gpu, pictures};
+use crate::common::{compile_file, examples, gpu, pictures};
 use std::fmt::Write;
 use std::time::Instant;
 use surefoot_runtime::ViewMode;

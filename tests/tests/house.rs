@@ -1,8 +1,6 @@
 //! The rules of the house, as far as a program can see them.
 
-mod common;
-
-use common::root;
+use crate::common::root;
 use std::path::{Path, PathBuf};
 
 /// All texts of the repository, in order, with their paths from its top.
@@ -71,6 +69,23 @@ fn every_folder_and_crate_starts_with_what_it_is() {
         }
     }
     assert!(wrong.is_empty(), "files whose first line does not say what they are:\n{}", wrong.join("\n"));
+}
+
+/// A file of tests that no program names would never run, and nothing would say so.
+#[test]
+fn every_file_of_tests_is_in_a_program() {
+    for name in ["compiler", "tests"] {
+        let folder = root().join(name);
+        let manifest = std::fs::read_to_string(folder.join("Cargo.toml")).unwrap();
+        let main = std::fs::read_to_string(folder.join("tests/main.rs")).unwrap();
+        for entry in std::fs::read_dir(folder.join("tests")).unwrap() {
+            let path = entry.unwrap().path();
+            let file = path.file_stem().unwrap().to_str().unwrap();
+            let module = path.extension().is_some_and(|e| e == "rs") || path.join("mod.rs").exists();
+            let named = main.contains(&format!("mod {file};")) || manifest.contains(&format!("[[test]]\nname = \"{file}\""));
+            assert!(!module || file == "main" || named, "{name}/tests/{file}.rs is in no program of tests");
+        }
+    }
 }
 
 #[test]

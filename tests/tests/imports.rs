@@ -1,8 +1,6 @@
 //! Imports go down: no circle among the files of a crate, and none from a lower floor to a higher one.
 
-mod common;
-
-use common::root;
+use crate::common::root;
 use petgraph::algo::tarjan_scc;
 use petgraph::graph::DiGraph;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,9 +1,7 @@
 //! Film, cameras and lights: what the GPU makes of them is what the processor computes in 64 bits.
 
-mod common;
-
-use common::alike::{on_the_gpu, samples_on_the_processor, save, scene, share_off};
-use common::gpu;
+use crate::common::alike::{on_the_gpu, samples_on_the_processor, save, scene, share_off};
+use crate::common::gpu;
 use surefoot_compiler::MemoryLoader;
 use surefoot_runtime::ViewMode;
 use surefoot_runtime::headless::Shot;

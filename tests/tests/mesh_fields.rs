@@ -1,8 +1,6 @@
 //! Meshes as fields: intervals and slopes of grids, bounds, pictures of both machines, files that change, and files that are broken.
 
-mod common;
-
-use common::{Disk, compile_file, gpu, root};
+use crate::common::{Disk, compile_file, gpu, root};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};

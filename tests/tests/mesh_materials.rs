@@ -1,9 +1,7 @@
 //! What meshes are made of: formulas in their own space, and images by their own coordinates or from three sides.
 
-mod common;
-
-use common::alike::{draw_with_meshes, png, save, scene_with_meshes, share_off};
-use common::gpu;
+use crate::common::alike::{draw_with_meshes, png, save, scene_with_meshes, share_off};
+use crate::common::gpu;
 use surefoot_compiler::MemoryLoader;
 use surefoot_runtime::Gpu;
 use surefoot_runtime::headless::{Pixels, Shot};

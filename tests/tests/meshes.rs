@@ -1,8 +1,7 @@
 //! Meshes in the picture: the seam with the field, and files replaced under a running scene.
 
-mod common;
-
-use common::{Disk, gpu, pictures};
+use crate::common;
+use crate::common::{Disk, gpu, pictures};
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;

@@ -1,7 +1,6 @@
 //! A ray's answer is its own: which rays a machine leads beside it, in step, changes nothing.
 
-mod common;
-
+use crate::common;
 use surefoot_compiler::compiled::{Camera, Live, UniformSource};
 use surefoot_compiler::camera::Basis;
 use surefoot_runtime::passes::rays::{Follower, GpuRay, RayPicture, Rays};

@@ -1,8 +1,6 @@
 //! What the GPU computes at a point is what the CPU computes there in 64 bits.
 
-mod common;
-
-use common::{compile_file, examples, gpu, prelude};
+use crate::common::{compile_file, examples, gpu, prelude};
 use surefoot_compiler::compiled::{Compiled, Export, Live};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;

@@ -1,9 +1,8 @@
 //! Where there is no Vulkan, Metal or DirectX, OpenGL draws the same.
 
-mod common;
-
-use common::alike::{draw_with_meshes, share_off};
-use common::{Disk, compile_file, examples, gpu, pictures};
+use crate::common;
+use crate::common::alike::{draw_with_meshes, share_off};
+use crate::common::{Disk, compile_file, examples, gpu, pictures};
 use surefoot_runtime::film::LINEAR;
 use surefoot_runtime::headless::{self, Shot};
 use surefoot_runtime::mesh::Assets;

@@ -1,8 +1,7 @@
 //! The GPU's picture is the CPU's, which computes in 64 bits.
 
-mod common;
-
-use common::{compile_file, examples, gpu, pictures};
+use crate::common;
+use crate::common::{compile_file, examples, gpu, pictures};
 use rayon::prelude::*;
 use surefoot_compiler::compiled::{Compiled, Live};
 use surefoot_compiler::reference::{Area, Reference, film, rgb8};

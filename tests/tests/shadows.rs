@@ -1,8 +1,6 @@
 //! The four ways of shadows, each alone, against edges that are known: of a sphere on a plane, either of which is a field or a mesh.
 
-mod common;
-
-use common::{gpu, pictures};
+use crate::common::{gpu, pictures};
 use surefoot_compiler::compiled::{Camera, Compiled, Options};
 use surefoot_compiler::camera::Basis;
 use surefoot_compiler::vector::{Vec3, add, along, dot, length, scale, sub, unit};

@@ -1,8 +1,6 @@
 //! Pictures of many samples: an edge covers its pixels as much as geometry says.
 
-mod common;
-
-use common::gpu;
+use crate::common::gpu;
 use surefoot_compiler::compiled::Options;
 use surefoot_compiler::camera::Basis;
 use surefoot_compiler::vector::{add, dot, scale};

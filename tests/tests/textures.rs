@@ -1,9 +1,8 @@
 //! Images and relief on surfaces: the GPU's picture is the CPU's.
 
-mod common;
-
-use common::alike::{on_the_gpu, on_the_processor, png, save, scene, share_off};
-use common::{Disk, gpu};
+use crate::common;
+use crate::common::alike::{on_the_gpu, on_the_processor, png, save, scene, share_off};
+use crate::common::{Disk, gpu};
 use std::fs;
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -1,8 +1,6 @@
 //! Unions of many: their tables and cells give the field that the formulas give, everywhere.
 
-mod common;
-
-use common::gpu;
+use crate::common::gpu;
 use surefoot_compiler::compiled::{Compiled, Export, Live};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::graph::Function;

@@ -7,12 +7,10 @@
 //!
 //! ```text
 //! SUREFOOT_POINTS=1000000 SUREFOOT_CERTIFIED=10000 SUREFOOT_TABLE=table.txt \
-//!     nice cargo test --release -p surefoot-tests --test verify -- --nocapture
+//!     nice cargo test --release -p surefoot-tests --test end_to_end verify:: -- --nocapture
 //! ```
 
-mod common;
-
-use common::{compile_file, examples, gpu, prelude};
+use crate::common::{compile_file, examples, gpu, prelude};
 use std::io::Write;
 use surefoot_compiler::compiled::{Compiled, Export, Live};
 use surefoot_compiler::verify::{Settings, Violation, WORK, verify};

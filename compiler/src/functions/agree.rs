@@ -6,7 +6,7 @@
 use crate::analysis::Domain;
 use crate::evaluate::{LANES, Lanes, Tape};
 use crate::functions::builder::Builder;
-use crate::functions::jumps::{Site, hair};
+use crate::functions::jumps::{Site, jump_epsilon};
 use crate::functions::trial::{Places, get, halved, number, places, values, weight};
 use crate::graph::kernel::Op;
 use crate::graph::{Node, NodeId};
@@ -108,7 +108,7 @@ impl Builder<'_> {
             _ => root,
         };
         let conditions = self.conditions(root);
-        let most = SAME * hair(near) * self.usual_slope(root, near)?;
+        let most = SAME * jump_epsilon(near) * self.usual_slope(root, near)?;
         let mut lives: Vec<Option<Jump>> = (0..self.lives(root)).map(|_| None).collect();
         let (many, mut found) = (lives.len(), 0);
         let mut met = vec![Met::default(); conditions.len()];

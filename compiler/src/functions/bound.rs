@@ -3,12 +3,12 @@
 use crate::analysis::search::{ROUNDING, Search, Target};
 use crate::analysis::{Box3, Constant, Domain, has_cells};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::functions::bound_strategy::{BoundStrategy, Known, Over};
 use crate::functions::builder::Builder;
 use crate::functions::domains::LONGER;
 use crate::functions::limits::{BUDGET, GENTLE, LONG, SAMPLES, STEEPEST, UNIT};
 use crate::functions::made::Kind;
 use crate::functions::measured_fallback::DEAR;
-use crate::functions::treatment::{Known, Over, Treatment};
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, FAR, Factor, Function, Leaf, Node, NodeId, Proof, ShapeId};
 use crate::prelude::in_prelude;
@@ -260,63 +260,63 @@ impl Builder<'_> {
 
     /// A formula over its constant, behind its region where it needs one.
     pub(super) fn normalised(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool) -> NodeId {
-        let (node, treatment) = match self.treated(shape, node, domain, continuous) {
+        let (node, strategy) = match self.treated(shape, node, domain, continuous) {
             Some(treated) => treated,
             None => match self.measured(shape, node, domain) {
-                Some(treatment) => (node, treatment),
+                Some(strategy) => (node, strategy),
                 None => return node,
             },
         };
-        if let Some(parts) = self.by_operands(shape, node, domain, continuous, &treatment) {
+        if let Some(parts) = self.by_operands(shape, node, domain, continuous, &strategy) {
             return parts;
         }
-        self.over_its_constant(shape, node, domain, continuous, treatment)
+        self.over_its_constant(shape, node, domain, continuous, strategy)
     }
 
     /// A formula over a constant of its own, behind its region where it has one.
-    pub(super) fn over_its_constant(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool, treatment: Treatment) -> NodeId {
-        let treatment = self.affordable(shape, node, domain, treatment);
+    pub(super) fn over_its_constant(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool, strategy: BoundStrategy) -> NodeId {
+        let strategy = self.affordable(shape, node, domain, strategy);
         self.kind = self.kind.max(if self.is_exact(shape, node) { Kind::Exact } else { Kind::Lipschitz });
-        let mut value = if (treatment.constant - 1.0).abs() <= 1e-6 {
-            match treatment.region.is_none() && !self.is_exact(shape, node) {
+        let mut value = if (strategy.constant - 1.0).abs() <= 1e-6 {
+            match strategy.region.is_none() && !self.is_exact(shape, node) {
                 true => self.convex_way(node, domain).inspect(|_| self.kind = self.kind.max(Kind::Bound)).unwrap_or(node),
                 false => node,
             }
         } else {
-            let at = treatment.holds_in(domain);
-            let uneven = match treatment.proof {
-                Proof::Derived if at.point.is_finite() => self.uneven(node, &at, treatment.constant).filter(|u| !u.is_unknown()),
+            let at = strategy.holds_in(domain);
+            let uneven = match strategy.proof {
+                Proof::Derived if at.point.is_finite() => self.uneven(node, &at, strategy.constant).filter(|u| !u.is_unknown()),
                 _ => None,
             };
-            let cell = if treatment.over == Over::Cell { self.one_cell(node, &at) } else { None };
+            let cell = if strategy.over == Over::Cell { self.one_cell(node, &at) } else { None };
             let (sought, at) = cell.map_or((node, at), |cell| (cell.0, cell.1.clone()));
             let known = Known {
-                lipschitz: treatment.constant,
-                proof: treatment.proof,
-                search: (treatment.proof != Proof::Measured).then_some((Target::Value(sought), at)),
+                lipschitz: strategy.constant,
+                proof: strategy.proof,
+                search: (strategy.proof != Proof::Measured).then_some((Target::Value(sought), at)),
             };
             let factor = self.factor(known, node, shape);
             let way = self.times(node, factor);
             match uneven {
                 Some(uneven) => {
-                    let steps = self.steps_over_slope(node, &treatment.holds_in(domain), treatment.constant, &uneven);
+                    let steps = self.steps_over_slope(node, &strategy.holds_in(domain), strategy.constant, &uneven);
                     self.built.gentle.insert(factor, steps);
                     self.gentler_way(node, way, &uneven)
                 }
                 None => way,
             }
         };
-        if treatment.jumps && !continuous {
-            value = self.stop_at_jumps(shape, node, value, domain, &treatment);
+        if strategy.jumps && !continuous {
+            value = self.stop_at_jumps(shape, node, value, domain, &strategy);
         }
-        match treatment.region {
+        match strategy.region {
             Some((region, reach)) => self.behind(region, None, reach, value),
             None => value,
         }
     }
 
     /// Where nothing finite is proven: what 99 of 100 samples do not exceed, and half as much again. None where not even samples help.
-    pub(super) fn measured(&mut self, shape: ShapeId, node: NodeId, domain: &Domain) -> Option<Treatment> {
+    pub(super) fn measured(&mut self, shape: ShapeId, node: NodeId, domain: &Domain) -> Option<BoundStrategy> {
         let span = self.place(shape, node);
         let region = self.region_of(node, domain);
         let term = self.facts.steep_term(self.graph, node, domain, STEEPEST);
@@ -331,7 +331,7 @@ impl Builder<'_> {
         };
         let Some((region, reach)) = region else {
             let region = Some((Box3::EMPTY, 0.0));
-            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, over: Over::Region });
+            return Some(BoundStrategy { constant: 1.0, jumps: false, region, proof: Proof::Proven, over: Over::Region });
         };
         let near = domain.at(region.grow(reach).intersect(&Box3::cube(self.scene.extent)));
         let mut steepest = self.facts.sampled_constant(self.graph, node, &near, SAMPLES);
@@ -353,7 +353,7 @@ impl Builder<'_> {
         };
         self.diagnostics.push(Diagnostic::new(code, at, message, self.own_noise(node).unwrap_or(instead)));
         self.kind = self.kind.max(Kind::Unproven);
-        finite.then_some(Treatment {
+        finite.then_some(BoundStrategy {
             constant: 1.5 * steepest,
             jumps: self.facts.constant(self.graph, node, &near, 1).jumps,
             region: Some((region, reach)),
@@ -369,19 +369,19 @@ impl Builder<'_> {
     }
 
     /// What a formula needs in order to be a bound; none where nothing finite is known.
-    pub(super) fn treatment(
+    pub(super) fn strategy(
         &mut self,
         shape: ShapeId,
         node: NodeId,
         domain: &Domain,
         continuous: bool,
-    ) -> Option<Treatment> {
+    ) -> Option<BoundStrategy> {
         let key = (shape, node, domain.key(), continuous);
-        if let Some(known) = self.found.treatments.get(&key) {
+        if let Some(known) = self.found.strategies.get(&key) {
             return *known;
         }
         let found = self.find_treatment(shape, node, domain, continuous);
-        self.found.treatments.insert(key, found);
+        self.found.strategies.insert(key, found);
         found
     }
 
@@ -391,7 +391,7 @@ impl Builder<'_> {
         node: NodeId,
         domain: &Domain,
         continuous: bool,
-    ) -> Option<Treatment> {
+    ) -> Option<BoundStrategy> {
         let everywhere = domain.at(Box3::ALL);
         let mut all = self.facts.constant(self.graph, node, &everywhere, 1);
         if self.is_exact(shape, node) {
@@ -399,7 +399,7 @@ impl Builder<'_> {
         }
         if all.lipschitz == 0.0 {
             // The same everywhere: any step is right, and so is this.
-            return Some(Treatment { constant: 1.0, jumps: all.jumps, region: None, proof: Proof::Proven, over: Over::Space });
+            return Some(BoundStrategy { constant: 1.0, jumps: all.jumps, region: None, proof: Proof::Proven, over: Over::Space });
         }
         let claimed = matches!(self.graph.node(node), Node::Claim(_, Claim::Lipschitz(..)));
         let mut by_rule = if claimed { Proof::Claimed } else { Proof::Proven };
@@ -412,13 +412,13 @@ impl Builder<'_> {
         }
         let gentle = all.lipschitz <= GENTLE || all.lipschitz <= 4.0 && self.facts.weight(self.graph, node) > LONG;
         if plain && gentle {
-            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, over: Over::Space });
+            return Some(BoundStrategy { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, over: Over::Space });
         }
         // A region of its own: tighter, or the only way.
         let Some((region, reach)) = self.region_of(node, domain) else {
             // Nothing solid in the extent.
             let region = Some((Box3::EMPTY, 0.0));
-            return Some(Treatment { constant: 1.0, jumps: false, region, proof: Proof::Proven, over: Over::Region });
+            return Some(BoundStrategy { constant: 1.0, jumps: false, region, proof: Proof::Proven, over: Over::Region });
         };
         let bounded = region != domain.point;
         let near = domain.at(region.grow(reach));
@@ -427,7 +427,7 @@ impl Builder<'_> {
         // What is that steep in few places needs the region in which the others are known.
         let is_uneven = bounded && all.lipschitz > DEAR && self.uneven(node, &near, constant.lipschitz).is_some_and(|uneven| !uneven.is_unknown());
         if plain && all.lipschitz <= STEEPEST && !is_uneven && (!bounded || constant.lipschitz > 0.85 * all.lipschitz) {
-            return Some(Treatment { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, over: Over::Space });
+            return Some(BoundStrategy { constant: all.lipschitz, jumps: false, region: None, proof: by_rule, over: Over::Space });
         }
         if constant.lipschitz > STEEPEST_OF_ALL || constant.lipschitz.is_nan() {
             return None;
@@ -441,7 +441,7 @@ impl Builder<'_> {
         }
         let needed = bounded || !domain.narrowed && !all.lipschitz.is_finite();
         let lipschitz = constant.lipschitz.max(1e-6);
-        Some(Treatment {
+        Some(BoundStrategy {
             constant: lipschitz,
             jumps: constant.jumps && !continuous,
             region: needed.then_some((region, reach)),

@@ -6,9 +6,9 @@
 
 use crate::analysis::Domain;
 use crate::analysis::search::{Search, Target};
+use crate::functions::bound_strategy::{BoundStrategy, Over};
 use crate::functions::builder::Builder;
 use crate::functions::limits::{BUDGET, STEEPEST};
-use crate::functions::treatment::{Over, Treatment};
 use crate::graph::kernel::Op;
 use crate::graph::{NodeId, Proof, ShapeId};
 use crate::rules::Rule;
@@ -21,15 +21,15 @@ const LONGER: usize = 8;
 
 impl Builder<'_> {
     /// What a formula needs in order to be a bound, and the formula itself, cut off where that is the only way. None where nothing finite is known.
-    pub(super) fn treated(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool) -> Option<(NodeId, Treatment)> {
-        match self.treatment(shape, node, domain, continuous) {
-            Some(treatment) => Some((node, treatment)),
+    pub(super) fn treated(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool) -> Option<(NodeId, BoundStrategy)> {
+        match self.strategy(shape, node, domain, continuous) {
+            Some(strategy) => Some((node, strategy)),
             None => self.capped(node, domain),
         }
     }
 
     /// A formula without a finite constant, cut off where it is far from zero; none where that is no help.
-    fn capped(&mut self, node: NodeId, domain: &Domain) -> Option<(NodeId, Treatment)> {
+    fn capped(&mut self, node: NodeId, domain: &Domain) -> Option<(NodeId, BoundStrategy)> {
         let key = (node, domain.key());
         if let Some(known) = self.found.capped.get(&key) {
             return *known;
@@ -39,7 +39,7 @@ impl Builder<'_> {
         found
     }
 
-    fn find_capped(&mut self, node: NodeId, domain: &Domain) -> Option<(NodeId, Treatment)> {
+    fn find_capped(&mut self, node: NodeId, domain: &Domain) -> Option<(NodeId, BoundStrategy)> {
         if !self.facts.rules.has(Rule::CappedLevel) {
             return None;
         }
@@ -62,8 +62,8 @@ impl Builder<'_> {
             }
         }
         let (_, capped, lipschitz) = best?;
-        let treatment = Treatment { constant: lipschitz.max(1e-6), jumps: false, region: Some((region, reach)), proof: Proof::Derived, over: Over::Region };
-        Some((capped, treatment))
+        let strategy = BoundStrategy { constant: lipschitz.max(1e-6), jumps: false, region: Some((region, reach)), proof: Proof::Derived, over: Over::Region };
+        Some((capped, strategy))
     }
 
     fn cut_off(&mut self, node: NodeId, level: f64) -> NodeId {

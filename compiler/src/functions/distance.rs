@@ -144,18 +144,18 @@ impl Builder<'_> {
                 self.no_less_than_to(region, estimate)
             }
             _ => {
-                let Some((node, treatment)) = self.treated(shape, node, domain, true) else { return node };
-                let near = treatment.region.map(|(region, reach)| domain.at(region.grow(reach)));
+                let Some((node, strategy)) = self.treated(shape, node, domain, true) else { return node };
+                let near = strategy.region.map(|(region, reach)| domain.at(region.grow(reach)));
                 let around = near.as_ref().unwrap_or(domain);
-                let uneven = if around.point.is_finite() { self.uneven(node, around, treatment.constant) } else { None };
-                let steepness = Steepness { uneven, size: around.point.size(), ..self.steepness(node, around, treatment.constant) };
+                let uneven = if around.point.is_finite() { self.uneven(node, around, strategy.constant) } else { None };
+                let steepness = Steepness { uneven, size: around.point.size(), ..self.steepness(node, around, strategy.constant) };
                 // Where the bound takes that way; what is flatter than a distance as a whole is divided by its constant.
-                let way = match (treatment.constant - 1.0).abs() <= 1e-6 && treatment.region.is_none() {
+                let way = match (strategy.constant - 1.0).abs() <= 1e-6 && strategy.region.is_none() {
                     true => self.convex_way(node, domain),
                     false => None,
                 };
                 let estimate = way.unwrap_or_else(|| self.over_gradient(node, &steepness));
-                match treatment.region {
+                match strategy.region {
                     Some((region, _)) => self.no_less_than_to(region, estimate),
                     None => estimate,
                 }

@@ -2,9 +2,9 @@
 
 use crate::analysis::domain::Key;
 use crate::analysis::{Box3, Domain};
+use crate::functions::bound_strategy::BoundStrategy;
 use crate::functions::made::Layer;
 use crate::functions::outline::Outlines;
-use crate::functions::treatment::Treatment;
 use crate::graph::kernel::Op;
 use crate::graph::{MaterialId, NodeId, ShapeId};
 use rustc_hash::FxHashMap;
@@ -13,8 +13,8 @@ use std::rc::Rc;
 /// By formula and domain.
 #[derive(Default)]
 pub(super) struct Found {
-    pub treatments: FxHashMap<(ShapeId, NodeId, Key, bool), Option<Treatment>>,
-    pub capped: FxHashMap<(NodeId, Key), Option<(NodeId, Treatment)>>,
+    pub strategies: FxHashMap<(ShapeId, NodeId, Key, bool), Option<BoundStrategy>>,
+    pub capped: FxHashMap<(NodeId, Key), Option<(NodeId, BoundStrategy)>>,
     pub regions: FxHashMap<(NodeId, Key, bool), Option<Narrowed>>,
     pub cuts: FxHashMap<(NodeId, Key), Option<Cut>>,
     /// A formula of cells in one of them.
@@ -130,7 +130,7 @@ pub(super) struct Gradients {
     /// Gradients of nodes by the point of their space, as far as they were asked for.
     pub slopes: Slopes,
     /// The jumps of shapes.
-    pub walls: FxHashMap<ShapeId, Rc<Option<Wall>>>,
+    pub walls: FxHashMap<ShapeId, Rc<Option<NearestJump>>>,
     /// Which shapes have any in or under them.
     pub walled: FxHashMap<ShapeId, bool>,
     /// What fields are by which such shapes are told apart.
@@ -141,7 +141,7 @@ pub(super) struct Gradients {
 
 /// The jump of a shape's field that is nearest to a place.
 #[derive(Debug)]
-pub(super) struct Wall {
+pub(super) struct NearestJump {
     /// How steep it counts as: beside the wall, by how much it jumps over a short way; zero elsewhere.
     pub steep: NodeId,
     /// The numbers by which the field may jump, and 1 or -1 with the one by which it does, as it goes up or down across the wall.

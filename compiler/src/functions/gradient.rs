@@ -3,8 +3,8 @@
 
 use crate::analysis::chain::DEEP;
 use crate::functions::builder::Builder;
-use crate::functions::found::{Slopes, Wall};
-use crate::functions::jumps::{Jump, hair};
+use crate::functions::found::{NearestJump, Slopes};
+use crate::functions::jumps::{Jump, jump_epsilon};
 use crate::functions::outline::Outline;
 use crate::functions::sides::{Sides, Way};
 use crate::graph::kernel::Op;
@@ -96,7 +96,7 @@ impl Builder<'_> {
     }
 
     /// The wall that a shape's own formula makes.
-    fn wall(&mut self, shape: ShapeId) -> Rc<Option<Wall>> {
+    fn wall(&mut self, shape: ShapeId) -> Rc<Option<NearestJump>> {
         if let Some(known) = self.gradients.walls.get(&shape) {
             return known.clone();
         }
@@ -105,7 +105,7 @@ impl Builder<'_> {
         wall
     }
 
-    fn find_wall(&mut self, shape: ShapeId) -> Option<Wall> {
+    fn find_wall(&mut self, shape: ShapeId) -> Option<NearestJump> {
         let value = self.graph.shape(shape).filter(|s| s.exactness != Exactness::Exact)?.value;
         let own = self.graph.reachable(&[value]);
         let jumps = |id: &NodeId| matches!(self.graph.node(*id), Node::Op(op, _) if is_wall(*op));
@@ -119,7 +119,7 @@ impl Builder<'_> {
             is_wall(site.op) && own.binary_search(&site.node).is_ok() && known()
         });
         let Sides { other, nearest, across, .. } = self.sides(value, &sites, &near, Way::About)?;
-        let [narrow, wide] = NEAR.map(|times| times * hair(&near));
+        let [narrow, wide] = NEAR.map(|times| times * jump_epsilon(&near));
         let [zero, narrow, wide, steep] = [0.0, narrow, wide, 1.0 / narrow].map(|c| self.graph.constant(c));
         let size = self.graph.op(Op::Abs, &[value]);
         let limit = self.graph.op(Op::Min, &[size, wide]);
@@ -133,7 +133,7 @@ impl Builder<'_> {
         let beside = self.graph.op(Op::Or, &[at, near]);
         let rise = self.graph.op(Op::Sub, &[other, value]);
         let steep = self.graph.op(Op::Mul, &[rise, steep]);
-        Some(Wall { steep: self.graph.op(Op::Select, &[beside, steep, zero]), across })
+        Some(NearestJump { steep: self.graph.op(Op::Select, &[beside, steep, zero]), across })
     }
 
     fn gradient_of(&mut self, root: NodeId, slopes: &mut Slopes, seen: Seen) -> [NodeId; 3] {

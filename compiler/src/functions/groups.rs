@@ -2,10 +2,10 @@
 
 use crate::analysis::rules::claims::claim_constant;
 use crate::analysis::{Box3, Domain};
+use crate::functions::bound_strategy::Known;
 use crate::functions::builder::Builder;
 use crate::functions::limits::UNIT;
 use crate::functions::made::Kind;
-use crate::functions::treatment::Known;
 use crate::graph::{ClaimGroup, Function, Node, NodeId, Proof, ShapeId};
 
 impl Builder<'_> {

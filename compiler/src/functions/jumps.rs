@@ -4,10 +4,10 @@ use crate::analysis::formula::Formula;
 use crate::analysis::tape::Step;
 use crate::analysis::{Box3, Domain};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::functions::bound_strategy::BoundStrategy;
 use crate::functions::builder::Builder;
 use crate::functions::limits::{HAIR, LONGEST_HAIR};
 use crate::functions::made::Kind;
-use crate::functions::treatment::Treatment;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Node, NodeId, Proof, ShapeId};
@@ -48,7 +48,7 @@ enum Blame {
 }
 
 /// How far a ray steps across a jump in a domain.
-pub(super) fn hair(near: &Domain) -> f64 {
+pub(super) fn jump_epsilon(near: &Domain) -> f64 {
     (HAIR * near.point.size().max(0.25)).min(LONGEST_HAIR)
 }
 
@@ -86,18 +86,18 @@ impl Builder<'_> {
         node: NodeId,
         value: NodeId,
         domain: &Domain,
-        treatment: &Treatment,
+        strategy: &BoundStrategy,
     ) -> NodeId {
-        let near = match treatment.region {
+        let near = match strategy.region {
             Some((region, reach)) => domain.at(region.grow(reach)),
             None => domain.clone(),
         };
         let mut sites = self.sites(node, &near);
         let span = self.place(shape, node);
-        let measured = treatment.proof == Proof::Measured;
+        let measured = strategy.proof == Proof::Measured;
         let (mut passed, mut is_told) = (Vec::new(), true);
         if !sites.is_empty() {
-            let proven = !measured && self.past_jump(node, &sites, &[], &near, treatment).is_some();
+            let proven = !measured && self.past_jump(node, &sites, &[], &near, strategy).is_some();
             if !proven || self.are_nested(&sites) {
                 (sites, passed) = self.without_agreeing(node, sites, proven, &near, span);
             }
@@ -143,16 +143,16 @@ impl Builder<'_> {
             }
         }
         let Some(nearest) = nearest else { return value };
-        let hair = self.graph.constant(hair(&near));
-        let nearest = self.graph.op(Op::Max, &[nearest, hair]);
+        let epsilon = self.graph.constant(jump_epsilon(&near));
+        let nearest = self.graph.op(Op::Max, &[nearest, epsilon]);
         let zero = self.graph.constant(0.0);
         let size = self.graph.op(Op::Abs, &[value]);
         let mut way = nearest;
-        if let Some(past) = self.past_jump(node, &sites, &passed, &near, treatment) {
+        if let Some(past) = self.past_jump(node, &sites, &passed, &near, strategy) {
             way = self.graph.op(Op::Max, &[way, past]);
         }
         let mut step = self.graph.op(Op::Min, &[size, way]);
-        if let Some(over) = self.over_jumps(node, &sites, &near, treatment.constant) {
+        if let Some(over) = self.over_jumps(node, &sites, &near, strategy.constant) {
             step = self.graph.op(Op::Max, &[step, over]);
         }
         let minus = self.graph.op(Op::Neg, &[step]);

@@ -5,11 +5,11 @@ use crate::analysis::Domain;
 use crate::analysis::search::{Search, Target};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluate::{LANES, Lanes, Tape};
+use crate::functions::bound_strategy::{BoundStrategy, Over};
 use crate::functions::builder::Builder;
 use crate::functions::domains::LONGER;
 use crate::functions::limits::BUDGET;
 use crate::functions::made::Kind;
-use crate::functions::treatment::{Over, Treatment};
 use crate::functions::trial::{Places, halved, number, places, values, weight};
 use crate::graph::{NodeId, Proof, ShapeId};
 use crate::random::Random;
@@ -40,33 +40,33 @@ const DIFFERENCE: f64 = 1e-7;
 
 impl Builder<'_> {
     /// A measured constant in place of one that is proven, where no ray would get anywhere by that.
-    pub(super) fn affordable(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, treatment: Treatment) -> Treatment {
-        if self.scene.strict || treatment.proof == Proof::Measured || treatment.constant <= DEAR {
-            return treatment;
+    pub(super) fn affordable(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, strategy: BoundStrategy) -> BoundStrategy {
+        if self.scene.strict || strategy.proof == Proof::Measured || strategy.constant <= DEAR {
+            return strategy;
         }
-        let at = treatment.holds_in(domain);
+        let at = strategy.holds_in(domain);
         // What is known beside the constant counts where it is gentler.
-        let near_surface = self.uneven(node, &at, treatment.constant).filter(|uneven| !uneven.is_unknown());
-        let near_surface = near_surface.map(|uneven| self.usual_divisor(node, &at, treatment.constant, &uneven));
-        let proven = treatment.constant.min(near_surface.unwrap_or(f64::INFINITY));
+        let near_surface = self.uneven(node, &at, strategy.constant).filter(|uneven| !uneven.is_unknown());
+        let near_surface = near_surface.map(|uneven| self.usual_divisor(node, &at, strategy.constant, &uneven));
+        let proven = strategy.constant.min(near_surface.unwrap_or(f64::INFINITY));
         // What is gentle at its surface ends well.
         if proven <= if near_surface.is_some() { 2.0 * DEAR } else { DEAR } {
-            return treatment;
+            return strategy;
         }
-        let Some(steepest) = self.steepest(node, &at).map(|steepest| MARGIN * steepest) else { return treatment };
+        let Some(steepest) = self.steepest(node, &at).map(|steepest| MARGIN * steepest) else { return strategy };
         if steepest <= 0.0 || proven <= TIMES_STEEPEST * steepest {
-            return treatment;
+            return strategy;
         }
         // Perhaps it takes but a longer look.
-        if treatment.over == Over::Region {
+        if strategy.over == Over::Region {
             let more = self.aside(|builder| builder.constant_of_more(node, &at, LONGER)).lipschitz;
-            if more < treatment.constant && (more <= DEAR || more <= TIMES_STEEPEST * steepest) {
-                return Treatment { constant: more, ..treatment };
+            if more < strategy.constant && (more <= DEAR || more <= TIMES_STEEPEST * steepest) {
+                return BoundStrategy { constant: more, ..strategy };
             }
         }
         let now = self.as_parameters_stand(node, &at, proven);
         if now <= DEAR || now <= TIMES_STEEPEST * steepest {
-            return treatment;
+            return strategy;
         }
         let round = |factor: f64| if factor < 10.0 { format!("{factor:.1}") } else { format!("{factor:.0}") };
         let at = self.graph.location(node).unwrap_or_else(|| self.place(shape, node));
@@ -78,7 +78,7 @@ impl Builder<'_> {
             "smaller multiples or lower frequencies within it make it gentler; with `--strict` the proven factor stands",
         ));
         self.kind = self.kind.max(Kind::Unproven);
-        Treatment { constant: steepest, proof: Proof::Measured, ..treatment }
+        BoundStrategy { constant: steepest, proof: Proof::Measured, ..strategy }
     }
 
     /// Whether the factor of a map is of no use for a formula that it moves: no ray gets anywhere by it, and the steepest place that is found is far

@@ -3,10 +3,10 @@
 
 use crate::analysis::Domain;
 use crate::analysis::search::ROUNDING;
+use crate::functions::bound_strategy::BoundStrategy;
 use crate::functions::builder::Builder;
 use crate::functions::jumps::{Jump, Site};
 use crate::functions::limits::{BUDGET, STEEPEST};
-use crate::functions::treatment::Treatment;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{FAR, Node, NodeId, Proof};
@@ -235,7 +235,7 @@ impl Builder<'_> {
     /// How far a ray may step at least by a formula that jumps at these operations, where both sides of the nearest jump are of one sign; less than
     /// nothing where they are not. None where one of them is not known well enough. No bound of the pieces changes faster than the way. The other side may
     /// jump at `seams`, at which the formula does not.
-    pub(super) fn past_jump(&mut self, node: NodeId, sites: &[Site], seams: &[Site], near: &Domain, treatment: &Treatment) -> Option<NodeId> {
+    pub(super) fn past_jump(&mut self, node: NodeId, sites: &[Site], seams: &[Site], near: &Domain, strategy: &BoundStrategy) -> Option<NodeId> {
         if !self.facts.rules.has(Rule::FarSides) {
             return None;
         }
@@ -244,9 +244,9 @@ impl Builder<'_> {
             return None;
         }
         let sides = self.sides(node, sites, near, Way::AtLeast)?;
-        let all = match treatment.proof {
-            Proof::Measured => treatment.constant,
-            _ => self.constant_of_sides(node, sites, near)?.max(treatment.constant) * (1.0 + ROUNDING),
+        let all = match strategy.proof {
+            Proof::Measured => strategy.constant,
+            _ => self.constant_of_sides(node, sites, near)?.max(strategy.constant) * (1.0 + ROUNDING),
         };
         let [zero, share] = [0.0, 1.0 / all].map(|c| self.graph.constant(c));
         let inside = self.graph.op(Op::Lt, &[node, zero]);

@@ -6,9 +6,9 @@
 //! its factor says. Of a point inside it says no more than the way out of the box, beyond which S may be steeper.
 
 use crate::analysis::{Box3, Domain};
+use crate::functions::bound_strategy::{BoundStrategy, Over};
 use crate::functions::builder::Builder;
 use crate::functions::limits::{BUDGET, UNIT};
-use crate::functions::treatment::{Over, Treatment};
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Node, NodeId, Proof, ShapeId};
 use crate::rules::Rule;
@@ -32,7 +32,7 @@ const DEEPEST: u32 = 4;
 
 impl Builder<'_> {
     /// The bound of a smooth union by those of its operands; none where it is no such union, or gains nothing.
-    pub(super) fn by_operands(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool, whole: &Treatment) -> Option<NodeId> {
+    pub(super) fn by_operands(&mut self, shape: ShapeId, node: NodeId, domain: &Domain, continuous: bool, whole: &BoundStrategy) -> Option<NodeId> {
         if !self.facts.rules.has(Rule::SmoothUnionOperands) {
             return None;
         }
@@ -68,14 +68,14 @@ impl Builder<'_> {
                 if constant.jumps || lipschitz > whole.constant || !(gentler || smaller) {
                     return None;
                 }
-                let of_it = Treatment { constant: lipschitz.max(1e-6), jumps: false, region: None, proof: Proof::Derived, over: Over::Region };
+                let of_it = BoundStrategy { constant: lipschitz.max(1e-6), jumps: false, region: None, proof: Proof::Derived, over: Over::Region };
                 Some((value, of_it, at, region, reach))
             }
         };
         self.parting += 1;
         let mut bounds: Vec<NodeId> = [a, b].map(|part| self.bound(shape, part, domain, continuous)).into();
-        if let Some((value, treatment, at, region, reach)) = blend {
-            let way = self.over_its_constant(shape, value, &at, continuous, treatment);
+        if let Some((value, strategy, at, region, reach)) = blend {
+            let way = self.over_its_constant(shape, value, &at, continuous, strategy);
             let way = self.beside_tame(&tame, widest, way);
             // Inside it is no more than the way out of where that holds.
             let way = match self.outside(region, None) {
@@ -127,9 +127,9 @@ impl Builder<'_> {
             Node::Call(inner, Function::Field, _) => {
                 let Some(value) = self.graph.shape(inner).map(|inner| inner.value).filter(|_| calls > 0) else { return false };
                 let own = self.domain(inner);
-                self.treatment(shape, node, domain, continuous).is_some() && self.is_provable(inner, value, &own, continuous, calls - 1)
+                self.strategy(shape, node, domain, continuous).is_some() && self.is_provable(inner, value, &own, continuous, calls - 1)
             }
-            _ => self.treated(shape, node, domain, continuous).is_some_and(|(_, treatment)| treatment.proof != Proof::Measured),
+            _ => self.treated(shape, node, domain, continuous).is_some_and(|(_, strategy)| strategy.proof != Proof::Measured),
         }
     }
 

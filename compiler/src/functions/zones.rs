@@ -2,9 +2,9 @@
 
 use crate::analysis::search::Target;
 use crate::analysis::{Box3, Domain};
+use crate::functions::bound_strategy::Known;
 use crate::functions::builder::Builder;
 use crate::functions::limits::BUDGET;
-use crate::functions::treatment::Known;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{NodeId, Proof, ShapeId};

@@ -5,7 +5,6 @@ use surefoot_compiler::Loader;
 use surefoot_compiler::sampled::{Grid, Settings, Sign, Surface, bake};
 
 /// Files on the disk.
-#[allow(dead_code)]
 pub struct Disk;
 
 impl Loader for Disk {

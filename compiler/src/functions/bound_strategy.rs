@@ -6,7 +6,7 @@ use crate::graph::Proof;
 
 /// How a formula becomes a bound.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Treatment {
+pub(super) struct BoundStrategy {
     pub(super) constant: f64,
     pub(super) jumps: bool,
     /// The formula is trusted only here; beyond it the distance to this box is the bound.
@@ -15,7 +15,7 @@ pub(super) struct Treatment {
     pub(super) over: Over,
 }
 
-impl Treatment {
+impl BoundStrategy {
     /// Where its constant holds, of a formula in a domain.
     pub(super) fn holds_in(&self, domain: &Domain) -> Domain {
         match self.region {

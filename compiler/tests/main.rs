@@ -1,0 +1,31 @@
+//! The tests of the compiler, in one program: it is linked once, and both cores always have a test to run.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+
+mod ablation;
+mod absorbed;
+mod ahead;
+mod balls;
+mod certify;
+mod common;
+mod computed;
+mod contour;
+mod corpus;
+mod cost;
+mod distance;
+mod emitted;
+mod factors;
+mod gaps;
+mod goldens;
+mod holes;
+mod looks;
+mod measure;
+mod prelude;
+mod ranges;
+mod reference;
+mod rules;
+mod scene_pass;
+mod sound;
+mod tightness;
+mod verify;
+mod wgsl;

@@ -1,0 +1,28 @@
+//! The end-to-end tests, in one program: it is linked once, and all cores always have a test to run.
+//!
+//! Tests that count memory, measure time or change what surrounds them are programs of their own: `Cargo.toml` names them.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+
+mod balls;
+mod capture;
+mod common;
+mod corpus;
+mod examples;
+mod house;
+mod imports;
+mod looks;
+mod mesh_fields;
+mod mesh_materials;
+mod meshes;
+mod neighbours;
+mod numbers;
+mod opengl;
+mod pictures;
+mod random;
+mod sampled;
+mod shadows;
+mod still;
+mod textures;
+mod unions;
+mod verify;
