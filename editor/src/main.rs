@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+mod animation;
 mod command;
 mod files;
 mod meshes;

@@ -53,10 +53,11 @@ pub fn spare(path: &std::path::Path, outcome: &Outcome) -> Result<(), Failure> {
 }
 
 /// What files with some ending hold, and how such are written, or that nothing writes them.
-const ENDINGS: [(&[&str], &str); 17] = [
+const ENDINGS: [(&[&str], &str); 18] = [
     (&["png"], "a picture is drawn by `surefoot render SCENE.sdf -o OUT.png`"),
     (&["jpg", "jpeg", "webp", "bmp", "tif", "tiff", "exr", "hdr", "svg"], "pictures are PNG alone, by `surefoot render SCENE.sdf -o OUT.png`"),
-    (&["gif", "mp4", "webm", "mov", "avi", "mkv"], "nothing writes films; their pictures are drawn by `surefoot render SCENE.sdf -o OUT.png --frames 0..120`"),
+    (&["gif", "apng", "mp4", "webm"], "films are drawn by `surefoot render SCENE.sdf -o OUT.gif --frames 0..120`"),
+    (&["mov", "avi", "mkv"], "films are GIF, APNG, MP4 and WebM, by `surefoot render SCENE.sdf -o OUT.mp4 --frames 0..120`"),
     (&["wgsl"], "WGSL is written by `surefoot compile SCENE.sdf -o OUT.wgsl`"),
     (&["glsl", "frag", "vert"], "GLSL is written by `surefoot compile SCENE.sdf -o OUT.glsl --target glsl`"),
     (&["hlsl"], "HLSL is written by `surefoot compile SCENE.sdf -o OUT.hlsl --target hlsl`"),

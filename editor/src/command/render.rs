@@ -3,6 +3,7 @@
 use super::bar::LateBar;
 use super::values::{self, Setting};
 use super::console::{Exit, Failure, ends_wrong, print, show_broken, show_found, spare};
+use crate::animation::{Animation, Format};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,8 @@ use surefoot_compiler::diagnostic::Diagnostic;
 pub struct Args {
     /// The scene.
     scene: String,
-    /// The PNG file to write; `-` is stdout. With --frames its name gets a number: OUT_0000.png.
+    /// The file to write: a PNG, or with --frames or --loop a .gif, .apng, .mp4 or .webm; `-` is a PNG to stdout. With --frames the name of a PNG gets a
+    /// number: OUT_0000.png. MP4 and WebM need the program ffmpeg.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Width and height in pixels.
@@ -25,10 +27,13 @@ pub struct Args {
     #[arg(long, allow_negative_numbers = true, default_value_t = 0.0, value_parser = seconds, value_name = "SECONDS", conflicts_with = "frames")]
     time: f64,
     /// Draw these frames, without the last number.
-    #[arg(long, value_parser = frames, value_name = "FIRST..END")]
+    #[arg(long, value_parser = frames, value_name = "FIRST..END", group = "moving")]
     frames: Option<Range<u32>>,
+    /// Draw the frames of so many seconds, after which the film starts again, and say whether the scene repeats then.
+    #[arg(long = "loop", value_parser = period, value_name = "SECONDS", conflicts_with_all = ["frames", "time"], group = "moving")]
+    period: Option<f64>,
     /// Frames per second.
-    #[arg(long, default_value_t = 30.0, value_parser = rate, value_name = "N", requires = "frames")]
+    #[arg(long, default_value_t = 30.0, value_parser = rate, value_name = "N", requires = "moving")]
     fps: f64,
     /// Set a parameter: a number, `0,1,0`, `#d08770`, `45deg`, `true` or the name of a choice.
     #[arg(long, value_parser = values::setting, value_name = "NAME=VALUE")]
@@ -76,6 +81,10 @@ fn rate(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(in_range).ok_or_else(|| "write a number above zero".to_owned())
 }
 
+fn period(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|s: &f64| s.is_finite() && *s > 0.0).ok_or_else(|| "write a number of seconds above zero".to_owned())
+}
+
 fn frames(text: &str) -> Result<Range<u32>, String> {
     let (first, end) = text.split_once("..").ok_or("write FIRST..END")?;
     match (first.trim().parse(), end.trim().parse()) {
@@ -90,29 +99,16 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let (outcome, live) = values::read(&args.scene, &args.set, &Options { strict: args.strict, ..Options::default() })?;
     let (Some(compiled), Some(mut live)) = (&outcome.compiled, live) else { return Ok(Exit::Errors) };
     compiled.settle(&mut live);
-    if args.output.as_os_str() == "-" && args.frames.is_some() {
-        return Err(Failure::usage("frames are files of their own: say where to write with `-o FRAME.png`"));
-    }
-    if args.output.extension().is_some_and(|e| !e.eq_ignore_ascii_case("png")) {
-        let png = args.output.with_extension("png");
-        let pictures = format!("pictures are written as PNG: write `-o {}`", png.display());
-        return Err(Failure::usage(match ends_wrong(&args.output, &["png"]) {
-            Some(words) => format!("{words}; {pictures}"),
-            None => pictures,
-        }));
-    }
-    let shots: Vec<(f64, PathBuf)> = match &args.frames {
-        None => vec![(args.time, args.output.clone())],
-        Some(range) => {
-            range.clone().map(|n| (f64::from(n) / args.fps, numbered(&args.output, n))).collect()
-        }
-    };
-    for (_, path) in &shots {
-        spare(path, &outcome)?;
+    let moments = moments(args)?;
+    let film = film(args, moments.len())?;
+    let single = args.frames.is_none() && args.period.is_none();
+    let path = |n: u32| if single || film.is_some() { args.output.clone() } else { numbered(&args.output, n) };
+    for (n, _) in &moments {
+        spare(&path(*n), &outcome)?;
     }
     // A wrong name is said before anything slow is done.
     camera(&compiled.frame(&live), args.camera.as_deref())?;
-    live.time = args.time;
+    live.time = moments.first().map_or(args.time, |(_, time)| *time);
     let unseen: Vec<Diagnostic> = outcome.outlook(&live, args.camera.as_deref()).into_iter().collect();
     show_found(&outcome, &unseen);
 
@@ -128,24 +124,102 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     }
     let exit = show_broken(&outcome, painter.broken());
     let bar = LateBar::new();
-    for (i, (time, path)) in shots.iter().enumerate() {
-        live.time = *time;
+    let (width, height) = args.size;
+    // The picture at the end of a loop is drawn too, and not written.
+    let total = moments.len() + usize::from(args.period.is_some());
+    let mut paint = |at: usize, time: f64| -> Result<Vec<u8>, Failure> {
+        live.time = time;
         let camera = camera(&compiled.frame(&live), args.camera.as_deref())?;
-        let camera = compiled.camera_in(camera, f64::from(args.size.0) / f64::from(args.size.1));
-        let (width, height) = args.size;
+        let camera = compiled.camera_in(camera, f64::from(width) / f64::from(height));
         let shot = Shot { width, height, camera };
         let rgba = painter
-            .paint(compiled, &live, &shot, &|part| bar.show((i as f64 + part) / shots.len() as f64))
+            .paint(compiled, &live, &shot, &|part| bar.show((at as f64 + part) / total as f64))
             .map_err(|why| Failure::usage(format!("can't draw {}: {why}", args.scene)))?;
-        if args.explain && i == 0 {
+        if args.explain && at == 0 {
             let explained = painter.explain(compiled, &live, &shot).map_err(Failure::usage)?;
             print(explained.as_bytes())?;
         }
-        write_png(path, width, height, &rgba)
-            .map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
+        Ok(rgba)
+    };
+    let unwritten = |path: &Path, why: String| Failure::usage(format!("can't write {}: {why}", path.display()));
+    let begin = |(format, rate)| Animation::begin(&args.output, format, args.size, rate, moments.len() as u32);
+    let mut film = film.map(begin).transpose().map_err(|why| unwritten(&args.output, why))?;
+    let mut first = None;
+    for (at, (n, time)) in moments.iter().enumerate() {
+        let rgba = paint(at, *time)?;
+        match &mut film {
+            Some(film) => film.push(&rgba).map_err(|why| unwritten(&args.output, why))?,
+            None => write_png(&path(*n), width, height, &rgba).map_err(|why| unwritten(&path(*n), why))?,
+        }
+        first.get_or_insert(rgba);
+    }
+    if let Some(film) = film {
+        film.finish().map_err(|why| unwritten(&args.output, why))?;
+    }
+    if let (Some(period), Some(first)) = (args.period, first) {
+        let changed = changed(&first, &paint(moments.len(), period)?);
+        if changed > SEEN {
+            eprintln!(
+                "note: the picture at {period} s differs from that at 0 s in {:.1} % of its pixels, so the film jumps where it starts again. `time` repeats there \
+                 in `sin(2 * pi * time / {period})` or `fract(time / {period})`",
+                100.0 * changed
+            );
+        }
     }
     bar.finish();
     Ok(exit)
+}
+
+/// From this share of pixels on a loop that does not close is told. Noise of soft shadows changes fewer.
+const SEEN: f64 = 0.002;
+
+/// The share of pixels of which a colour differs by more than a sixteenth of white.
+fn changed(a: &[u8], b: &[u8]) -> f64 {
+    let differs = |(a, b): &(&[u8], &[u8])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 16);
+    a.chunks(4).zip(b.chunks(4)).filter(differs).count() as f64 / (a.len() / 4).max(1) as f64
+}
+
+/// The pictures to draw: number and time in seconds.
+fn moments(args: &Args) -> Result<Vec<(u32, f64)>, Failure> {
+    match (&args.frames, args.period) {
+        (Some(range), _) => Ok(range.clone().map(|n| (n, f64::from(n) / args.fps)).collect()),
+        (None, Some(period)) => {
+            let count = (period * args.fps).round().max(1.0);
+            if count > 1e6 {
+                return Err(Failure::usage(format!("{period} s are more than a million frames: write a shorter --loop, or a lower --fps")));
+            }
+            Ok((0..count as u32).map(|n| (n, period * f64::from(n) / count)).collect())
+        }
+        (None, None) => Ok(vec![(0, args.time)]),
+    }
+}
+
+/// The format of the film that is asked for, and its frames per second; none if pictures are.
+fn film(args: &Args, count: usize) -> Result<Option<(Format, f64)>, Failure> {
+    let moves = args.frames.is_some() || args.period.is_some();
+    let shown = args.output.display();
+    if args.output.as_os_str() == "-" && moves {
+        return Err(Failure::usage("frames are files of their own: say where to write with `-o FRAME.png` or `-o FILM.gif`"));
+    }
+    if let Some(format) = Format::of(&args.output) {
+        if !moves {
+            return Err(Failure::usage(format!("{shown} moves: say how long it is with `--frames 0..120` or `--loop 4`")));
+        }
+        let rate = args.period.map_or(args.fps, |period| count as f64 / period);
+        return match format.refuses(args.size, rate) {
+            Some(words) => Err(Failure::usage(words)),
+            None => Ok(Some((format, rate))),
+        };
+    }
+    if args.output.extension().is_some_and(|e| !e.eq_ignore_ascii_case("png")) {
+        let png = args.output.with_extension("png");
+        let pictures = format!("pictures are written as PNG: write `-o {}`", png.display());
+        return Err(Failure::usage(match ends_wrong(&args.output, &["png"]) {
+            Some(words) => format!("{words}; {pictures}"),
+            None => pictures,
+        }));
+    }
+    Ok(None)
 }
 
 fn camera(frame: &Frame, name: Option<&str>) -> Result<Camera, Failure> {

@@ -1,6 +1,7 @@
 //! The command line as a shell sees it: what it prints and writes, and with which code it ends.
 
 mod cases;
+mod films;
 mod measure;
 #[cfg(feature = "gpu")]
 mod meshes;
