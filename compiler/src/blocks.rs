@@ -5,6 +5,7 @@ use crate::graph::{Graph, MaterialId, NodeId};
 use crate::images::EnvironmentFile;
 use crate::live::Live;
 use crate::source::Span;
+use crate::unit::Unit;
 
 /// How a light throws shadows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +69,8 @@ pub struct SceneBlocks {
     pub shadows: Option<NodeId>,
     /// Distance from the eye.
     pub max_distance: Option<NodeId>,
+    /// What one unit is, where the text says it.
+    pub unit: Option<Unit>,
     /// Radius about the origin; constant.
     pub extent: f64,
     /// Whether the text says it.

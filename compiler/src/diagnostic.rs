@@ -100,8 +100,11 @@ codes! {
         "A character that the language does not use. Names are made of letters, digits and `_`; text stands between straight double quotes; a power is `pow(a, b)`.",
         "scene = sphere(1) $ box(1)";
     NumberForm, "number-form", Error,
-        "A number that can't be read, or is too large for the GPU. Numbers are decimal, with one point at most; the units of angles are `deg`, `turn` and `rad`, right after the number.",
+        "A number that can't be read, or is too large for the GPU. Numbers are decimal, with one point at most; a unit stands right after its number: `deg`, `turn` and `rad` are angles, `um`, `mm`, `cm`, `m`, `in` and `ft` lengths.",
         "let a = 1e999\nscene = sphere(1)";
+    NoUnit, "no-unit", Error,
+        "A length with a unit, as `10mm`, in a scene that does not say what its own unit is. Write `render { unit: mm }`, and all lengths become numbers of millimetres.",
+        "scene = box(10mm)";
     StringForm, "string-form", Error,
         "A text that does not end on its line, or an escape that is not known. Texts stand between double quotes; `\\\"`, `\\\\`, `\\n` and `\\t` are the escapes, and paths are written with `/`.",
         "import \"a.sdf\nscene = sphere(1)";

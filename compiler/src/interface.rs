@@ -4,7 +4,9 @@ use crate::rules::RuleSet;
 use crate::source::Span;
 use crate::srgb::{decode, encode};
 use crate::syntax::ast::Type;
+use crate::syntax::literals::{Number, read_number};
 use crate::syntax::revise::Written;
+use crate::unit::Unit;
 use std::ops::Range;
 
 /// Functions that a module can hold, in the order in which they are emitted.
@@ -113,6 +115,8 @@ pub struct Parameter {
     pub ty: Type,
     /// Whether it is shown in degrees (its numbers are radians).
     pub degrees: bool,
+    /// The unit in which it is shown, and how many units of the scene that is, where its value or range is written as a length.
+    pub length: Option<(Unit, f64)>,
     /// Its components at the start. A choice: the index of the name that the text chooses.
     pub default: Vec<f64>,
     /// Least value of each component.
@@ -153,7 +157,26 @@ impl Parameter {
 
     /// How much 1 is, as a person reads it.
     pub fn unit(&self) -> f64 {
-        if self.degrees { 1f64.to_radians() } else { 1.0 }
+        if self.degrees { 1f64.to_radians() } else { self.length.map_or(1.0, |(_, scale)| scale) }
+    }
+
+    /// What is written right after its numbers, as a person reads them: `deg`, `mm`, or nothing.
+    pub fn suffix(&self) -> &'static str {
+        if self.degrees { "deg" } else { self.length.map_or("", |(unit, _)| unit.name()) }
+    }
+
+    /// A number that a person writes in place of what is shown: a bare one in the unit that is shown, or one with its own unit. None where it is none.
+    pub fn read(&self, text: &str) -> Option<f64> {
+        let text = text.trim();
+        let (sign, text) = text.strip_prefix(['-', '−']).map_or((1.0, text), |rest| (-1.0, rest.trim()));
+        let shown = match (read_number(&text.split_whitespace().collect::<String>()).ok()?, self.length) {
+            (Number::Int(value), _) => value as f64,
+            (Number::Float(value), _) => value,
+            (Number::Angle(value, unit), _) if self.degrees => unit.radians(value) / self.unit(),
+            (Number::Length(value, unit), Some((shown, _))) => unit.to(shown, value),
+            (Number::Angle(..) | Number::Length(..), _) => return None,
+        };
+        Some(sign * shown)
     }
 
     /// A number in a person's unit, with no more digits than its range tells apart and no zeros at the end.
@@ -171,7 +194,7 @@ impl Parameter {
             let short = self.digits(i, shown);
             let read = short.parse::<f64>().unwrap_or(shown) * self.unit();
             let within = self.min.get(i).is_none_or(|min| read >= *min) && self.max.get(i).is_none_or(|max| read <= *max);
-            let unit = if self.degrees { "deg" } else { "" };
+            let unit = self.suffix();
             if within { format!("{short}{unit}") } else { format!("{shown}{unit}") }
         };
         let all = |value: &[f64]| match value {

@@ -39,6 +39,7 @@ pub mod source;
 mod spread;
 pub mod srgb;
 pub mod syntax;
+pub mod unit;
 pub mod vector;
 pub mod verify;
 

@@ -4,19 +4,20 @@ use std::borrow::Cow;
 use std::fmt::Write;
 use surefoot_compiler::contour::Mesh;
 use surefoot_compiler::srgb::encode;
+use surefoot_compiler::unit::Unit;
 
 /// A format, by the end of a file's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Triangles by themselves, in 32 bits.
+    /// Triangles by themselves, in 32 bits. Its numbers have no unit, and whoever reads it takes them for millimetres.
     Stl,
     /// Text.
     Obj,
     /// Binary, with colours.
     Ply,
-    /// Binary glTF, with colours.
+    /// Binary glTF, with colours, in metres.
     Glb,
-    /// What printers take; a unit of the scene is a millimetre.
+    /// What printers take. A scene that says no unit is in millimetres.
     ThreeMf,
 }
 
@@ -35,14 +36,28 @@ impl Format {
         }
     }
 
-    /// The bytes of a file.
-    pub fn bytes(self, mesh: &Mesh) -> Result<Vec<u8>, String> {
+    /// The unit of a file's numbers, where a scene says its own: STL and GLB have one of their own, the others that of the scene.
+    pub fn unit(self, of_scene: Unit) -> Unit {
+        match self {
+            Format::Stl => Unit::Mm,
+            Format::Glb => Unit::M,
+            Format::Obj | Format::Ply | Format::ThreeMf => of_scene,
+        }
+    }
+
+    /// The bytes of a file. `unit` is that of the scene, where it says one.
+    pub fn bytes(self, mesh: &Mesh, unit: Option<Unit>) -> Result<Vec<u8>, String> {
+        let scaled = unit.filter(|unit| self.unit(*unit) != *unit).map(|unit| {
+            let vertices = mesh.vertices.iter().map(|v| v.map(|c| unit.to(self.unit(unit), c))).collect();
+            Mesh { vertices, ..mesh.clone() }
+        });
+        let mesh = scaled.as_ref().unwrap_or(mesh);
         match self {
             Format::Stl => stl(mesh),
-            Format::Obj => Ok(obj(mesh).into_bytes()),
-            Format::Ply => ply(mesh),
+            Format::Obj => Ok(obj(mesh, unit).into_bytes()),
+            Format::Ply => ply(mesh, unit),
             Format::Glb => glb(mesh),
-            Format::ThreeMf => three_mf(mesh),
+            Format::ThreeMf => three_mf(mesh, unit.unwrap_or(Unit::Mm)),
         }
     }
 }
@@ -63,9 +78,14 @@ fn stl(mesh: &Mesh) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-fn obj(mesh: &Mesh) -> String {
+/// A comment, in a format that can't say its unit in another way.
+fn comment(unit: Option<Unit>) -> String {
+    unit.map_or(String::new(), |unit| format!(", unit: {}", unit.name()))
+}
+
+fn obj(mesh: &Mesh, unit: Option<Unit>) -> String {
     let mut text = String::with_capacity(48 * mesh.vertices.len() + 24 * mesh.triangles.len());
-    text.push_str("# written by surefoot mesh\n");
+    let _ = writeln!(text, "# written by surefoot mesh{}", comment(unit));
     for [x, y, z] in &mesh.vertices {
         let _ = writeln!(text, "v {x:.9} {y:.9} {z:.9}");
     }
@@ -76,11 +96,11 @@ fn obj(mesh: &Mesh) -> String {
     text
 }
 
-fn ply(mesh: &Mesh) -> Result<Vec<u8>, String> {
+fn ply(mesh: &Mesh, unit: Option<Unit>) -> Result<Vec<u8>, String> {
     use ply_rs_bw::ply::{Addable, DefaultElement, ElementDef, Encoding, Ply, Property, PropertyDef, PropertyType, ScalarType};
     let mut ply = Ply::<DefaultElement>::new();
     ply.header.encoding = Encoding::BinaryLittleEndian;
-    ply.header.comments.push("written by surefoot mesh".to_owned());
+    ply.header.comments.push(format!("written by surefoot mesh{}", comment(unit)));
     let mut vertex = ElementDef::new("vertex".to_owned());
     let mut face = ElementDef::new("face".to_owned());
     let scalars = [(["x", "y", "z"], ScalarType::Float), (["red", "green", "blue"], ScalarType::UChar)];
@@ -186,10 +206,20 @@ fn glb(mesh: &Mesh) -> Result<Vec<u8>, String> {
     file.to_vec().map_err(|why| why.to_string())
 }
 
-fn three_mf(mesh: &Mesh) -> Result<Vec<u8>, String> {
-    use threemf2::model::builder::{ModelBuilder, Unit};
+fn three_mf(mesh: &Mesh, unit: Unit) -> Result<Vec<u8>, String> {
+    use threemf2::model::builder::{self, ModelBuilder};
     let triangles: Vec<[usize; 3]> = mesh.triangles.iter().map(|t| t.map(|v| v as usize)).collect();
-    let mut builder = ModelBuilder::new(Unit::Millimeter, true);
+    let mut builder = ModelBuilder::new(
+        match unit {
+            Unit::Um => builder::Unit::Micron,
+            Unit::Mm => builder::Unit::Millimeter,
+            Unit::Cm => builder::Unit::Centimeter,
+            Unit::M => builder::Unit::Meter,
+            Unit::In => builder::Unit::Inch,
+            Unit::Ft => builder::Unit::Foot,
+        },
+        true,
+    );
     builder.add_metadata("Application", Some("surefoot mesh"));
     let object = builder.add_mesh_object(|object| {
         object.add_vertices(&mesh.vertices).add_triangles(&triangles);

@@ -63,6 +63,7 @@ impl Bench {
             name: name.to_owned(),
             ty: if default.len() == 1 { Type::Float } else { Type::Vec(default.len() as u8) },
             degrees: false,
+            length: None,
             default: default.to_vec(),
             min: vec![min; default.len()],
             max: vec![max; default.len()],

@@ -55,7 +55,7 @@ fn keys(kind: BlockKind) -> &'static [&'static str] {
         BlockKind::Light => &["direction", "position", "color", "intensity", "shadow", "size"],
         BlockKind::Environment => &["sky", "capture", "size"],
         BlockKind::Render => &[
-            "ambient_occlusion", "shadows", "reflections", "max_distance", "extent", "exposure", "tone", "fog", "bloom",
+            "ambient_occlusion", "shadows", "reflections", "max_distance", "extent", "exposure", "tone", "fog", "bloom", "unit",
         ],
         BlockKind::Physics => {
             &["gravity", "restitution", "friction", "rolling", "substeps", "bounds"]
@@ -194,6 +194,7 @@ impl Elaborator<'_> {
             name: shown,
             ty: ty.clone(),
             degrees,
+            length: self.written_length([Some(value), domain.as_ref()]),
             default: defaults.clone(),
             min,
             max,
@@ -319,6 +320,7 @@ impl Elaborator<'_> {
             name: shown,
             ty: Type::Str,
             degrees: false,
+            length: None,
             default: vec![labels.iter().position(|l| *l == written).unwrap_or(index) as f64],
             min: vec![0.0],
             max: vec![labels.len() as f64 - 1.0],
@@ -342,7 +344,7 @@ impl Elaborator<'_> {
     /// What a choice is called: its name or number as written.
     /// The blocks of a text.
     pub fn blocks(&mut self, module: usize) -> SceneBlocks {
-        let mut blocks = SceneBlocks { extent: self.options.extent.unwrap_or(DEFAULT_EXTENT), ..SceneBlocks::default() };
+        let mut blocks = SceneBlocks { unit: self.unit, extent: self.options.extent.unwrap_or(DEFAULT_EXTENT), ..SceneBlocks::default() };
         let modules = self.modules;
         // The extent first: repetitions need it.
         for (_, item) in modules.items(module) {

@@ -10,7 +10,7 @@ use crate::graph::kernel::Op;
 use crate::graph::{Exactness, Leaf, NodeId, Shape, ShapeId, WORLD};
 use crate::source::Span;
 use crate::syntax::words::nearest;
-use crate::syntax::ast::{AngleUnit, Expr, ExprKind, FunctionKind, ItemKind};
+use crate::syntax::ast::{Expr, ExprKind, FunctionKind, ItemKind};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -43,14 +43,8 @@ impl Elaborator<'_> {
             }
             ExprKind::Int(i) => Ok(Value::Number(self.graph.constant(*i as f64), true)),
             ExprKind::Float(f) => Ok(Value::number(self.graph.constant(*f))),
-            ExprKind::Angle(number, unit) => {
-                let radians = match unit {
-                    AngleUnit::Deg => number.to_radians(),
-                    AngleUnit::Turn => number * std::f64::consts::TAU,
-                    AngleUnit::Rad => *number,
-                };
-                Ok(Value::number(self.graph.constant(radians)))
-            }
+            ExprKind::Angle(number, unit) => Ok(Value::number(self.graph.constant(unit.radians(*number)))),
+            ExprKind::Length(value, unit) => self.written_with(*value, *unit, expr.span),
             ExprKind::Color(bytes) => {
                 let linear = bytes.map(|b| self.graph.constant(srgb_to_linear(b)));
                 Ok(Value::Vector(linear.into()))

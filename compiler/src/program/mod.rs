@@ -37,6 +37,7 @@ mod sampled;
 mod surroundings;
 mod texture;
 mod turn;
+mod unit;
 pub mod value;
 
 pub use env::{Elaborated, Env, Scope, Stop};
@@ -48,6 +49,7 @@ use crate::graph::{Exactness, Graph, NodeId, NodeList, Shape, ShapeId};
 use crate::interface::{Options, Parameter};
 use crate::source::{Sources, Span};
 use crate::syntax::ast::{self, FunctionKind, ItemKind};
+use crate::unit::Unit;
 use capped::Capped;
 use faces::Faces;
 use load::{ItemRef, Modules};
@@ -110,6 +112,8 @@ pub struct Elaborator<'a> {
     faces: FxHashMap<ShapeId, Faces>,
     /// Where `x`, `y` and `z` stand for unit vectors.
     axes: FxHashSet<Span>,
+    /// What one unit of the scene is, where it says that.
+    unit: Option<Unit>,
     /// The scene's extent, needed while repetitions are made.
     pub extent: f64,
     /// Repetitions that do not look at all copies.
@@ -182,11 +186,13 @@ fn elaborate_reading(
         trial: false,
         faces: FxHashMap::default(),
         axes: FxHashSet::default(),
+        unit: None,
         extent: 100.0,
         capped: Vec::new(),
         read_up_to,
     };
     let main = modules.main;
+    e.unit = e.scene_unit(main);
     // Parameters first and in their order: so they stand in the window, whether anything reads them yet or not.
     for module in modules.with_parameters() {
         for item in modules.items(module) {

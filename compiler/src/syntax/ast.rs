@@ -1,6 +1,7 @@
 //! The tree that the parser makes. Every node has its place; what could not be read is a hole.
 
 use crate::source::Span;
+use crate::unit::Unit;
 use std::sync::Arc;
 
 /// A name with its place.
@@ -34,6 +35,8 @@ pub enum ExprKind {
     Float(f64),
     /// `45deg`, `0.5turn`, `0.1rad`: the number as written, and its unit.
     Angle(f64, AngleUnit),
+    /// `10mm`, `2.5in`: the number as written, and its unit.
+    Length(f64, Unit),
     /// `#rrggbb` or `#rgb`, as sRGB bytes.
     Color([u8; 3]),
     /// `"text"`, escapes resolved.
@@ -85,6 +88,15 @@ impl AngleUnit {
             AngleUnit::Deg => "deg",
             AngleUnit::Turn => "turn",
             AngleUnit::Rad => "rad",
+        }
+    }
+
+    /// So many of it, in radians.
+    pub fn radians(self, value: f64) -> f64 {
+        match self {
+            AngleUnit::Deg => value.to_radians(),
+            AngleUnit::Turn => value * std::f64::consts::TAU,
+            AngleUnit::Rad => value,
         }
     }
 }
@@ -326,6 +338,7 @@ impl Expr {
             ExprKind::Int(i) => i.to_string(),
             ExprKind::Float(f) => f.to_string(),
             ExprKind::Angle(value, unit) => format!("{value}{}", unit.name()),
+            ExprKind::Length(value, unit) => format!("{value}{}", unit.name()),
             ExprKind::Color([r, g, b]) => format!("#{r:02x}{g:02x}{b:02x}"),
             ExprKind::Vector(parts) => format!("({})", parts.iter().map(Expr::label).collect::<Option<Vec<_>>>()?.join(", ")),
             ExprKind::Paren(inner) => inner.label()?,

@@ -39,7 +39,7 @@ pub fn tokens(text: &str) -> Vec<(Range<usize>, TokenClass)> {
         let class = match token.kind {
             TokenKind::LineComment | TokenKind::BlockComment => TokenClass::Comment,
             TokenKind::Doc | TokenKind::FileDoc => TokenClass::Doc,
-            TokenKind::Int | TokenKind::Float | TokenKind::Angle => TokenClass::Number,
+            TokenKind::Int | TokenKind::Float | TokenKind::Angle | TokenKind::Length => TokenClass::Number,
             TokenKind::Str => TokenClass::Text,
             TokenKind::Color => TokenClass::Color,
             TokenKind::BadLiteral | TokenKind::BadCharacter => TokenClass::Error,
@@ -108,6 +108,7 @@ fn ends_value(kind: TokenKind) -> bool {
             | TokenKind::Int
             | TokenKind::Float
             | TokenKind::Angle
+            | TokenKind::Length
             | TokenKind::ParenClose
             | TokenKind::BracketClose
             | TokenKind::BraceClose

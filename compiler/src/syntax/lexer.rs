@@ -17,6 +17,8 @@ pub enum TokenKind {
     Float,
     /// `45deg`
     Angle,
+    /// `10mm`
+    Length,
     /// `#rrggbb`, `#rgb`
     Color,
     /// `"text"`
@@ -393,6 +395,7 @@ impl Reader<'_> {
             Ok(Number::Int(_)) => TokenKind::Int,
             Ok(Number::Float(_)) => TokenKind::Float,
             Ok(Number::Angle(..)) => TokenKind::Angle,
+            Ok(Number::Length(..)) => TokenKind::Length,
             Err((message, help)) => {
                 self.say(Code::NumberForm, Span::new(self.file, start, end), message, help);
                 TokenKind::BadLiteral

@@ -1,6 +1,7 @@
 //! Numbers, colours and strings: from their characters to their values.
 
 use super::ast::AngleUnit;
+use crate::unit::Unit;
 
 /// A number as it is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,8 +10,10 @@ pub enum Number {
     Int(i64),
     /// With a point or an exponent.
     Float(f64),
-    /// With a unit.
+    /// With the unit of an angle.
     Angle(f64, AngleUnit),
+    /// With the unit of a length.
+    Length(f64, Unit),
 }
 
 /// Reads a number; what is wrong and what to write instead where it can't be read. The digits on one side of the point may be left out.
@@ -34,7 +37,9 @@ pub fn read_number(text: &str) -> Result<Number, (String, String)> {
         }
     }
     let (number, unit) = text.split_at_checked(length).unwrap_or((text, ""));
+    let length = Unit::named(unit);
     let unit = match unit {
+        _ if length.is_some() => None,
         "" => None,
         "deg" => Some(AngleUnit::Deg),
         "turn" => Some(AngleUnit::Turn),
@@ -57,13 +62,13 @@ pub fn read_number(text: &str) -> Result<Number, (String, String)> {
                     "numbers are written with decimal digits".to_string()
                 }
                 _ => {
-                    format!("units are deg, turn and rad; a product is written `{number} * {unit}`")
+                    format!("units are deg, turn and rad, and {}; a product is written `{number} * {unit}`", Unit::NAMES)
                 }
             };
             return Err((message, help));
         }
     };
-    if whole && unit.is_none() {
+    if whole && unit.is_none() && length.is_none() {
         return number
             .parse()
             .map(Number::Int)
@@ -74,7 +79,11 @@ pub fn read_number(text: &str) -> Result<Number, (String, String)> {
     if !(turned as f32).is_finite() {
         return Err(too_large("numbers go up to 3.4e38, as those of the GPU do"));
     }
-    Ok(unit.map_or(Number::Float(value), |unit| Number::Angle(value, unit)))
+    Ok(match (unit, length) {
+        (Some(unit), _) => Number::Angle(value, unit),
+        (None, Some(unit)) => Number::Length(value, unit),
+        (None, None) => Number::Float(value),
+    })
 }
 
 fn too_large(help: &str) -> (String, String) {

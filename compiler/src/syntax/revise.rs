@@ -127,12 +127,17 @@ mod tests {
         use crate::{MemoryLoader, Options, compile};
         let text = "param a = 0.3\nparam b: int = 2 in 0..5\nparam c = 0.25turn in 0..1turn\nparam d = 1 in 1/3..sqrt(2)\nparam e: vec3 = (0, 0, 0) in (-1, -2, 0)..(1, 2, 1e-6)\n\
             param f = #804020\nparam g: color = (2, 3, 0.5) in (0, 0, 0)..(4, 4, 4)\nparam h: color = (0.5, 0.5, 0.5) in (0.21, 0.1, 0.03)..(0.9, 0.9, 0.9)\n\
-            param i = true\nparam j = -20deg in -90deg..90deg\nscene = sphere(1)\n";
+            param i = true\nparam j = -20deg in -90deg..90deg\nparam k = 2cm in 1cm..5cm\nrender { unit: mm }\nscene = sphere(1)\n";
         let read = |text: &str| {
             let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
             outcome.compiled.unwrap_or_else(|| panic!("{text}\n{:?}", outcome.diagnostics)).parameters
         };
         let before = read(text);
+        let [angle, length] = [&before[9], &before[10]];
+        assert_eq!((length.default[0], length.min[0], length.max[0], length.suffix()), (20.0, 10.0, 50.0, "cm"));
+        assert_eq!(length.written(&[12.5]), Written::Value("1.25cm".to_owned(), Some("1cm..5cm".to_owned())));
+        assert_eq!(["3", "30mm", " 1 in", "-3", "30deg", "x", ""].map(|text| length.read(text)), [Some(3.0), Some(3.0), Some(2.54), Some(-3.0), None, None, None]);
+        assert_eq!(["-30", "0.25turn", "3mm"].map(|text| angle.read(text)), [Some(-30.0), Some(90.0), None]);
         for share in [0.0, 0.123_456_7, 1.0 / 3.0, 1.0] {
             let at = |p: &crate::interface::Parameter| {
                 let between = |(min, max): (&f64, &f64)| if p.ty == crate::syntax::ast::Type::Int { (min + share * (max - min)).round() } else { min + share * (max - min) };

@@ -313,6 +313,7 @@ pub fn parameter_json(parameter: &Parameter) -> Value {
         "name": parameter.name,
         "type": ty,
         "degrees": parameter.degrees,
+        "unit": parameter.length.map(|(unit, _)| unit.name()),
         "default": one_or_many(&parameter.default),
         "min": one_or_many(&parameter.min),
         "max": one_or_many(&parameter.max),

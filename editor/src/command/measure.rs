@@ -2,12 +2,13 @@
 
 use super::bar::LateBar;
 use super::console::{Exit, Failure, print};
-use super::mesh::{above_zero, corners, number, words};
+use super::mesh::{above_zero, corners, number, powers, words};
 use super::values::{self, Setting};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use surefoot_compiler::Options;
 use surefoot_compiler::diagnostic::Code;
+use surefoot_compiler::unit::Unit;
 use surefoot_compiler::measure::{Known, Line, Measured, Settings, measure};
 
 /// Pieces that are listed for a person.
@@ -64,7 +65,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let found = measure(compiled, &live, &settings, &|part| bar.show(part));
     bar.finish();
     let found = found.map_err(|why| refused(words(&why, compiled)))?;
-    let text = if args.json { format!("{:#}\n", in_json(args, &found)) } else { in_words(args, &found) };
+    let text = if args.json { format!("{:#}\n", in_json(args, &found, compiled.blocks.unit)) } else { in_words(args, &found, compiled.blocks.unit) };
     print(text.as_bytes())?;
     Ok(Exit::Fine)
 }
@@ -86,7 +87,7 @@ fn worst(of: &[Known]) -> f64 {
 }
 
 /// `4.18879 ± 2.4e-5, proven`
-fn with_error(known: Known) -> String {
+fn with_error(known: Known, unit: &str) -> String {
     let how = match (known.is_proven, known.proven.is_finite()) {
         (true, _) => "proven".to_owned(),
         (false, true) => {
@@ -95,11 +96,12 @@ fn with_error(known: Known) -> String {
         }
         (false, false) => "estimated".to_owned(),
     };
-    format!("{} ± {:.1e}, {how}", digits(known.value, known.error), known.error)
+    format!("{} ± {:.1e}{unit}, {how}", digits(known.value, known.error), known.error)
 }
 
 /// For a person.
-fn in_words(args: &Args, found: &Measured) -> String {
+fn in_words(args: &Args, found: &Measured, unit: Option<Unit>) -> String {
+    let [long, wide, deep] = powers(unit);
     let mut text = format!("{}\n", args.scene);
     let mut line = |name: &str, words: String| {
         let _ = writeln!(text, "  {name:<15} {words}");
@@ -113,36 +115,36 @@ fn in_words(args: &Args, found: &Measured) -> String {
             format!("estimated; it is proven that nothing solid lies beyond {} and {}", outer(|c| c.proven.lo, low), outer(|c| c.proven.hi, high))
         }
     };
-    line("box", format!("from {} to {}, each side ± {error:.1e}, {how}", place(low), place(high)));
+    line("box", format!("from {} to {}, each side ± {error:.1e}{long}, {how}", place(low), place(high)));
     let sides = [0, 1, 2].map(|i| digits(high[i].value - low[i].value, low[i].error + high[i].error));
-    line("size", sides.join(" × "));
-    line("volume", with_error(found.volume));
-    line("area", with_error(found.area));
+    line("size", format!("{}{long}", sides.join(" × ")));
+    line("volume", with_error(found.volume, &deep));
+    line("area", with_error(found.area, &wide));
     let how = if found.centre.iter().all(|c| c.is_proven) { "proven" } else { "estimated" };
-    line("centre of mass", format!("{} ± {:.1e}, {how}", place(found.centre), worst(&found.centre)));
+    line("centre of mass", format!("{} ± {:.1e}{long}, {how}", place(found.centre), worst(&found.centre)));
     let cells = found.cells.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
     let settled = match found.settled {
         true => format!("the same with {cells} cells along the longest side"),
         false => format!("not the same with {cells} cells along the longest side, so some may be missed or joined"),
     };
-    line("pieces", format!("{}, {settled}; what is smaller than {:.1e} may be missed", found.pieces.len(), found.cell));
+    line("pieces", format!("{}, {settled}; what is smaller than {:.1e}{long} may be missed", found.pieces.len(), found.cell));
     for (i, piece) in found.pieces.iter().take(LISTED).enumerate() {
         let cavities = match piece.cavities {
             0 => String::new(),
             1 => ", 1 cavity".to_owned(),
             n => format!(", {n} cavities"),
         };
-        let volume = if found.pieces.len() == 1 { String::new() } else { format!(", volume {} ± {:.1e}", digits(piece.volume.value, piece.volume.error), piece.volume.error) };
+        let volume = if found.pieces.len() == 1 { String::new() } else { format!(", volume {} ± {:.1e}{deep}", digits(piece.volume.value, piece.volume.error), piece.volume.error) };
         line(&format!("  {}", i + 1), format!("Euler number {}{cavities}{volume}", piece.euler));
     }
     if found.pieces.len() > LISTED {
         line("", format!("and {} smaller ones", found.pieces.len() - LISTED));
     }
     if let Some(met) = &found.line {
-        line("line", format!("{} long, {} of it solid", digits(met.length, met.error), digits(met.solid(), met.error)));
+        line("line", format!("{}{long} long, {}{long} of it solid", digits(met.length, met.error), digits(met.solid(), met.error)));
         for way in &met.ways {
             let what = if way.solid { "solid" } else { "air" };
-            line(&format!("  {what}"), format!("{}, from {} to {}", digits(way.to - way.from, met.error), digits(way.from, met.error), digits(way.to, met.error)));
+            line(&format!("  {what}"), format!("{}{long}, from {} to {}", digits(way.to - way.from, met.error), digits(way.from, met.error), digits(way.to, met.error)));
         }
         for note in notes(met) {
             line("", note);
@@ -165,7 +167,7 @@ fn known_json(known: &Known) -> Value {
 }
 
 /// For a machine.
-fn in_json(args: &Args, found: &Measured) -> Value {
+fn in_json(args: &Args, found: &Measured, unit: Option<Unit>) -> Value {
     let all = |of: &[Known; 3]| of.iter().map(known_json).collect::<Vec<_>>();
     let line = found.line.as_ref().map(|line| {
         let ways = line.ways.iter().map(|way| json!({ "solid": way.solid, "from": way.from, "to": way.to }));
@@ -192,6 +194,7 @@ fn in_json(args: &Args, found: &Measured) -> Value {
     json!({
         "file": args.scene,
         "time": args.time,
+        "unit": unit.map(Unit::name),
         "tolerance": found.tolerance,
         "box": { "min": all(&found.bounds[0]), "max": all(&found.bounds[1]) },
         "volume": known_json(&found.volume),

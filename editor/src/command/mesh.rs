@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use surefoot_compiler::contour::{self, Detail, MOST_CELLS, Mesh, Refused, Settings};
 use surefoot_compiler::diagnostic::Code;
 use surefoot_compiler::functions::Kind;
+use surefoot_compiler::unit::Unit;
 use surefoot_compiler::{Compiled, Options};
 
 /// The surface of what, how fine, and where to.
@@ -16,7 +17,7 @@ use surefoot_compiler::{Compiled, Options};
 pub struct Args {
     /// The scene.
     scene: String,
-    /// The file to write: STL, OBJ, PLY, GLB or 3MF, by the ending of its name. PLY and GLB include colours; in 3MF a unit is a millimetre.
+    /// The file to write: STL, OBJ, PLY, GLB or 3MF, by the ending of its name. PLY and GLB include colours. With `render { unit: mm }` a 3MF states that unit, STL is in millimetres and GLB in metres.
     #[arg(short, long, value_parser = output, value_name = "FILE")]
     output: PathBuf,
     /// Cells along the longest side of the solid.
@@ -104,10 +105,15 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let mesh = mesh.map_err(|why| refused(words(&why, compiled)))?;
     // Whoever is told that a file was written can rely on it.
     let format = format_of(&args.output).unwrap_or(Format::Stl);
-    let bytes = format.bytes(&mesh).map_err(refused)?;
+    let bytes = format.bytes(&mesh, compiled.blocks.unit).map_err(refused)?;
     files::write(&args.output, &bytes).map_err(|why| Failure::usage(format!("can't write {}: {why}", args.output.display())))?;
-    print(summary(&args.output, &mesh).as_bytes())?;
+    print(summary(&args.output, &mesh, compiled.blocks.unit).as_bytes())?;
     Ok(Exit::Fine)
+}
+
+/// What stands behind a length, an area and a volume: ` mm`, ` mm²`, ` mm³`, or nothing where a scene says no unit.
+pub(super) fn powers(unit: Option<Unit>) -> [String; 3] {
+    ["", "²", "³"].map(|power| unit.map_or(String::new(), |unit| format!(" {}{power}", unit.name())))
 }
 
 /// Why a scene has no mesh, or nothing to measure, and what to do about it.
@@ -131,14 +137,15 @@ pub(super) fn words(why: &Refused, compiled: &Compiled) -> String {
 }
 
 /// What was written, for a person.
-fn summary(path: &Path, mesh: &Mesh) -> String {
+fn summary(path: &Path, mesh: &Mesh, unit: Option<Unit>) -> String {
+    let [long, wide, deep] = powers(unit);
     let found = mesh.examine();
     let corner = |c: [f64; 3]| c.map(|c| format!("{c:.4}")).join(", ");
     let [low, high] = found.bounds.map(corner);
     let pieces = if found.pieces == 1 { "1 piece".to_owned() } else { format!("{} pieces", found.pieces) };
     format!(
-        "{}: {} vertices, {} triangles, each edge in two of them\n  {pieces}, Euler number {}, volume {:.6}, area {:.6}, from ({low}) to ({high})\n  \
-         {} cells along the longest side, each {:.3e}; the farthest triangle found is {:.3e} from the surface\n",
+        "{}: {} vertices, {} triangles, each edge in two of them\n  {pieces}, Euler number {}, volume {:.6}{deep}, area {:.6}{wide}, from ({low}) to ({high}){long}\n  \
+         {} cells along the longest side, each {:.3e}{long}; the farthest triangle found is {:.3e}{long} from the surface\n",
         path.display(),
         mesh.vertices.len(),
         mesh.triangles.len(),

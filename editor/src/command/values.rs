@@ -1,8 +1,9 @@
-//! Values on the command line: `--set spin=1.2`, `--set tint=#d08770`, `--set spot=0,1,0`, `--set angle=45deg`.
+//! Values on the command line: `--set spin=1.2`, `--set tint=#d08770`, `--set spot=0,1,0`, `--set angle=45deg`, `--set size=10mm`.
 
 use super::console::{Failure, compile_file, show_diagnostics};
 use surefoot_compiler::compiled::{Compiled, Parameter};
 use surefoot_compiler::syntax::ast::Type;
+use surefoot_compiler::unit::Unit;
 use surefoot_compiler::{Live, Options, Outcome};
 
 /// `name=value` as written.
@@ -21,6 +22,8 @@ pub struct Setting {
 pub enum Value {
     /// A number, the components of a vector, radians, or 0 and 1 for `false` and `true`.
     Numbers(Vec<f64>),
+    /// Lengths, each with its unit.
+    Lengths(Vec<(f64, Unit)>),
     /// sRGB, 0 to 1.
     Color([f64; 3]),
     /// Words: one of the names that a parameter chooses among.
@@ -51,6 +54,10 @@ fn value(text: &str) -> Result<Value, String> {
         _ => {}
     }
     let inner = text.strip_prefix('(').and_then(|t| t.strip_suffix(')')).unwrap_or(text);
+    let lengths: Option<Vec<(f64, Unit)>> = inner.split(',').map(|part| length(part.trim())).collect();
+    if let Some(lengths) = lengths.filter(|lengths| lengths.len() <= 4) {
+        return Ok(Value::Lengths(lengths));
+    }
     let numbers: Option<Vec<f64>> = inner.split(',').map(|part| number(part.trim())).collect();
     match numbers {
         Some(numbers) if numbers.len() <= 4 => Ok(Value::Numbers(numbers)),
@@ -58,8 +65,16 @@ fn value(text: &str) -> Result<Value, String> {
         None if text.starts_with(char::is_alphabetic) || text.starts_with('_') => {
             Ok(Value::Word(text.to_owned()))
         }
-        _ => Err(format!("`{text}` is no number, vector, colour, angle, true, false or name")),
+        _ => Err(format!("`{text}` is no number, vector, colour, angle, length, true, false or name")),
     }
+}
+
+/// A number right before the unit of a length.
+fn length(text: &str) -> Option<(f64, Unit)> {
+    // Of two names that end alike the longer one is meant: `mm` and not `m`.
+    let units = Unit::ALL.into_iter().filter_map(|unit| Some((text.strip_suffix(unit.name())?, unit)));
+    let (digits, unit) = units.min_by_key(|(digits, _)| digits.len())?;
+    digits.ends_with(|c: char| c.is_ascii_digit() || c == '.').then(|| number(digits))?.map(|n| (n, unit))
 }
 
 /// A finite number, perhaps with the unit of an angle.
@@ -130,6 +145,13 @@ fn apply(settings: &[Setting], compiled: &Compiled, live: &mut Live) -> Result<(
             (Value::Numbers(numbers), Some(first)) => {
                 write(parameter, first, numbers, live).map_err(wrong)?;
             }
+            (Value::Lengths(lengths), Some(first)) => {
+                let Some(of_scene) = compiled.blocks.unit else {
+                    return Err(wrong("the scene does not say what its unit is: write the number alone, or `render { unit: mm }` in the scene".to_owned()));
+                };
+                let numbers: Vec<f64> = lengths.iter().map(|(value, unit)| unit.to(of_scene, *value)).collect();
+                write(parameter, first, &numbers, live).map_err(wrong)?;
+            }
             (Value::Color(srgb), Some(first)) => {
                 write(parameter, first, &srgb.map(linear), live).map_err(wrong)?;
             }
@@ -157,9 +179,7 @@ fn write(
         if let (Some(&min), Some(&max)) = (parameter.min.get(i), parameter.max.get(i))
             && !(min..=max).contains(&number)
         {
-            let shown = |n: f64| {
-                if parameter.degrees { format!("{}deg", round(n.to_degrees())) } else { round(n) }
-            };
+            let shown = |n: f64| format!("{}{}", round(n / parameter.unit()), parameter.suffix());
             let degrees = parameter.degrees && (min..=max).contains(&number.to_radians());
             let hint = if degrees { format!("; write {}deg", round(number)) } else { String::new() };
             return Err(format!(
@@ -203,6 +223,9 @@ mod tests {
         assert_eq!(read("true"), Value::Numbers(vec![1.0]));
         assert_eq!(read("180deg"), Value::Numbers(vec![std::f64::consts::PI]));
         assert_eq!(read("0.5turn"), Value::Numbers(vec![std::f64::consts::PI]));
+        assert_eq!(read("10mm"), Value::Lengths(vec![(10.0, Unit::Mm)]));
+        assert_eq!(read("(-1.5in, 2m,.5um)"), Value::Lengths(vec![(-1.5, Unit::In), (2.0, Unit::M), (0.5, Unit::Um)]));
+        assert_eq!(read("min"), Value::Word("min".to_owned()));
         assert_eq!(read("#f00"), Value::Color([1.0, 0.0, 0.0]));
         assert_eq!(read("ionic"), Value::Word("ionic".to_owned()));
         assert_eq!(read("inf"), Value::Word("inf".to_owned()));
@@ -216,7 +239,7 @@ mod tests {
 
     #[test]
     fn refuses_the_rest() {
-        for wrong in ["a", "=1", "a=", "a=1,2,3,4,5", "a=#12", "a=1..2", "a=#+1234f"] {
+        for wrong in ["a", "=1", "a=", "a=1,2,3,4,5", "a=#12", "a=1..2", "a=10mm,1", "a=10 mm", "a=10km", "a=1e999mm", "a=#+1234f"] {
             assert!(setting(wrong).is_err(), "{wrong}");
         }
     }

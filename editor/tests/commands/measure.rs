@@ -43,6 +43,19 @@ fn a_solid_is_measured() {
 }
 
 #[test]
+fn lengths_have_the_unit_of_the_scene() {
+    let folder = folder("measure_unit");
+    fs::write(folder.join("box.sdf"), "render { unit: mm }\nscene = box((2cm, 10, 0.5in))\n").unwrap();
+    let common = ["measure", "box.sdf", "--tolerance", "1e-2", "--line", "-20,0,0 20,0,0"];
+    let (code, out, err) = run(&folder, &common);
+    assert_eq!((code, err.as_str()), (0, ""), "{out}");
+    for words in ["20 × 10 × 12.7 mm\n", " mm³, ", " mm², ", "40 mm long, 20 mm of it solid"] {
+        assert!(out.contains(words), "{words}: {out}");
+    }
+    assert_eq!(json(&folder, &[&common[..], &["--json"]].concat())["unit"], "mm");
+}
+
+#[test]
 fn what_can_not_be_measured_is_refused() {
     let folder = folder("measure_refused");
     fs::write(folder.join("empty.sdf"), "scene = sphere(1) & sphere(1).translate(5, 0, 0)\n").unwrap();

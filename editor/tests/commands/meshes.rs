@@ -81,6 +81,34 @@ fn a_tolerance_a_box_a_value_and_a_moment_are_taken() {
     assert!((bounds[0][0] - 1.0).abs() < 0.05 && (bounds[1][0] - 3.0).abs() < 0.05, "{bounds:?} {out}");
 }
 
+/// A scene in centimetres: what has a unit of its own is scaled to it, and the rest says that of the scene.
+#[test]
+fn a_unit_goes_along() {
+    let folder = folder("mesh_unit");
+    fs::write(folder.join("block.sdf"), "param wide = 2cm in 5mm..5cm\nrender { unit: cm }\nscene = box((wide, 10mm, 0.5in))\n").unwrap();
+    let wide = |file: &str, set: &str| {
+        let (code, out, err) = run(&folder, &["mesh", "block.sdf", "-o", file, "--resolution", "16", "--set", set]);
+        assert_eq!((code, err.as_str()), (0, ""), "{out}");
+        assert!(out.contains(" cm³, area ") && out.contains("0.6350) cm"), "{out}");
+        fs::read(folder.join(file)).unwrap()
+    };
+    for (file, set, size) in [("b.stl", "wide=20mm", 20.0), ("b.glb", "wide=2", 0.02), ("b.obj", "wide=0.03m", 3.0), ("b.ply", "wide=1in", 2.54)] {
+        let bytes = wide(file, set);
+        let [low, high] = load(&folder.join(file)).bounds.map(|corner| f64::from(corner[0]));
+        assert!((high - low - size).abs() < 1e-5 * size, "{file}: {low} to {high}");
+        let says = bytes.windows(8).any(|w| w == b"unit: cm");
+        assert_eq!(says, file.ends_with("obj") || file.ends_with("ply"), "{file}");
+    }
+    // A 3MF's model is deflated; its reader says the unit.
+    let package = threemf2::package::ThreemfPackage::from_reader_with_memory_optimized_deserializer(std::io::Cursor::new(wide("b.3mf", "wide=2")), true).unwrap();
+    assert_eq!(package.root.unit, Some(threemf2::model::Unit::Centimeter));
+    for (set, told) in [("wide=6cm", "6cm is outside of 0.5cm to 5cm"), ("wide=1mm,2mm", "it takes 1 number"), ("wide=3ells", "is no number")] {
+        let (code, _, err) = run(&folder, &["mesh", "block.sdf", "-o", "x.stl", "--set", set]);
+        assert_eq!(code, 2, "{err}");
+        assert!(err.contains(told), "{err}");
+    }
+}
+
 #[test]
 fn what_has_no_mesh_is_refused() {
     let folder = folder("mesh_refused");

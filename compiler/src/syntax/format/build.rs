@@ -151,7 +151,7 @@ impl<'t> Builder<'t> {
             ExprKind::Range(from, to) => {
                 Doc::concat(vec![self.expr(from), Doc::Text(".."), self.expr(to)])
             }
-            ExprKind::Float(_) | ExprKind::Angle(..) => {
+            ExprKind::Float(_) | ExprKind::Angle(..) | ExprKind::Length(..) => {
                 let comments = self.comments.within(expr.span.start);
                 Doc::concat(vec![comments, self.number(expr.span)])
             }
@@ -450,9 +450,9 @@ fn is_block_like(expr: &Expr) -> bool {
 /// Whether a value is a number, a colour, or a vector of numbers.
 fn is_plain(expr: &Expr) -> bool {
     match &expr.kind {
-        ExprKind::Int(_) | ExprKind::Float(_) | ExprKind::Angle(..) | ExprKind::Color(_) => true,
+        ExprKind::Int(_) | ExprKind::Float(_) | ExprKind::Angle(..) | ExprKind::Length(..) | ExprKind::Color(_) => true,
         ExprKind::Unary(_, inner) => {
-            matches!(inner.kind, ExprKind::Int(_) | ExprKind::Float(_) | ExprKind::Angle(..))
+            matches!(inner.kind, ExprKind::Int(_) | ExprKind::Float(_) | ExprKind::Angle(..) | ExprKind::Length(..))
         }
         ExprKind::Vector(items) => {
             items.iter().all(|item| !matches!(item.kind, ExprKind::Vector(_)) && is_plain(item))

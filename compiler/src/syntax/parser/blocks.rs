@@ -351,6 +351,11 @@ impl Parser<'_> {
                 }
             }
         }
+        if *key.text == *"unit" && self.is_word("in") {
+            // Inches: a word of the language everywhere else.
+            let word = self.bump();
+            return Some(Entry { key, value: Expr { kind: ExprKind::Name("in".to_owned()), span: self.span(word) } });
+        }
         Some(Entry { key, value: self.value_or_range() })
     }
 }

@@ -187,7 +187,7 @@ impl Parser<'_> {
         self.bump();
         let name = self.declared_name("a parameter");
         let (mut domain, mut value) = (None, None);
-        let is_number = matches!(self.peek_next().kind, TokenKind::Int | TokenKind::Float | TokenKind::Angle | TokenKind::Minus);
+        let is_number = matches!(self.peek_next().kind, TokenKind::Int | TokenKind::Float | TokenKind::Angle | TokenKind::Length | TokenKind::Minus);
         let ty = if self.is(TokenKind::Colon) && is_number && self.word_of(self.token_at(self.at + 2)) == "in" {
             self.unexpected("the value of a parameter stands after `=`, found `:`", "write it as in `param height = 2 in 1..5`");
             self.bump();

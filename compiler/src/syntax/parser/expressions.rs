@@ -8,6 +8,7 @@ use super::Parser;
 use super::recovery::ListOf;
 use crate::diagnostic::Code;
 use crate::source::Span;
+use crate::unit::Unit;
 
 const ARGUMENTS: ListOf = ListOf { plural: "arguments", example: "an argument" };
 const COMPONENTS: ListOf = ListOf { plural: "the components of a vector", example: "a number" };
@@ -283,7 +284,7 @@ impl Parser<'_> {
     fn primary(&mut self) -> Expr {
         let token = self.peek();
         let kind = match token.kind {
-            TokenKind::Int | TokenKind::Float | TokenKind::Angle => self.number(),
+            TokenKind::Int | TokenKind::Float | TokenKind::Angle | TokenKind::Length => self.number(),
             TokenKind::Color => {
                 self.bump();
                 read_color(token.text(self.text)).map_or(ExprKind::Hole, ExprKind::Color)
@@ -333,21 +334,29 @@ impl Parser<'_> {
             "rad" => Some(AngleUnit::Rad),
             _ => None,
         };
+        // `in` stands before a range.
+        let length = Unit::named(word).filter(|unit| *unit != Unit::In);
         match (number, unit) {
+            (Ok(Number::Int(_) | Number::Float(_)), None) if let Some(unit) = length && !self.is_on_new_line() => {
+                self.apart(token, word);
+                ExprKind::Length(token.text(self.text).parse().unwrap_or(0.0), unit)
+            }
             (Ok(Number::Int(_) | Number::Float(_)), Some(unit)) if !self.is_on_new_line() => {
-                let text = token.text(self.text);
-                self.unexpected(
-                    "a unit stands right after its number",
-                    format!("write `{text}{word}`"),
-                );
-                self.bump();
-                ExprKind::Angle(text.parse().unwrap_or(0.0), unit)
+                self.apart(token, word);
+                ExprKind::Angle(token.text(self.text).parse().unwrap_or(0.0), unit)
             }
             (Ok(Number::Int(value)), _) => ExprKind::Int(value),
             (Ok(Number::Float(value)), _) => ExprKind::Float(value),
             (Ok(Number::Angle(value, unit)), _) => ExprKind::Angle(value, unit),
+            (Ok(Number::Length(value, unit)), _) => ExprKind::Length(value, unit),
             (Err(_), _) => ExprKind::Hole,
         }
+    }
+
+    /// A unit with a space before it.
+    fn apart(&mut self, number: Token, unit: &str) {
+        self.unexpected("a unit stands right after its number", format!("write `{}{unit}`", number.text(self.text)));
+        self.bump();
     }
 
     /// An item of a list. In other languages a `for` may follow on it.
@@ -571,8 +580,8 @@ impl Parser<'_> {
 }
 
 fn is_literal(value: &Expr) -> bool {
-    use ExprKind::{Angle, Bool, Color, Float, Int, Str};
-    matches!(value.kind, Bool(_) | Int(_) | Float(_) | Angle(..) | Color(_) | Str(_))
+    use ExprKind::{Angle, Bool, Color, Float, Int, Length, Str};
+    matches!(value.kind, Bool(_) | Int(_) | Float(_) | Angle(..) | Length(..) | Color(_) | Str(_))
 }
 
 /// An operator between operands, and its level: the higher, the tighter.

@@ -217,6 +217,7 @@ impl Parser<'_> {
             TokenKind::Int
             | TokenKind::Float
             | TokenKind::Angle
+            | TokenKind::Length
             | TokenKind::Color
             | TokenKind::Str
             | TokenKind::BadLiteral

@@ -57,6 +57,7 @@ fn bracketed(e: &Expr) -> String {
         ExprKind::Int(i) => i.to_string(),
         ExprKind::Float(f) => format!("{f:?}"),
         ExprKind::Angle(a, unit) => format!("{a}{unit:?}"),
+        ExprKind::Length(a, unit) => format!("{a}{unit:?}"),
         ExprKind::Color(c) => format!("{c:?}"),
         ExprKind::Str(s) => format!("{s:?}"),
         ExprKind::Name(n) => n.clone(),

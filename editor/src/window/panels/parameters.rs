@@ -171,7 +171,7 @@ fn slider(
     component: &mut f64,
     (min, max): (f64, f64),
 ) -> Response {
-    // Angles are radians inside and degrees outside.
+    // Angles are radians inside and degrees outside; lengths have the unit that the text writes.
     let scale = parameter.unit();
     let mut shown = *component / scale;
     let decimals = parameter.decimals(index);
@@ -179,17 +179,16 @@ fn slider(
     // As wide as the longest number, so that nothing moves.
     let longest = [min / scale, max / scale, shown].map(|value| text(value).len()).into_iter().fold(decimals + 3, usize::max);
     let digit = ui.fonts_mut(|f| f.glyph_width(&egui::TextStyle::Button.resolve(ui.style()), '0'));
-    let value_width = (longest as f32 + 2.0).mul_add(digit, 2.0 * ui.spacing().button_padding.x).max(62.0);
+    let value_width = ((longest + suffix(parameter).len()) as f32 + 2.0).mul_add(digit, 2.0 * ui.spacing().button_padding.x).max(62.0);
     ui.spacing_mut().slider_width = (ui.available_width() - value_width - 10.0).max(40.0);
     ui.spacing_mut().interact_size.x = value_width;
     let mut slider = Slider::new(&mut shown, min / scale..=max / scale)
         // What the text says is not rounded by being shown.
         .clamping(SliderClamping::Edits)
         .smart_aim(true)
-        .custom_formatter(|value, _| text(value));
-    if parameter.degrees {
-        slider = slider.suffix("°");
-    }
+        .custom_formatter(|value, _| text(value))
+        .custom_parser(|text| parameter.read(text))
+        .suffix(suffix(parameter));
     if parameter.ty == Type::Int {
         slider = slider.integer();
     }
@@ -208,13 +207,17 @@ fn double_clicked(ui: &Ui, response: &Response, component: usize) -> bool {
     ui.interact(rail, id, Sense::click()).double_clicked()
 }
 
+/// What stands after a number: a sign for degrees, and a unit of length.
+fn suffix(parameter: &Parameter) -> &'static str {
+    if parameter.degrees { "°" } else { parameter.suffix() }
+}
+
 fn hover(parameter: &Parameter, moved: bool) -> String {
     let mut lines: Vec<String> = Vec::new();
     lines.extend(parameter.description.clone());
     let number = |value: f64| {
-        let value = if parameter.degrees { value.to_degrees() } else { value };
-        let unit = if parameter.degrees { "°" } else { "" };
-        format!("{}{unit}", (value * 1e4).round() / 1e4)
+        let value = value / parameter.unit();
+        format!("{}{}", (value * 1e4).round() / 1e4, suffix(parameter))
     };
     let vector = |values: &[f64]| match values {
         [one] => number(*one),
