@@ -59,6 +59,40 @@ fn closed_forms_to_a_ten_thousandth() {
     }
 }
 
+/// The thinnest wall and the narrowest gap of a scene.
+fn across(text: &str) -> [Option<surefoot_compiler::measure::Across>; 2] {
+    let found = measured(text, &Settings { walls: true, ..coarse(0.05) }).walls.unwrap();
+    [found.wall, found.gap]
+}
+
+#[test]
+fn walls_and_gaps_are_those_of_closed_forms() {
+    for (text, wall, gap) in [
+        ("sphere(1)", Some(2.0), None),
+        // A hollow ball, whose cavity is a gap.
+        ("sphere(1) - sphere(0.9)", Some(0.1), Some(1.8)),
+        // Off its middle.
+        ("sphere(1) - sphere(0.6).translate(0.3, 0.05, 0)", Some(0.4 - 0.3f64.hypot(0.05)), Some(1.2)),
+        ("box(2, 1, 3)", Some(1.0), None),
+        // The hole lies near a side, through the short way.
+        ("box(2, 1, 3) - cylinder(0.3, 4).translate(0.55, 0, 0.4)", Some(0.15), Some(0.6)),
+        ("sphere(1) | sphere(0.5).translate(1.7, 0.4, 0.2)", Some(1.0), Some((1.7f64 * 1.7 + 0.16 + 0.04).sqrt() - 1.5)),
+        // A slanted plate has the thickness across.
+        ("box(3, 0.2, 3).rotate(z, 33deg).rotate(x, 12deg)", Some(0.2), None),
+        ("torus(1, 0.3)", Some(0.6), Some(1.4)),
+    ] {
+        let [thin, narrow] = across(&format!("scene = ({text}).translate(0.37, -0.21, 0.11)\n"));
+        for (what, found, wanted) in [("wall", thin, wall), ("gap", narrow, gap)] {
+            assert_eq!(found.is_some(), wanted.is_some(), "{text}: {what} {found:?}");
+            let (Some(found), Some(wanted)) = (found, wanted) else { continue };
+            near(&format!("{text}: {what}"), found.length, wanted, 1e-4);
+            let [from, to] = found.ends;
+            let long = from.iter().zip(to).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+            assert!((long - found.length.value).abs() < 1e-9 && !found.length.is_proven && found.length.proven.hi >= long, "{text}: {found:?}");
+        }
+    }
+}
+
 #[test]
 fn what_is_flat_is_proven() {
     let found = measured("scene = box(2, 3, 4).translate(1, 1.5, 2) - box(1).translate(0.5, 0.5, 0.5)\n", &coarse(1e-3));

@@ -15,6 +15,8 @@ pub struct Settings {
     pub within: Option<[Vec3; 2]>,
     /// The ends of a line along which the solid is met.
     pub line: Option<[Vec3; 2]>,
+    /// Whether the thinnest wall and the narrowest gap are looked for.
+    pub walls: bool,
 }
 
 /// A number and its error.

@@ -1,7 +1,7 @@
 //! What a solid measures at one moment: its box, volume, area, centre of mass and pieces, and what a line meets of it, each with its error.
 //!
 //! The box, the volume, the centre of mass and the ways along a line are proven, by intervals of the field alone (`extent.rs`, `volume.rs`,
-//! `line.rs`). The area is estimated: meshes of the surface become finer, and their areas lead to the one without cells (`surface.rs`). The same is
+//! `line.rs`). Walls and gaps are proven from above (`walls.rs`). The area is estimated: meshes of the surface become finer, and their areas lead to the one without cells (`surface.rs`). The same is
 //! done for volume and centre of mass, and counts where it says more than what is proven within the work that is allowed; it is held within that then.
 
 mod clip;
@@ -10,9 +10,11 @@ mod known;
 mod line;
 mod surface;
 mod volume;
+mod walls;
 
 pub use known::{Known, Piece, Settings};
 pub use line::{Line, Way};
+pub use walls::{Across, Walls};
 
 use crate::certify::Truth;
 use crate::compiled::{Compiled, Live};
@@ -47,12 +49,21 @@ pub struct Measured {
     pub cells: Vec<u32>,
     /// What the line meets.
     pub line: Option<Line>,
+    /// The thinnest wall and the narrowest gap, where they are asked for.
+    pub walls: Option<Walls>,
     /// What lengths shall be known to.
     pub tolerance: f64,
 }
 
 /// A box that holds what is solid at this moment, of a scene that has no end that is known at all times and for all values of its parameters.
-fn ends_now(compiled: &Compiled, truth: &Truth) -> Option<[Vec3; 2]> {
+pub fn ends_now(compiled: &Compiled, live: &Live) -> Option<[Vec3; 2]> {
+    if compiled.bounds().is_some() {
+        return None;
+    }
+    ends(compiled, &Truth::new(compiled, live, LARGEST).ok()?)
+}
+
+fn ends(compiled: &Compiled, truth: &Truth) -> Option<[Vec3; 2]> {
     let extent = compiled.blocks.extent;
     if compiled.bounds().is_some() {
         return None;
@@ -67,13 +78,19 @@ fn ends_now(compiled: &Compiled, truth: &Truth) -> Option<[Vec3; 2]> {
 /// Measures the solid of a scene at one moment. `progress` hears the part that is done.
 pub fn measure(compiled: &Compiled, live: &Live, settings: &Settings, progress: &(dyn Fn(f64) + Sync)) -> Result<Measured, Refused> {
     let truth = Truth::new(compiled, live, LARGEST).map_err(Refused::Long)?;
-    let within = settings.within.or_else(|| ends_now(compiled, &truth));
+    let within = settings.within.or_else(|| ends(compiled, &truth));
     let settings = &Settings { within, ..*settings };
     let room = contour::room(compiled, settings.within)?;
     // What ends at the box's walls may stand out by what its numbers are rounded.
     let beside = if settings.within.is_some() { 0.0 } else { 4.0 * ROUNDED * room.iter().flatten().fold(0.0, |size: f64, c| size.max(c.abs())) };
     let [low, high] = room;
     let whole = [Interval::new(low[0], high[0]), Interval::new(low[1], high[1]), Interval::new(low[2], high[2])].map(|side| side.grow(beside));
+    let walls = match settings.walls {
+        true => Some(walls::walls(compiled, live, (&truth, whole), settings.within, &|part| progress(0.4 * part))?),
+        false => None,
+    };
+    let before = if settings.walls { 0.4 } else { 0.0 };
+    let progress = |part: f64| progress(before + (1.0 - before) * part);
     let surface = surface::surface(compiled, live, settings, &|part| progress(0.4 * part))?;
     let sides = extent::extent(&truth, whole, &surface.outer).ok_or(Refused::Empty)?;
     progress(0.45);
@@ -109,6 +126,7 @@ pub fn measure(compiled: &Compiled, live: &Live, settings: &Settings, progress: 
         cell: surface.cell,
         cells: surface.cells,
         line,
+        walls: walls.map(|walls| walls.rounded(2.0 * by)),
         tolerance,
     })
 }

@@ -9,7 +9,7 @@ use std::fmt::Write;
 use surefoot_compiler::Options;
 use surefoot_compiler::diagnostic::Code;
 use surefoot_compiler::unit::Unit;
-use surefoot_compiler::measure::{Known, Line, Measured, Settings, measure};
+use surefoot_compiler::measure::{Across, Known, Line, Measured, Settings, measure};
 
 /// Pieces that are listed for a person.
 const LISTED: usize = 20;
@@ -31,6 +31,9 @@ pub struct Args {
     /// Follow a line from one point to another: how far it goes through the solid and through air.
     #[arg(long, allow_hyphen_values = true, value_parser = ends, value_name = "X,Y,Z X,Y,Z")]
     line: Option<[[f64; 3]; 2]>,
+    /// Find the thinnest wall and the narrowest gap too.
+    #[arg(long)]
+    walls: bool,
     /// The time, in seconds.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = number, value_name = "SECONDS")]
     time: f64,
@@ -60,7 +63,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if outcome.diagnostics.iter().any(|d| d.code == Code::NothingSolid) {
         return Err(refused("nothing is solid, so there is nothing to measure".to_owned()));
     }
-    let settings = Settings { tolerance: args.tolerance, within: args.within, line: args.line };
+    let settings = Settings { tolerance: args.tolerance, within: args.within, line: args.line, walls: args.walls };
     let bar = LateBar::new();
     let found = measure(compiled, &live, &settings, &|part| bar.show(part));
     bar.finish();
@@ -140,6 +143,15 @@ fn in_words(args: &Args, found: &Measured, unit: Option<Unit>) -> String {
     if found.pieces.len() > LISTED {
         line("", format!("and {} smaller ones", found.pieces.len() - LISTED));
     }
+    if let Some(walls) = &found.walls {
+        let missed = format!("what is smaller than {:.1e}{long} may be missed", walls.cell);
+        let words = |across: &Option<Across>| across.as_ref().map_or_else(|| format!("none was found; {missed}"), |across| {
+            let [from, to] = across.ends.map(|end| format!("({})", end.map(|c| digits(c, across.length.error)).join(", ")));
+            format!("{}, from {from} to {to}; {missed}", with_error(across.length, &long))
+        });
+        line("thinnest wall", words(&walls.wall));
+        line("narrowest gap", words(&walls.gap));
+    }
     if let Some(met) = &found.line {
         line("line", format!("{}{long} long, {}{long} of it solid", digits(met.length, met.error), digits(met.solid(), met.error)));
         for way in &met.ways {
@@ -204,6 +216,10 @@ fn in_json(args: &Args, found: &Measured, unit: Option<Unit>) -> Value {
         "pieces_settled": found.settled,
         "cell": found.cell,
         "cells": found.cells,
+        "walls": found.walls.map(|walls| {
+            let across = |across: Across| json!({ "length": known_json(&across.length), "from": across.ends[0], "to": across.ends[1] });
+            json!({ "wall": walls.wall.map(across), "gap": walls.gap.map(across), "cell": walls.cell })
+        }),
         "line": line,
     })
 }

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use surefoot_compiler::contour::{self, Detail, MOST_CELLS, Mesh, Refused, Settings};
 use surefoot_compiler::diagnostic::Code;
 use surefoot_compiler::functions::Kind;
+use surefoot_compiler::measure::ends_now;
 use surefoot_compiler::unit::Unit;
 use surefoot_compiler::{Compiled, Options};
 
@@ -98,7 +99,8 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         eprintln!("note: the bound of this scene is measured and not proven: a small piece of its surface may be missed");
     }
     let detail = args.tolerance.map_or(Detail::Cells(args.resolution), Detail::Tolerance);
-    let settings = Settings { detail, sharp: !args.smooth, within: args.within };
+    let within = args.within.or_else(|| ends_now(compiled, &live));
+    let settings = Settings { detail, sharp: !args.smooth, within };
     let bar = LateBar::new();
     let mesh = contour::contour(compiled, &live, &settings, &|part| bar.show(part));
     bar.finish();

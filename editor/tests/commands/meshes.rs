@@ -75,6 +75,12 @@ fn a_tolerance_a_box_a_value_and_a_moment_are_taken() {
     assert_eq!(code, 1);
     assert!(err.contains("has no end") && err.contains("--within="), "{err}");
     assert!(!folder.join("b.stl").exists());
+    // One that ends at each moment is cut off nowhere.
+    fs::write(folder.join("moved.sdf"), "param far = 1 in 0..2\nscene = sphere(1).translate(time * far, 0, 0)\n").unwrap();
+    let (code, out, err) = run(&folder, &["mesh", "moved.sdf", "-o", "m.stl", "--time", "4", "--set", "far=2", "--resolution", "24"]);
+    assert_eq!((code, err.as_str()), (0, ""), "{out}");
+    let bounds = load(&folder.join("m.stl")).bounds;
+    assert!((bounds[0][0] - 7.0).abs() < 0.01 && (bounds[1][0] - 9.0).abs() < 0.01, "{bounds:?}");
     let (code, out, err) = run(&folder, &["mesh", "ground.sdf", "-o", "b.stl", "--within", "(-2,-2,-2)..(4,2,2)", "--time", "2", "--smooth", "--resolution", "40"]);
     assert_eq!((code, err.as_str()), (0, ""));
     let bounds = load(&folder.join("b.stl")).bounds;
