@@ -4,6 +4,7 @@ use super::bar::LateBar;
 use super::values::{self, Setting};
 use super::console::{Exit, Failure, ends_wrong, print, spare};
 use crate::files;
+use crate::measures::powers;
 use crate::meshes::Format;
 use std::path::{Path, PathBuf};
 use surefoot_compiler::contour::{self, Detail, MOST_CELLS, Mesh, Refused, Settings};
@@ -111,11 +112,6 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     files::write(&args.output, &bytes).map_err(|why| Failure::usage(format!("can't write {}: {why}", args.output.display())))?;
     print(summary(&args.output, &mesh, compiled.blocks.unit).as_bytes())?;
     Ok(Exit::Fine)
-}
-
-/// What stands behind a length, an area and a volume: ` mm`, ` mm²`, ` mm³`, or nothing where a scene says no unit.
-pub(super) fn powers(unit: Option<Unit>) -> [String; 3] {
-    ["", "²", "³"].map(|power| unit.map_or(String::new(), |unit| format!(" {}{power}", unit.name())))
 }
 
 /// Why a scene has no mesh, or nothing to measure, and what to do about it.

@@ -102,6 +102,12 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         }
         Command::ShowSource(open) => session.open.source = open,
         Command::ShowParameters(open) => session.open.parameters = open,
+        Command::ShowMeasures(open) => session.open.measures = open,
+        Command::Measure { walls } => {
+            if let Some((scene, live)) = session.stage.scene().zip(session.stage.live()) {
+                session.measuring.begin(scene, live, walls);
+            }
+        }
         Command::LookAround => {
             let scene = session.documents.all.first().map(|d| d.name.clone()).unwrap_or_default();
             session.open.beside = crate::files::scenes_beside(&scene);

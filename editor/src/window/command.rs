@@ -104,6 +104,13 @@ pub enum Command {
     ShowSource(bool),
     /// Open or close the panel of the parameters.
     ShowParameters(bool),
+    /// Open or close the panel of the measures.
+    ShowMeasures(bool),
+    /// Measure the scene as it is now.
+    Measure {
+        /// Whether its walls and gaps are looked for too.
+        walls: bool,
+    },
     /// Find out which scenes lie beside the one that is open.
     LookAround,
     /// Open another scene.

@@ -6,6 +6,7 @@ mod canvas;
 mod command;
 mod document;
 mod log;
+mod measuring;
 mod meter;
 mod orbit;
 mod panels;
@@ -137,6 +138,7 @@ impl App {
         for command in self.world.hear() {
             apply(&mut self.session, &mut self.world, command);
         }
+        self.session.measuring.hear();
         self.session.said.loading = self.world.loading();
         self.session.said.work = self.world.work();
         self.world.lend_edits(&mut self.session);
@@ -187,10 +189,20 @@ impl App {
                 text.show(ui, |ui| panels::source::show(ui, session, commands));
             });
         }
-        if session.open.parameters {
+        if session.open.parameters || session.open.measures {
             let most = (0.3 * wide).max(150.0);
             let right = Panel::right("parameters").frame(side).default_size(250.0).size_range(150.0..=most);
-            show_side(ui, "parameters", right, 250.0, most, |ui| panels::parameters::show(ui, session, commands));
+            show_side(ui, "parameters", right, 250.0, most, |ui| {
+                if !session.open.parameters {
+                    return panels::measures::show(ui, session, commands);
+                }
+                if session.open.measures {
+                    let below = Frame::new().inner_margin(Margin { top: 8, ..Margin::ZERO });
+                    let list = Panel::bottom("measures").frame(below).resizable(true);
+                    list.default_size(330.0).size_range(60.0..=600.0).show(ui, |ui| panels::measures::show(ui, session, commands));
+                }
+                CentralPanel::default().frame(Frame::NONE).show(ui, |ui| panels::parameters::show(ui, session, commands));
+            });
         }
         panels::picture::keys(ui, session, commands);
         panels::questions::show(ui, session, commands);
@@ -266,7 +278,7 @@ impl App {
         if self.session.stage.animates() {
             ctx.request_repaint();
         }
-        if self.session.said.work.is_some() || self.session.stage.settles() {
+        if self.session.said.work.is_some() || self.session.measuring.part().is_some() || self.session.stage.settles() {
             ctx.request_repaint_after(TICK);
         }
         let now = Instant::now();

@@ -1,6 +1,7 @@
 //! All that the window knows. Panels read it and push [`Command`](super::command::Command)s.
 
 use super::document::Document;
+use super::measuring::Measuring;
 use super::orbit::Orbit;
 use super::recovery::Found;
 use std::ops::Range;
@@ -40,6 +41,8 @@ pub struct Session {
     pub meter: Meter,
     /// Texts that were not saved when a window ended without a word.
     pub found: Vec<Found>,
+    /// What the scene measures.
+    pub measuring: Measuring,
     /// How far into the picture the ball is that a hand holds, if one does.
     pub held: Option<f64>,
 }
@@ -143,6 +146,8 @@ pub struct Open {
     pub source: bool,
     /// The parameters.
     pub parameters: bool,
+    /// What the scene measures.
+    pub measures: bool,
     /// The scenes beside the one that is open, as they were found last.
     pub beside: Vec<String>,
 }
@@ -199,13 +204,14 @@ impl Session {
             stage,
             said: Said::default(),
             look: Look { wide: f64::INFINITY, ..Look::default() },
-            open: Open { source: true, parameters: true, beside: Vec::new() },
+            open: Open { source: true, parameters: true, measures: false, beside: Vec::new() },
             search: None,
             question: None,
             notice: None,
             options: Options::default(),
             meter: Meter::default(),
             found: Vec::new(),
+            measuring: Measuring::default(),
             held: None,
         }
     }

@@ -1,6 +1,7 @@
 //! The whole window, without a screen: what it shows, and what a hand does to it. Needs a graphics adapter; a program will do.
 
 mod changing;
+mod measures;
 mod typing;
 mod unsaved;
 

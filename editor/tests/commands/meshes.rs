@@ -107,7 +107,7 @@ fn a_unit_goes_along() {
     }
     // A 3MF's model is deflated; its reader says the unit.
     let package = threemf2::package::ThreemfPackage::from_reader_with_memory_optimized_deserializer(std::io::Cursor::new(wide("b.3mf", "wide=2")), true).unwrap();
-    assert_eq!(package.root.unit, Some(threemf2::model::Unit::Centimeter));
+    assert_eq!(package.root.unit, Some(threemf2::model::builder::Unit::Centimeter));
     for (set, told) in [("wide=6cm", "6cm is outside of 0.5cm to 5cm"), ("wide=1mm,2mm", "it takes 1 number"), ("wide=3ells", "is no number")] {
         let (code, _, err) = run(&folder, &["mesh", "block.sdf", "-o", "x.stl", "--set", set]);
         assert_eq!(code, 2, "{err}");

@@ -5,6 +5,7 @@ pub mod cursor;
 mod history;
 pub mod icons;
 pub mod lines;
+pub mod measures;
 pub mod notes;
 pub mod parameters;
 pub mod picture;

@@ -28,6 +28,9 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         {
             commands.push(Command::ShowParameters(!session.open.parameters));
         }
+        if ui.selectable_label(session.open.measures, "Measures").on_hover_text("box, volume, area and pieces of the solid").clicked() {
+            commands.push(Command::ShowMeasures(!session.open.measures));
+        }
         ui.menu_button("?", help).response.on_hover_text("keys, and what the mouse does");
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             let hidden = ScrollBarVisibility::AlwaysHidden;
