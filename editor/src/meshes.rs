@@ -11,7 +11,7 @@ use surefoot_compiler::unit::Unit;
 pub enum Format {
     /// Triangles by themselves, in 32 bits. Its numbers have no unit, and whoever reads it takes them for millimetres.
     Stl,
-    /// Text.
+    /// Text, with colours behind the places, as most programs write and read them.
     Obj,
     /// Binary, with colours.
     Ply,
@@ -84,10 +84,11 @@ fn comment(unit: Option<Unit>) -> String {
 }
 
 fn obj(mesh: &Mesh, unit: Option<Unit>) -> String {
-    let mut text = String::with_capacity(48 * mesh.vertices.len() + 24 * mesh.triangles.len());
+    let mut text = String::with_capacity(68 * mesh.vertices.len() + 24 * mesh.triangles.len());
     let _ = writeln!(text, "# written by surefoot mesh{}", comment(unit));
-    for [x, y, z] in &mesh.vertices {
-        let _ = writeln!(text, "v {x:.9} {y:.9} {z:.9}");
+    for ([x, y, z], color) in mesh.vertices.iter().zip(&mesh.colors) {
+        let [r, g, b] = color.map(|c| encode(f64::from(c)));
+        let _ = writeln!(text, "v {x:.9} {y:.9} {z:.9} {r:.4} {g:.4} {b:.4}");
     }
     for t in &mesh.triangles {
         let [a, b, c] = t.map(|v| v + 1);

@@ -59,6 +59,9 @@ fn meshes_are_read_back_as_they_were_written() {
     }
     let (code, _, err) = run(&folder, &["mesh", "ball.sdf", "-o", "ball.3mf", "--resolution", "32"]);
     assert_eq!((code, err.as_str()), (0, ""));
+    // Every corner is red, as screens have it.
+    let text = fs::read_to_string(folder.join("ball.obj")).unwrap();
+    assert!(text.lines().filter(|line| line.starts_with("v ")).all(|line| line.ends_with(" 1.0000 0.0000 0.0000")), "{}", &text[..200]);
     // An archive with a model in it.
     let bytes = fs::read(folder.join("ball.3mf")).unwrap();
     assert!(bytes.starts_with(b"PK") && bytes.windows(8).any(|w| w == b".model\x00\x00" || &w[..6] == b".model"));
