@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::fmt::Write;
+use std::io::{Cursor, Read, Write as _};
 use surefoot_compiler::contour::Mesh;
 use surefoot_compiler::srgb::encode;
 use surefoot_compiler::unit::Unit;
@@ -17,7 +18,7 @@ pub enum Format {
     Ply,
     /// Binary glTF, with colours, in metres.
     Glb,
-    /// What printers take. A scene that says no unit is in millimetres.
+    /// What printers take, with colours. A scene that says no unit is in millimetres.
     ThreeMf,
 }
 
@@ -60,6 +61,11 @@ impl Format {
             Format::ThreeMf => three_mf(mesh, unit.unwrap_or(Unit::Mm)),
         }
     }
+}
+
+/// A linear colour as screens have it.
+fn screen(color: &[f32; 3]) -> [u8; 3] {
+    color.map(|c| (255.0 * encode(f64::from(c))).round() as u8)
 }
 
 fn narrow(mesh: &Mesh) -> Vec<[f32; 3]> {
@@ -119,8 +125,8 @@ fn ply(mesh: &Mesh, unit: Option<Unit>) -> Result<Vec<u8>, String> {
         for (name, c) in ["x", "y", "z"].into_iter().zip(place) {
             element.insert(name.to_owned(), Property::Float(c));
         }
-        for (name, c) in ["red", "green", "blue"].into_iter().zip(color) {
-            element.insert(name.to_owned(), Property::UChar((255.0 * encode(f64::from(*c))).round() as u8));
+        for (name, c) in ["red", "green", "blue"].into_iter().zip(screen(color)) {
+            element.insert(name.to_owned(), Property::UChar(c));
         }
         element
     });
@@ -209,7 +215,14 @@ fn glb(mesh: &Mesh) -> Result<Vec<u8>, String> {
 
 fn three_mf(mesh: &Mesh, unit: Unit) -> Result<Vec<u8>, String> {
     use threemf2::model::builder::{self, ModelBuilder};
-    let triangles: Vec<[usize; 3]> = mesh.triangles.iter().map(|t| t.map(|v| v as usize)).collect();
+    use threemf2::model::{Color, OptionalResourceId, OptionalResourceIndex};
+    /// The number of the group of colours. The crate counts groups and objects from 1 each, and no two may have the same.
+    const GROUP: u32 = 2;
+    let mut colors: Vec<[u8; 3]> = mesh.colors.iter().map(screen).collect();
+    let of_corner = colors.clone();
+    colors.sort_unstable();
+    colors.dedup();
+    let index = |v: u32| of_corner.get(v as usize).and_then(|color| colors.binary_search(color).ok()).map_or(0, |at| at as u32);
     let mut builder = ModelBuilder::new(
         match unit {
             Unit::Um => builder::Unit::Micron,
@@ -223,16 +236,54 @@ fn three_mf(mesh: &Mesh, unit: Unit) -> Result<Vec<u8>, String> {
     );
     builder.add_metadata("Application", Some("surefoot mesh"));
     let object = builder.add_mesh_object(|object| {
-        object.add_vertices(&mesh.vertices).add_triangles(&triangles);
+        object.pid(GROUP).pindex(0);
+        object.add_vertices(&mesh.vertices);
+        for t in &mesh.triangles {
+            let [a, b, c] = t.map(|v| OptionalResourceIndex::new(index(v)));
+            object.add_triangle_with_properties(&t.map(|v| v as usize), a, b, c, OptionalResourceId::new(GROUP));
+        }
         Ok(())
     });
     let object = object.map_err(|why| why.to_string())?;
     builder.add_build(None).and_then(|builder| builder.add_build_item(object)).map_err(|why| why.to_string())?;
-    let model = builder.build().map_err(|why| why.to_string())?;
+    builder.add_color_group(|group| {
+        for [r, g, b] in &colors {
+            group.add_color(Color { r: *r, g: *g, b: *b, a: 255 });
+        }
+    });
+    let mut model = builder.build().map_err(|why| why.to_string())?;
+    model.resources.colorgroup.iter_mut().for_each(|group| group.id = GROUP);
     let mut package = threemf2::package::ThreemfPackageBuilder::new();
     package.set_root_model(model);
     let package = package.build().map_err(|why| why.to_string())?;
-    let mut file = std::io::Cursor::new(Vec::new());
+    let mut file = Cursor::new(Vec::new());
     package.write(&mut file).map_err(|why| why.to_string())?;
-    Ok(file.into_inner())
+    colors_first(file).map_err(|why| why.to_string())
+}
+
+/// The same file with colours before the object that names them: the crate writes them behind it, where readers do not find them.
+fn colors_first(file: Cursor<Vec<u8>>) -> zip::result::ZipResult<Vec<u8>> {
+    let mut package = zip::ZipArchive::new(file)?;
+    let mut out = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for i in 0..package.len() {
+        let name = package.by_index_raw(i)?.name().to_owned();
+        if !name.ends_with(".model") {
+            out.raw_copy_file(package.by_index_raw(i)?)?;
+            continue;
+        }
+        let mut text = String::new();
+        package.by_index(i)?.read_to_string(&mut text)?;
+        out.start_file(name, zip::write::SimpleFileOptions::default())?;
+        let group = text.find("colorgroup ").and_then(|at| text[..at].rfind('<'));
+        let end = text.rfind("colorgroup>").map(|at| at + "colorgroup>".len());
+        match (text.find("<object "), group, end) {
+            (Some(object), Some(group), Some(end)) if object < group && group < end => {
+                for part in [&text[..object], &text[group..end], &text[object..group], &text[end..]] {
+                    out.write_all(part.as_bytes())?;
+                }
+            }
+            _ => out.write_all(text.as_bytes())?,
+        }
+    }
+    Ok(out.finish()?.into_inner())
 }

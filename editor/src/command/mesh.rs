@@ -19,7 +19,7 @@ use surefoot_compiler::{Compiled, Options};
 pub struct Args {
     /// The scene.
     scene: String,
-    /// The file to write: STL, OBJ, PLY, GLB or 3MF, by the ending of its name. OBJ, PLY and GLB include colours. With `render { unit: mm }` a 3MF states that unit, STL is in millimetres and GLB in metres.
+    /// The file to write: STL, OBJ, PLY, GLB or 3MF, by the ending of its name. All but STL include colours. With `render { unit: mm }` a 3MF states that unit, STL is in millimetres and GLB in metres.
     #[arg(short, long, value_parser = output, value_name = "FILE")]
     output: PathBuf,
     /// Cells along the longest side of the solid.

@@ -24,6 +24,10 @@ fn load(path: &Path) -> Mesh {
     Mesh::load(&Disk, path.to_str().unwrap()).unwrap()
 }
 
+fn package(path: &Path) -> threemf2::package::ThreemfPackage {
+    threemf2::package::ThreemfPackage::from_reader_with_memory_optimized_deserializer(fs::File::open(path).unwrap(), true).unwrap()
+}
+
 /// The two numbers at the start of what the command says: vertices and triangles.
 fn counts(said: &str) -> (usize, usize) {
     let numbers: Vec<usize> = said.split([' ', ',']).filter_map(|word| word.parse().ok()).take(2).collect();
@@ -62,9 +66,13 @@ fn meshes_are_read_back_as_they_were_written() {
     // Every corner is red, as screens have it.
     let text = fs::read_to_string(folder.join("ball.obj")).unwrap();
     assert!(text.lines().filter(|line| line.starts_with("v ")).all(|line| line.ends_with(" 1.0000 0.0000 0.0000")), "{}", &text[..200]);
-    // An archive with a model in it.
-    let bytes = fs::read(folder.join("ball.3mf")).unwrap();
-    assert!(bytes.starts_with(b"PK") && bytes.windows(8).any(|w| w == b".model\x00\x00" || &w[..6] == b".model"));
+    let package = package(&folder.join("ball.3mf"));
+    let group = &package.root.resources.colorgroup[0];
+    assert_eq!((group.color.len(), group.color[0].color.to_hex_compact()), (1, "#FF0000".to_owned()));
+    let [object] = &package.root.resources.object[..] else { panic!("one object") };
+    let triangles = &object.get_mesh().unwrap().triangles.triangle;
+    assert!(u32::from(object.id) != group.id && triangles.len() == first.unwrap().1);
+    assert!(triangles.iter().all(|t| t.pid.get() == Some(group.id) && [t.p1, t.p2, t.p3].iter().all(|p| p.get() == Some(0))));
 }
 
 #[test]
@@ -109,7 +117,8 @@ fn a_unit_goes_along() {
         assert_eq!(says, file.ends_with("obj") || file.ends_with("ply"), "{file}");
     }
     // A 3MF's model is deflated; its reader says the unit.
-    let package = threemf2::package::ThreemfPackage::from_reader_with_memory_optimized_deserializer(std::io::Cursor::new(wide("b.3mf", "wide=2")), true).unwrap();
+    wide("b.3mf", "wide=2");
+    let package = package(&folder.join("b.3mf"));
     assert_eq!(package.root.unit, Some(threemf2::model::builder::Unit::Centimeter));
     for (set, told) in [("wide=6cm", "6cm is outside of 0.5cm to 5cm"), ("wide=1mm,2mm", "it takes 1 number"), ("wide=3ells", "is no number")] {
         let (code, _, err) = run(&folder, &["mesh", "block.sdf", "-o", "x.stl", "--set", set]);
