@@ -83,7 +83,7 @@ pub fn lines(found: &Measured, unit: Option<Unit>) -> Vec<(String, String)> {
         let missed = format!("what is smaller than {:.1e}{long} may be missed", walls.cell);
         let words = |across: &Option<Across>| across.as_ref().map_or_else(|| format!("none was found; {missed}"), |across| {
             let [from, to] = across.ends.map(|end| format!("({})", end.map(|c| digits(c, across.length.error)).join(", ")));
-            format!("{}, from {from} to {to}; {missed}", with_error(across.length, &long))
+            format!("{}; from {from} to {to}; {missed}", with_error(across.length, &long))
         });
         line("thinnest wall", words(&walls.wall));
         line("narrowest gap", words(&walls.gap));
