@@ -102,9 +102,6 @@ codes! {
     NumberForm, "number-form", Error,
         "A number that can't be read, or is too large for the GPU. Numbers are decimal, with one point at most; a unit stands right after its number: `deg`, `turn` and `rad` are angles, `um`, `mm`, `cm`, `m`, `in` and `ft` lengths.",
         "let a = 1e999\nscene = sphere(1)";
-    NoUnit, "no-unit", Error,
-        "A length with a unit, as `10mm`, in a scene that does not say what its own unit is. Write `render { unit: mm }`, and all lengths become numbers of millimetres.",
-        "scene = box(10mm)";
     StringForm, "string-form", Error,
         "A text that does not end on its line, or an escape that is not known. Texts stand between double quotes; `\\\"`, `\\\\`, `\\n` and `\\t` are the escapes, and paths are written with `/`.",
         "import \"a.sdf\nscene = sphere(1)";
@@ -174,6 +171,9 @@ codes! {
     BadValue, "bad-value", Error,
         "A value that makes no sense here: a negative radius, a zero scale, an empty range, a division by zero. A live value is kept within its range instead.",
         "scene = sphere(-1)";
+    NoUnit, "no-unit", Error,
+        "A length with a unit, as `10mm`, in a scene that does not say what its own unit is. Write `render { unit: mm }`, and all lengths become numbers of millimetres.",
+        "scene = box(10mm)";
     BadRange, "bad-range", Error,
         "A range or list of choices that does not fit its parameter: the value lies outside, the ends are swapped, or a needed range is missing.",
         "param a = 3 in 0..2\nscene = sphere(a)";

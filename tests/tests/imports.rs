@@ -31,7 +31,7 @@ const FLOORS: [(&str, &[&str]); 3] = [
         ],
     ),
     ("runtime", &["copied_block images mesh view", "gpu", "module readback sheets", "passes physics", "frame", "film", "headless", "explain live tighten", "stage", "lib"]),
-    ("editor", &["files measures meshes", "picture window", "command", "main"]),
+    ("editor", &["animation files measures meshes", "picture window", "command", "main"]),
 ];
 
 type Module = Vec<String>;
