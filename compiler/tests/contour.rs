@@ -148,6 +148,33 @@ fn what_is_ambiguous_stays_a_manifold() {
     }
 }
 
+/// Shapes whose meshes have holes or double edges elsewhere: sweeps whose sides are steep or meet, a cut of a revolution, cubes of a grid that touch.
+#[test]
+fn what_is_swept_or_set_in_rows_is_closed() {
+    for (text, euler) in [
+        ("rectangle((1, 0.5)).extrude(2).twist(z, 180deg)", Some(2)),
+        ("rectangle((1, 0.5)).extrude(2).taper(z, -1, 1, 0.15)", Some(2)),
+        // From a square to a circle.
+        ("mix(rectangle(1).extrude(2), circle(0.3).extrude(2), saturate(p.z / 2 + 0.5))", Some(2)),
+        ("thread() & cylinder(0.6, 1.6)", None),
+        // A revolution over 90 and over 300 degrees, whose ends are flat.
+        ("rectangle((0.3, 0.5)).translate(1, 0).revolve() & plane(x) & plane(z)", Some(2)),
+        ("rectangle((0.3, 0.5)).translate(1, 0).revolve() - (plane(x) & plane(x).rotate(y, 120deg))", Some(2)),
+        ("for i in 0..4 { for j in 0..4 { for k in 0..4 { if hash((i, j, k)) < 0.4 { box(0.5).translate(i / 2, j / 2, k / 2) } else { nothing } } } }", None),
+        ("box(0.3).repeat(0.5, (5, 3, 4))", Some(2 * 60)),
+        ("box(0.5).repeat(0.5, (3, 3, 3))", Some(2)),
+        ("capsule((0.4, -0.4, 0), (0.4, 0.4, 0), 0.15).repeat_polar(y, 7)", Some(2 * 7)),
+    ] {
+        let fields = "field thread() = {\n  let turn = atan2(p.z, p.x) / tau;\n  \
+                      (length(p.xz) - 0.4 - 0.1 * triangle_wave(p.y / 0.3 - turn)) / 2\n}\n";
+        let scene = scene(&format!("{fields}scene = {text}\n"));
+        for n in [30, 61] {
+            let found = mesh(&scene, &cells(n)).examine();
+            assert!(euler.is_none_or(|euler| euler == found.euler), "{text}: {found:?}");
+        }
+    }
+}
+
 #[test]
 fn examples_are_closed() {
     let within = |low, high| Settings { within: Some([low, high]), ..cells(64) };

@@ -4,7 +4,6 @@
 //!
 //! Both draw the same formula: the graph that our compiler makes of the scene is handed over node by node. With a folder, the pictures too.
 
-use fidget::context::Tree;
 use fidget::jit::JitShape;
 use fidget::raster::voxel::RenderConfig;
 use nalgebra::{Matrix4, Rotation3, Vector3};
@@ -12,8 +11,6 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 use surefoot_compiler::compiled::Compiled;
-use surefoot_compiler::graph::kernel::Op;
-use surefoot_compiler::graph::{Function, Graph, Leaf, Node, NodeId, ShapeId};
 use surefoot_compiler::{MemoryLoader, Options, compile};
 use surefoot_runtime::headless::{self, FORMAT, Shot};
 use surefoot_runtime::{Gpu, Picture, ViewMode};
@@ -26,6 +23,8 @@ const ROUNDS: usize = 5;
 const HALF: f64 = 1.6;
 /// Where our eye is; theirs looks from there too, without perspective.
 const EYE: [f64; 3] = [2.4, 1.6, 2.8];
+
+mod tree;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -102,7 +101,7 @@ fn measure(gpu: &Gpu, text: &str, pictures: Option<(&Path, &str)>) -> Result<Tim
     draw(gpu, &mut picture, &bare)?;
     times.rays = milliseconds(start);
 
-    let tree = tree(&scene.graph, scene.root)?;
+    let tree = tree::tree(&scene.graph, scene.root)?;
     let start = Instant::now();
     let shape = JitShape::from(tree);
     let none = Default::default();
@@ -139,59 +138,3 @@ fn view() -> Matrix4<f32> {
     turned.to_homogeneous() * Matrix4::new_scaling(HALF as f32)
 }
 
-/// A shape's field as theirs.
-fn tree(graph: &Graph, root: ShapeId) -> Result<Tree, Failure> {
-    let (x, y, z) = Tree::axes();
-    field(graph, root, &[x, y, z])
-}
-
-/// The field of a shape at a point, and at values of its variables after it.
-fn field(graph: &Graph, shape: ShapeId, at: &[Tree]) -> Result<Tree, Failure> {
-    let shape = graph.shape(shape).ok_or("a shape that is not there")?;
-    let order = graph.reachable(&[shape.value]);
-    let mut trees: Vec<Tree> = Vec::with_capacity(order.len());
-    for &id in &order {
-        let tree = {
-            let of = |id: &NodeId| order.binary_search(id).ok().and_then(|i| trees.get(i).cloned()).ok_or("a node out of order");
-            match graph.node(id) {
-                Node::Constant(bits) => Tree::constant(f64::from_bits(*bits)),
-                Node::Leaf(Leaf::P(i)) => at.get(usize::from(*i)).cloned().ok_or("a point of too few coordinates")?,
-                Node::Leaf(Leaf::Variable(v)) => {
-                    let i = shape.variables.iter().position(|known| known == v);
-                    i.and_then(|i| at.get(3 + i)).cloned().unwrap_or_else(|| Tree::constant(0.0))
-                }
-                Node::Claim(args, _) => of(args.first().ok_or("a claim of nothing")?)?,
-                Node::Call(inner, Function::Field, args) => {
-                    let args = args.iter().map(of).collect::<Result<Vec<Tree>, _>>()?;
-                    field(graph, *inner, &args)?
-                }
-                Node::Op(op, args) => operation(*op, &args.iter().map(of).collect::<Result<Vec<Tree>, _>>()?)?,
-                other => return Err(format!("no counterpart of {other:?}").into()),
-            }
-        };
-        trees.push(tree);
-    }
-    trees.pop().ok_or_else(|| "a shape of nothing".into())
-}
-
-fn operation(op: Op, args: &[Tree]) -> Result<Tree, Failure> {
-    let length = |of: &[Tree]| of.iter().map(Tree::square).reduce(|a, b| a + b).map(|sum| sum.sqrt());
-    Ok(match (op, args) {
-        (Op::Add, [a, b]) => a.clone() + b.clone(),
-        (Op::Sub, [a, b]) => a.clone() - b.clone(),
-        (Op::Mul, [a, b]) => a.clone() * b.clone(),
-        (Op::Div, [a, b]) => a.clone() / b.clone(),
-        (Op::Min, [a, b]) => a.min(b.clone()),
-        (Op::Max, [a, b]) => a.max(b.clone()),
-        (Op::Neg, [a]) => a.neg(),
-        (Op::Abs, [a]) => a.abs(),
-        (Op::Square, [a]) => a.square(),
-        (Op::Sqrt, [a]) => a.sqrt(),
-        (Op::Sin, [a]) => a.sin(),
-        (Op::Cos, [a]) => a.cos(),
-        (Op::TurnU, [u, v, t]) => u.clone() * t.cos() - v.clone() * t.sin(),
-        (Op::TurnV, [u, v, t]) => u.clone() * t.sin() + v.clone() * t.cos(),
-        (Op::Length2 | Op::Length3 | Op::Length4, of) => length(of).ok_or("a length of nothing")?,
-        (other, _) => return Err(format!("no counterpart of {other:?}").into()),
-    })
-}
