@@ -168,7 +168,7 @@ fn what_is_computed_is_named_and_has_its_formula() {
     assert_eq!(per_pixel(&built), Vec::<String>::new());
     let wgsl = &built.module.wgsl;
     let line = |part: &str| wgsl.lines().find(|l| l.contains(part)).unwrap_or_else(|| panic!("no {part} in\n{wgsl}"));
-    assert!(line("part_1 = 0.5 * sin(2 * time + size)").starts_with("//   "), "{wgsl}");
+    assert!(line("part_a = 0.5 * sin(2 * time + size)").starts_with("//   "), "{wgsl}");
     assert!(line("  time ").contains(" - "), "time is read by formulas alone:\n{wgsl}");
     assert!(wgsl.contains("in which both(a, b) is: `a && b`"), "{wgsl}");
     // The bytes follow what is live.

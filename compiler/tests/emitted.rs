@@ -197,15 +197,15 @@ fn noise_is_written_once_and_called_in_loops() {
         ("scene = sphere(1).displace(0.1 * fbm(2 * world, 3)).rotate(x, 0.3)", &["perlin", "fbm"], &[]),
         ("scene = for c in grid((3, 3, 3)) { sphere(0.5).displace(0.1 * fbm(c + 0.5, 3) + 0.1 * fbm(1.3 * c, 3)) }", &["perlin", "fbm"], &[2]),
         // Numbers that jump, that stay, and that are an index; where all of six move it is written out.
-        ("fn strewn(v: vec3, c: vec3) = distance(v, c + hash3(c))\nscene = sphere(1).displace(0.1 * min(strewn(p, floor(2 * p)), strewn(2 * p, (1, time, 3))))", &["strewn", "strewn2"], &[]),
+        ("fn strewn(v: vec3, c: vec3) = distance(v, c + hash3(c))\nscene = sphere(1).displace(0.1 * min(strewn(p, floor(2 * p)), strewn(2 * p, (1, time, 3))))", &["strewn", "strewn_b"], &[]),
         ("fn strewn(v: vec3, c: vec3) = distance(v, c + hash3(c))\nscene = for c in grid((3, 3, 3)) { sphere(0.6).displace(0.1 * min(1, (for i in 0..14 by min { strewn(p, c + i * i) }))) }", &["strewn"], &[14]),
         ("fn strewn(v: vec3, c: vec3) = distance(v, c + 0.1 * hash3(floor(c)))\nscene = sphere(1).displace(0.1 * strewn(p, 2 * p))", &[], &[]),
         // Of the plane, of space, and of space where one coordinate is always the same.
-        ("scene = heightfield(0.3 * fbm(p.xz, 3) + 0.1 * fbm((p.x, 0.5, time))).within(box(4))", &["perlin", "perlin2", "perlin3", "fbm", "fbm2"], &[3, 4]),
+        ("scene = heightfield(0.3 * fbm(p.xz, 3) + 0.1 * fbm((p.x, 0.5, time))).within(box(4))", &["perlin", "perlin_b", "perlin_c", "fbm", "fbm_b"], &[3, 4]),
         // Many calls are several loops.
         ("scene = sphere(1).displace(0.02 * (for i in 0..40 by + { perlin(p * (1 + i / 9)) }))", &["perlin"], &[14, 12]),
         // An arm by itself, and what only one of them needs.
-        ("field f = length(p) - 1 - 0.1 * (if p.x < 0.1 { fbm(2 * p, 3) } else { fbm(3 * p + fbm(p, 3), 4) })\nscene = f.within(box(4))", &["perlin", "fbm", "fbm2"], &[3, 4]),
+        ("field f = length(p) - 1 - 0.1 * (if p.x < 0.1 { fbm(2 * p, 3) } else { fbm(3 * p + fbm(p, 3), 4) })\nscene = f.within(box(4))", &["perlin", "fbm", "fbm_b"], &[3, 4]),
         // A cell's index is read as a number of its own.
         ("scene = for cell in grid((3, 3, 3)) { sphere(0.6).displace(0.1 * fbm(2 * p + cell, 3)) }", &["perlin", "fbm"], &[3]),
         // Functions of a person: of a number as it is, of one that moves, and one that jumps.

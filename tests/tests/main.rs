@@ -15,6 +15,7 @@ mod looks;
 mod mesh_fields;
 mod mesh_materials;
 mod meshes;
+mod names;
 mod neighbours;
 mod numbers;
 mod opengl;

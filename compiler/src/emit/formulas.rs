@@ -2,6 +2,7 @@
 //! uniform block.
 
 use crate::emit::code::Read;
+use crate::emit::names::numbered;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{ANY_TIME, narrow};
@@ -177,7 +178,7 @@ impl Formulas {
         let is_field = |name: &str| fields.iter().any(|(_, known)| *known == name);
         let mut part = || loop {
             parts += 1;
-            let name = format!("part_{parts}");
+            let name = numbered("part", parts);
             if !is_parameter(&name) && !is_field(&name) {
                 break name;
             }
@@ -283,16 +284,16 @@ mod tests {
         assert_eq!(
             lines,
             [
-                "part_1 = (2 + (time - (-0.25))) * k",
-                "part_2 = sin(part_1)",
-                "a = part_2 / k",
-                "v = vec3(part_2, 2, div(part_1, time))"
+                "part_a = (2 + (time - (-0.25))) * k",
+                "part_b = sin(part_a)",
+                "a = part_b / k",
+                "v = vec3(part_b, 2, div(part_a, time))"
             ]
         );
         assert_eq!(functions, [Op::Div, Op::Sin].into());
         // A name of a parameter is no other value's.
-        let (lines, _) = f.lines(&[(fields[0], "part_2"), (fields[1], "v")], &|_| "part_1".to_owned());
-        assert_eq!(lines[0], "part_3 = (2 + (time - (-0.25))) * part_1");
+        let (lines, _) = f.lines(&[(fields[0], "part_b"), (fields[1], "v")], &|_| "part_a".to_owned());
+        assert_eq!(lines[0], "part_c = (2 + (time - (-0.25))) * part_a");
         let values = f.values(1.0, |_| 0.5);
         let expected = (2.0f64 + 1.25) * 0.5;
         assert_eq!(f.component(&values, fields[0], 0), (expected.sin() / 0.5) as f32);

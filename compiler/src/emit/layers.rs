@@ -3,6 +3,7 @@
 use crate::emit::body::{Body, Space};
 use crate::emit::code::{Code, ExprId};
 use crate::emit::error::EmitError;
+use crate::emit::names::numbered;
 use crate::emit::plan::Plan;
 use crate::emit::space::{own_space, scene_space, surface_struct};
 use crate::emit::write::{self, Context};
@@ -16,7 +17,7 @@ use std::fmt::Write;
 pub fn layers_name(which: u32) -> Cow<'static, str> {
     match which.checked_sub(1) {
         None => "Layers".into(),
-        Some(mesh) => format!("MeshLayers{mesh}").into(),
+        Some(_) => numbered("MeshLayers", which as usize).into(),
     }
 }
 
@@ -26,11 +27,11 @@ pub fn layers_struct(prefix: &str, which: u32, surface: &Surface, wgsl: &mut Str
     if surface.relief.is_some() {
         wgsl.push_str("  relief: vec3f,\n");
     }
-    for i in 0..surface.layers.len() {
+    for i in 1..=surface.layers.len() {
         for name in ["weight", "point", "across", "up", "along"] {
-            let _ = writeln!(wgsl, "  {name}_{i}: vec3f,");
+            let _ = writeln!(wgsl, "  {}: vec3f,", numbered(name, i));
         }
-        let _ = writeln!(wgsl, "  sharpness_{i}: f32,");
+        let _ = writeln!(wgsl, "  {}: f32,", numbered("sharpness", i));
     }
     wgsl.push_str("}\n");
 }
@@ -129,7 +130,7 @@ pub fn mesh_functions(
         let (space, _) = own_space(body, 3, &[]);
         Space { normal: Some(body.add(Code::Normal, &[])), ..space }
     };
-    let _ = writeln!(text, "\nfn {prefix}mesh_{mesh}(p: vec3f, normal: vec3f) -> {prefix}Surface {{");
+    let _ = writeln!(text, "\nfn {prefix}{}(p: vec3f, normal: vec3f) -> {prefix}Surface {{", numbered("mesh", mesh as usize + 1));
     let own = space(body);
     let results = body.open(context.plans, context.graph, plan, &own, &context.uniforms)?;
     let result = surface_struct(body, &results);
@@ -138,7 +139,7 @@ pub fn mesh_functions(
     if let Some(plan) = layers {
         layers_struct(prefix, mesh + 1, surface, text);
         let name = layers_name(mesh + 1);
-        let _ = writeln!(text, "\nfn {prefix}mesh_layers_{mesh}(p: vec3f, normal: vec3f) -> {prefix}{name} {{");
+        let _ = writeln!(text, "\nfn {prefix}{}(p: vec3f, normal: vec3f) -> {prefix}{name} {{", numbered("mesh_layers", mesh as usize + 1));
         let own = space(body);
         let result = layers_value(context, mesh + 1, surface, plan, &own, body)?;
         write::write(context, body, result, &["p", "normal"], text);

@@ -39,9 +39,9 @@ fn sf_div(a: f32, b: f32) -> f32 {
   return a / b;
 }
 " },
-    Piece { name: "div3", text: "\
+    Piece { name: "div_all", text: "\
 // a / b, and 0 where b is 0.
-fn sf_div3(a: vec3f, b: f32) -> vec3f {
+fn sf_div_all(a: vec3f, b: f32) -> vec3f {
   if abs(b) < 1e-28 {
     return vec3f(0.0);
   }
@@ -57,9 +57,9 @@ fn sf_pow(a: f32, b: f32) -> f32 {
   return exp2(min(b * log2(a), 99.65784));
 }
 " },
-    Piece { name: "atan2", text: "\
+    Piece { name: "atan_of", text: "\
 // The angle of the point (b, a), and 0 at the origin.
-fn sf_atan2(a: f32, b: f32) -> f32 {
+fn sf_atan_of(a: f32, b: f32) -> f32 {
   if a == 0.0 && b == 0.0 {
     return 0.0;
   }

@@ -36,6 +36,7 @@ pub use error::EmitError;
 pub use formulas::Formulas;
 pub use library::signature;
 pub use module::Module;
+pub use names::{letters, numbered};
 pub use translate::{Target, translate, validate};
 
 use crate::analysis::Box3;
@@ -241,6 +242,9 @@ pub fn emit(
     })
 }
 
+/// Shapes have few variables and rows few pieces.
+const MOST_NAMED: usize = 64;
+
 /// Names of the exports and of the library, before any other is given.
 fn reserved_names(prefix: &str) -> Scope {
     let mut names = Scope::default();
@@ -249,6 +253,12 @@ fn reserved_names(prefix: &str) -> Scope {
     let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists", "planes", "ahead", "rest_bound", "rest_distance", "region_low", "region_high", "passage", "shares", "across", "grid_head"];
     for text in exports.chain(helpers).chain(library::STRUCTURES).chain(others) {
         names.reserve(&format!("{prefix}{text}"));
+    }
+    if prefix.is_empty() {
+        // What functions are given, or name themselves, must not hide another function.
+        ["p", "q", "d", "normal", "direction", "aside", "row", "world", "span", "step", "first", "waiting", "top", "i", "away"].iter().for_each(|name| names.reserve(name));
+        let lists = [names::VARIABLE, names::ROW].iter().flat_map(|name| (1..=MOST_NAMED).map(|i| numbered(name, i)));
+        lists.for_each(|name| names.reserve(&name));
     }
     names
 }
@@ -502,7 +512,7 @@ fn function_names(
                 None if target.shape == root => "scene".to_owned(),
                 None => {
                     parts += 1;
-                    format!("part_{parts}")
+                    numbered("part", parts)
                 }
             };
             scope.give(&format!("{prefix}{text}"))

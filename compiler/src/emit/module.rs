@@ -33,8 +33,8 @@ pub struct Module {
     pub rounding: Rounding,
     /// Where large numbers cancel each other, where they make the unit of rounding more than 1 and that is known.
     pub cancels: Option<NodeId>,
-    /// More text, for what draws meshes: a function `sf_mesh_0(p: vec3f, normal: vec3f) -> sf_Surface` and so on for each of
-    /// [`Functions::meshes`], and `sf_mesh_layers_0` with its struct for one that is layered. `p` is in the mesh's own space.
+    /// More text, for what draws meshes: a function `sf_mesh_a(p: vec3f, normal: vec3f) -> sf_Surface` and so on for each of
+    /// [`Functions::meshes`], and `sf_mesh_layers_a` with its struct for one that is layered. `p` is in the mesh's own space.
     pub meshes: String,
     /// Whether the bound is the estimate of the distance itself.
     pub one: bool,

@@ -1,25 +1,65 @@
-//! Names of the emitted module: made of those of the source, safe in WGSL, each once.
+//! Names of the emitted module: made of those of the source, safe in WGSL and in what else reads or translates it, each once.
+//!
+//! No name ends in a digit or in `_`, and none holds `__`: GLSL keeps the latter for itself, and naga, which numbers names, would change the others. So
+//! names stay as they are in every language, and where a module is read and written again, as naga_oil does.
 
 use naga::keywords::wgsl::{BUILTIN_IDENTIFIER_SET, RESERVED_SET};
 use rustc_hash::{FxHashMap, FxHasher};
 use std::collections::hash_map::Entry;
 use std::hash::Hasher;
 
-/// A name of the source as a WGSL identifier: letters of ASCII, digits and underscores, none of WGSL's own words.
+/// A name of the source as an identifier: letters of ASCII, digits and underscores, but no `_` at an end or beside another, and no digit at an end.
 pub fn identifier(name: &str) -> String {
-    let mut text: String =
-        name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-    // An identifier can't be `_` alone and can't start with two; and a digit starts a number.
-    let start = text.find(|c| c != '_').unwrap_or(text.len());
-    text.drain(..start);
+    let mut text = String::with_capacity(name.len());
+    for c in name.chars() {
+        match c.is_ascii_alphanumeric() {
+            true => text.push(c),
+            false if text.is_empty() || text.ends_with('_') => {}
+            false => text.push('_'),
+        }
+    }
+    text.truncate(text.trim_end_matches('_').len());
     if text.is_empty() {
         text.push('n');
     }
+    // A digit starts a number.
     if text.starts_with(|c: char| c.is_ascii_digit()) {
         text.insert(0, 'n');
     }
+    if text.ends_with(|c: char| c.is_ascii_digit()) {
+        text.push('a');
+    }
     text
 }
+
+/// The name of the thing with this number, from 1 on, of several that are alike: `part_a`, `part_b` and so on, `part_aa` after `part_z`.
+pub fn numbered(name: &str, number: usize) -> String {
+    let mut text = format!("{name}_");
+    write_letters(number, &mut text);
+    text
+}
+
+/// What stands after the `_` there.
+pub fn letters(number: usize) -> String {
+    let mut text = String::new();
+    write_letters(number, &mut text);
+    text
+}
+
+/// Writes a number from 1 on in letters: `a` to `z`, then `aa`, `ab` and so on.
+fn write_letters(number: usize, to: &mut String) {
+    let before = number.saturating_sub(1);
+    if before >= 26 {
+        write_letters(before / 26, to);
+    }
+    to.push(char::from(b'a' + (before % 26) as u8));
+}
+
+/// What an argument for a variable of a shape is called, numbered.
+pub const VARIABLE: &str = "k";
+
+/// What a piece of a table's row is called, numbered.
+pub const ROW: &str = "r";
 
 /// Whether a name means something in WGSL: a keyword, a reserved word, a type or a function that is built in.
 pub fn is_taken(name: &str) -> bool {
@@ -36,18 +76,10 @@ fn is_alias(name: &str) -> bool {
     }
 }
 
-/// Writes a whole number: faster than the standard library, which looks at how it is to be formatted.
-fn write_number(number: u32, to: &mut String) {
-    if number >= 10 {
-        write_number(number / 10, to);
-    }
-    to.push(char::from(b'0' + (number % 10) as u8));
-}
-
-/// Names of one scope, each given once. Kept by their hashes: two names of one hash only cost one of them a number.
+/// Names of one scope, each given once. Kept by their hashes: two names of one hash only cost one of them a letter.
 #[derive(Clone, Debug, Default)]
 pub struct Scope {
-    /// For each name that is given or reserved, the last number that was put after it.
+    /// For each name that is given or reserved, the number of the last letters that were put after it.
     given: FxHashMap<u64, u32>,
 }
 
@@ -68,7 +100,7 @@ impl Scope {
         self.given.clear();
     }
 
-    /// Writes the name itself where it is free, else the name with a number after it. `outer` holds names that must stay visible.
+    /// Writes the name itself where it is free, else the name with letters after it: `name_b` is the second. `outer` holds names that must stay visible.
     pub fn write(&mut self, name: &str, outer: Option<&Scope>, to: &mut String) {
         let hidden = |n: &str| outer.is_some_and(|o| o.given.contains_key(&hash(n))) || is_taken(n);
         if !self.given.contains_key(&hash(name)) && hidden(name) {
@@ -77,7 +109,7 @@ impl Scope {
         self.next(name, hidden, to);
     }
 
-    /// The same for a name that is surely nothing else, with or without a number.
+    /// The same for a name that is surely nothing else, with or without letters after it.
     pub fn write_plain(&mut self, name: &str, to: &mut String) {
         self.next(name, |_| false, to);
     }
@@ -100,15 +132,12 @@ impl Scope {
                 return;
             }
         };
-        // A digit at the end would run into the number.
-        if name.ends_with(|c: char| c.is_ascii_digit()) {
-            to.push('_');
-        }
+        to.push('_');
         let end = to.len();
         loop {
             number += 1;
             to.truncate(end);
-            write_number(number, to);
+            write_letters(number as usize, to);
             let candidate = to.get(start..).unwrap_or_default();
             if let Entry::Vacant(free) = self.given.entry(hash(candidate))
                 && !hidden(candidate)
@@ -164,5 +193,35 @@ pub fn vector_type(components: u8) -> &'static str {
         2 => "vec2f",
         3 => "vec3f",
         _ => "vec4f",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_the_source_become_identifiers() {
+        for (name, expected) in [("ball", "ball"), ("column.flutes", "column_flutes"), ("a__b", "a_b"), ("x1", "x1a"), ("a_", "a"), ("_", "n"), ("2", "n2a")] {
+            assert_eq!(identifier(name), expected);
+        }
+    }
+
+    #[test]
+    fn numbers_are_letters_and_each_is_another() {
+        for (number, letters) in [(1, "a"), (26, "z"), (27, "aa"), (52, "az"), (53, "ba"), (702, "zz"), (703, "aaa")] {
+            assert_eq!(numbered("part", number), format!("part_{letters}"));
+        }
+        let all: std::collections::BTreeSet<String> = (1..5000).map(|i| numbered("n", i)).collect();
+        assert_eq!(all.len(), 4999);
+    }
+
+    #[test]
+    fn a_name_is_given_once() {
+        let mut scope = Scope::default();
+        scope.reserve("d_c");
+        let given: Vec<String> = (0..4).map(|_| scope.give("d")).collect();
+        assert_eq!(given, ["d", "d_b", "d_d", "d_e"]);
+        assert_eq!(scope.give("d_b"), "d_b_b");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::emit::body::{Body, Space, world_count};
 use crate::emit::code::{Code, ExprId};
-use crate::emit::names::vector_type;
+use crate::emit::names::{VARIABLE, numbered, vector_type};
 use crate::emit::plan::{Plan, Plans};
 use crate::graph::simplify::Terms;
 use crate::graph::{Graph, NodeId, ShapeId, WORLD};
@@ -28,7 +28,7 @@ pub(super) fn own_space(body: &mut Body, dimensions: u8, variables: &[u32]) -> (
         bound.extend([0, 1, 2].map(|i| body.component(vector, i)));
     }
     for i in 0..variables.len() - world {
-        arguments.push(format!("k{i}: f32"));
+        arguments.push(format!("{}: f32", numbered(VARIABLE, i + 1)));
         bound.push(body.add(Code::Variable(i as u32), &[]));
     }
     (Space { point: [x, y, z], normal: None, variables: bound }, arguments)

@@ -365,8 +365,8 @@ fn a_repeated_cell_binds_its_variables() {
     b.all(root, None);
     let module = b.check(root, &Options::default());
     println!("{}", module.wgsl);
-    assert!(module.wgsl.contains("fn sf_pillar(p: vec3f, world: vec3f, k0: f32, k1: f32, k2: f32) -> f32 {"));
-    assert!(module.wgsl.contains("let height = sf_hash(k0, k1, k2, 0.0);"));
+    assert!(module.wgsl.contains("fn sf_pillar(p: vec3f, world: vec3f, k_a: f32, k_b: f32, k_c: f32) -> f32 {"));
+    assert!(module.wgsl.contains("let height = sf_hash(k_a, k_b, k_c, 0.0);"));
 }
 
 #[test]

@@ -180,7 +180,7 @@ kernel! {
         |[a, ..]| a.clamp(-1.0, 1.0).acos(), |[a, ..]| a.neg().monotone(|a| (-a).clamp(-1.0, 1.0).acos()), "The angle whose cosine it is.";
     Atan "atan_of" 1 false Number false 9 Ulp(4096.0), "atan({0})",
         |[a, ..]| a.atan(), |[a, ..]| a.monotone(f64::atan), "The angle whose tangent it is.";
-    Atan2 "atan2" 2 true Number true 9 Ulp(4096.0), "sf_atan2({0}, {1})",
+    Atan2 "atan2" 2 true Number true 9 Ulp(4096.0), "sf_atan_of({0}, {1})",
         |[a, b, ..]| if a == 0.0 && b == 0.0 { 0.0 } else { a.atan2(b) }, |[a, b, ..]| atan2_interval(a, b),
         "The angle of the point (`b`, `a`), from -pi to pi; 0 at the origin.";
     Tanh "tanh" 1 true Number false 9 Absolute(1e-5), "tanh(clamp({0}, -10.0, 10.0))",

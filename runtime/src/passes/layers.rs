@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use surefoot_compiler::compiled::Compiled;
+use surefoot_compiler::emit::{letters, numbered};
 use surefoot_compiler::functions::{Functions, Surface};
 use surefoot_compiler::graph::Slot;
 use surefoot_compiler::images::TextureKind;
@@ -58,8 +59,8 @@ pub(super) fn mesh_text(compiled: &Compiled, most: u32) -> Vec<Cow<'static, str>
     }
     let mut cases = String::new();
     for (i, surface) in functions.meshes.iter().enumerate() {
-        let named = |lines: &'static str| Cow::Owned(lines.replace("MESH", &i.to_string()));
-        cases += &format!("        case {i}u: {{ return mesh_met_{i}(n, t); }}\n");
+        let named = |lines: &'static str| Cow::Owned(lines.replace("MESH", &letters(i + 1)));
+        cases += &format!("        case {i}u: {{ return {}(n, t); }}\n", numbered("mesh_met", i + 1));
         if surface.is_layered() {
             text.push(named(include_str!("layers/begin_mesh.wgsl")));
             lines(surface, &textures, &ON_MESHES, &mut text);
@@ -86,7 +87,7 @@ fn lines(surface: &Surface, textures: &[(u32, TextureKind)], words: &[(&str, &st
             Slot::Metallic => include_str!("layers/metallic.wgsl"),
             Slot::Relief => include_str!("layers/relief.wgsl"),
         };
-        push(lines.replace('#', &i.to_string()).replace("TEXTURE", &texture.to_string()));
+        push(lines.replace('#', &letters(i + 1)).replace("TEXTURE", &texture.to_string()));
     }
     push(include_str!("layers/end.wgsl").to_owned());
 }

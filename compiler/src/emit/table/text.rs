@@ -3,7 +3,7 @@
 use crate::emit::body::Body;
 use crate::emit::code::{Code, ExprId, Read};
 use crate::emit::error::EmitError;
-use crate::emit::names::vector_type;
+use crate::emit::names::{ROW, VARIABLE, numbered, vector_type};
 use crate::emit::table::{Action, BEGINS, CLASS_SHIFT, Class, ENDS, HEAD, Number, PUSH, Table, Tables};
 use crate::emit::write::{self, Context};
 use crate::functions::loop_counters::Turns;
@@ -31,10 +31,11 @@ pub fn write(
     text: &mut String,
 ) -> Result<usize, EmitError> {
     let ty = if gradient { "vec4f" } else { "f32" };
+    let name_of_steps = format!("{name}_step");
     let mut names = Vec::new();
     let mut operations = Vec::new();
     for (i, class) in table.classes.iter().enumerate() {
-        let name = context.module.give(&format!("{name}_{}", i + 1));
+        let name = context.module.give(&numbered(&name_of_steps, i + 1));
         let arguments = arguments(class, table, ty);
         let _ = writeln!(text, "\nfn {name}({}) -> {ty} {{", arguments.join(", "));
         body.clear();
@@ -43,11 +44,12 @@ pub fn write(
         let pieces = class.numbers.iter().filter_map(|n| Some(n.column()? / 4 + 1)).max().unwrap_or(0);
         let prefix = context.prefix;
         let mut words: Vec<String> = ["p", "d", "aside", "row"].map(str::to_owned).to_vec();
-        words.extend((0..table.arguments()).map(|i| format!("k{i}")));
+        words.extend((0..table.arguments()).map(|i| numbered(VARIABLE, i + 1)));
         for piece in (0..pieces).filter(|_| in_rows) {
             let at = if piece == 0 { "row".to_owned() } else { format!("row + {piece}u") };
-            let _ = writeln!(text, "  let r{piece} = {prefix}table[{at}];");
-            words.push(format!("r{piece}"));
+            let name = numbered(ROW, piece as usize + 1);
+            let _ = writeln!(text, "  let {name} = {prefix}table[{at}];");
+            words.push(name);
         }
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
         operations.push(write::write(context, body, result, &words, text));
@@ -62,7 +64,7 @@ pub fn write(
         true => format!("vec4f(0.0, 0.0, 0.0, {:?})", table.start),
     };
     let point = vector_type(table.dimensions);
-    let variables = |ty: &str| -> String { (0..table.variables).map(|i| format!(", k{i}{ty}")).collect() };
+    let variables = |ty: &str| -> String { (0..table.variables).map(|i| format!(", {}{ty}", numbered(VARIABLE, i + 1))).collect() };
     let (declared, given) = (variables(": f32"), variables(""));
     if let (Some(turns), Some(class)) = (&table.turns, names.first()) {
         let _ = write!(text, "\nfn {name}(p: {point}{declared}) -> {ty} {{\n  var d = {start};\n");
@@ -138,22 +140,34 @@ fn count_turns(turns: &Turns, call: &str, first: &str, text: &mut String) {
     };
     let _ = writeln!(text, "  // Nought, which no driver knows: so none writes out the turns.\n  let first = {first};");
     for at in 0..turns.counts.len() {
-        let _ = writeln!(text, "  var i{at} = {:?};", start(at).0);
+        let _ = writeln!(text, "  var {} = {:?};", counter(at), start(at).0);
     }
     let total: u32 = turns.counts.iter().product();
     let _ = write!(text, "  for (var i = first; i < {total}; i++) {{\n    {call}");
     for &(at, first, turn) in &turns.columns {
-        let _ = if start(at).1 { write!(text, ", i{at}") } else { write!(text, ", {first:?} + {turn:?} * i{at}") };
+        let counter = counter(at);
+        let _ = if start(at).1 { write!(text, ", {counter}") } else { write!(text, ", {first:?} + {turn:?} * {counter}") };
     }
     text.push_str(", d);\n");
     for (at, &count) in turns.counts.iter().enumerate().rev() {
-        let _ = writeln!(text, "    i{at} += {};", if at + 1 == turns.counts.len() { "1.0".to_owned() } else { format!("select(0.0, 1.0, over{})", at + 1) });
+        let (counter, over) = (counter(at), over(at));
+        let more = if at + 1 == turns.counts.len() { "1.0".to_owned() } else { format!("select(0.0, 1.0, {})", self::over(at + 1)) };
+        let _ = writeln!(text, "    {counter} += {more};");
         if at > 0 {
             let (first, _) = start(at);
-            let _ = writeln!(text, "    let over{at} = i{at} > {:?};\n    i{at} = select(i{at}, {first:?}, over{at});", first + count as f32 - 0.5);
+            let _ = writeln!(text, "    let {over} = {counter} > {:?};\n    {counter} = select({counter}, {first:?}, {over});", first + count as f32 - 0.5);
         }
     }
     text.push_str("  }\n");
+}
+
+/// What a loop counts, and whether that has to begin anew.
+fn counter(at: usize) -> String {
+    numbered("i", at + 1)
+}
+
+fn over(at: usize) -> String {
+    numbered("over", at + 1)
 }
 
 /// Writes the bound of a union that lies in a region: `field` is its value.
@@ -180,7 +194,7 @@ fn arguments(class: &Class, table: &Table, ty: &str) -> Vec<String> {
         arguments.extend([format!("d: {ty}"), format!("aside: {ty}")]);
     } else {
         arguments.push(format!("p: {}", vector_type(table.dimensions)));
-        arguments.extend((0..table.arguments()).map(|i| format!("k{i}: f32")));
+        arguments.extend((0..table.arguments()).map(|i| format!("{}: f32", numbered(VARIABLE, i + 1))));
         arguments.push(format!("d: {ty}"));
     }
     if table.turns.is_none() && class.numbers.iter().any(|n| n.column().is_some()) {

@@ -4,10 +4,9 @@ use crate::emit::body::FAR_OUT;
 use crate::emit::code::{Code, ExprId};
 use crate::emit::layers;
 use crate::emit::library::helper_of;
-use crate::emit::names::{component_name, vector_type};
+use crate::emit::names::{ROW, VARIABLE, component_name, numbered, vector_type};
 use crate::emit::write::writer::Writer;
 use crate::graph::kernel::Op;
-use std::fmt::Write;
 use std::ops::Range;
 
 impl Writer<'_, '_> {
@@ -93,7 +92,7 @@ impl Writer<'_, '_> {
                 9
             }
             Code::Variable(i) => {
-                let _ = write!(self.scratch, "k{i}");
+                self.put(&numbered(VARIABLE, i as usize + 1));
                 9
             }
             Code::Uniform(index, _) => {
@@ -117,7 +116,7 @@ impl Writer<'_, '_> {
                 9
             }
             Code::Row(piece) => {
-                let _ = write!(self.scratch, "r{piece}");
+                self.put(&numbered(ROW, piece as usize + 1));
                 9
             }
             Code::Component(i) => {
@@ -266,9 +265,9 @@ impl Writer<'_, '_> {
             Op::Add | Op::Sub | Op::Mul => return self.infix(self.body.code(id), op, args),
             Op::Div if self.is_safe_below(argument(1)) => return self.infix(self.body.code(id), op, args),
             Op::Div if self.body.components(id) == 3 => {
-                self.context.helpers.need("div3");
+                self.context.helpers.need("div_all");
                 self.scratch.push_str(self.context.prefix);
-                self.put("div3");
+                self.put("div_all");
                 return self.list(args);
             }
             Op::Square if self.text(a).atom => {
