@@ -116,6 +116,26 @@ fn edges_of_a_box_are_sharp() {
     }
 }
 
+/// A part for a printer: what is planar stays so, and each of its holes is there.
+#[test]
+fn flat_faces_are_flat() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/corpus/large/bracket.sdf");
+    let mesh = mesh(&compile(&Disk, path, &Options::default()).compiled.unwrap(), &cells(120));
+    let found = mesh.examine();
+    assert_eq!((found.pieces, found.euler), (1, 2 - 2 * 12));
+    let mut flat = 0;
+    for (vertex, normal) in mesh.vertices.iter().zip(&mesh.normals) {
+        for (axis, place) in [(0, 0.0), (0, 100.0), (1, 0.0), (1, 6.0), (1, 60.0), (2, 0.0), (2, 6.0), (2, 40.0)] {
+            let off = (vertex[axis] - place).abs();
+            if normal[axis].abs() > 0.999 && off < 0.3 * mesh.cell {
+                assert!(off < 1e-4 * mesh.cell, "{vertex:?} is {off} off the plane at {place}");
+                flat += 1;
+            }
+        }
+    }
+    assert!(flat > mesh.vertices.len() / 2, "{flat} of {}", mesh.vertices.len());
+}
+
 /// The rim of a slanted hole is sharper than a right angle, and thinner than a cell between two corners.
 #[test]
 fn a_rim_has_no_notches() {

@@ -55,6 +55,31 @@ pub fn section() -> Result<String, Failure> {
     Ok(text)
 }
 
+/// A part for a printer, by ours alone. Called first: the memory is the most that the program has taken so far.
+pub fn part() -> Result<String, Failure> {
+    let loader = MemoryLoader::new().with("bracket.sdf", include_str!("../../corpus/large/bracket.sdf"));
+    let scene = compile(&loader, "bracket.sdf", &Options::default()).compiled.ok_or("the scene does not compile")?;
+    let mut text = "## A part for a printer\n\n\
+         `surefoot mesh tests/corpus/large/bracket.sdf --tolerance …`: an angle bracket of 100 × 60 × 40 mm with two ribs and twelve holes. *memory* is the most \
+         that the program took until then.\n\n\
+         | tolerance, mm | cells along the longest side | triangles | farthest found, mm | seconds | memory, MiB |\n|---:|---:|---:|---:|---:|---:|\n".to_owned();
+    for tolerance in [0.1, 0.05, 0.02] {
+        let settings = Settings { detail: Detail::Tolerance(tolerance), sharp: true, within: None };
+        let (mesh, time) = timed(|| contour(&scene, &scene.live(), &settings, &|_| {}));
+        let mesh = mesh.map_err(|why| why.to_string())?;
+        let (triangles, found) = (mesh.triangles.len(), mesh.deviation);
+        writeln!(text, "| {tolerance} | {} | {triangles} | {found:.4} | {time:.1} | {} |", mesh.cells, memory()?)?;
+    }
+    Ok(text)
+}
+
+/// The most MiB that the program has held.
+fn memory() -> Result<u64, Failure> {
+    let status = std::fs::read_to_string("/proc/self/status")?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).ok_or("the system does not say")?;
+    Ok(line.trim().trim_end_matches(" kB").parse::<u64>()? >> 10)
+}
+
 fn row(text: &mut String, name: &str, scene: &Compiled, depth: u8) -> Result<(), Failure> {
     let theirs = || -> Result<fidget::mesh::Mesh, Failure> {
         let shape = JitShape::from(tree::tree(&scene.graph, scene.root)?);

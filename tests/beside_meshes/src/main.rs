@@ -1,4 +1,4 @@
-//! Writes `docs/side-by-side-meshes.md`: meshes of fields by Surefoot and by the crate `fidget`, and grids of meshes by Surefoot and by the
+//! Writes `docs/side-by-side-meshes.md`: a part for a printer, meshes of fields by Surefoot and by the crate `fidget`, and grids of meshes by Surefoot and by the
 //! crate `mesh_to_sdf`.
 //!
 //! `cargo run --release --manifest-path tests/beside_meshes/Cargo.toml docs/side-by-side-meshes.md`
@@ -17,8 +17,9 @@ fn main() -> Result<(), Failure> {
     let text = format!(
         "# Meshes and grids side by side\n\n\
          Written by `cargo run --release --manifest-path tests/beside_meshes/Cargo.toml {page}`, with `fidget` 0.5.0 and `mesh_to_sdf` 0.4.0, \
-         on a machine with {} threads. What is compared runs in turn; times are medians.\n\n{}\n{}",
+         on a machine with {} threads. What is compared runs in turn; times are medians.\n\n{}\n{}\n{}",
         std::thread::available_parallelism().map_or(1, usize::from),
+        fields::part()?,
         fields::section()?,
         grids::section()?,
     );
