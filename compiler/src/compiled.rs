@@ -5,7 +5,7 @@ pub use crate::camera::{Camera, Home, Projection};
 pub use crate::emit::table::{ModuleTables, Tables};
 pub use crate::emit::{Formulas, Module};
 pub use crate::frame::{Fog, Frame, Light, LightKind, MAX_BOUNCES, Sky};
-pub use crate::interface::{Export, Options, Parameter, Rounding, Uniform, UniformSource};
+pub use crate::interface::{Colors, Entry, Export, Options, Parameter, Rounding, Uniform, UniformSource, Uniforms, ViewField};
 pub use crate::live::Live;
 pub use crate::loader::{Loader, MemoryLoader};
 
@@ -13,6 +13,7 @@ use crate::camera::{EYE, FOV};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::frame::PLAIN_SKY;
 use crate::functions::{self, Functions, Summary};
+use crate::shading::usual_reflections;
 use crate::graph::{FAR, Graph, Leaf, Node, NodeId, ShapeId, multiple_of};
 use crate::source::{Sources, Span};
 use crate::vector::{Vec3, length, sub};
@@ -25,9 +26,6 @@ const MOST_ENTERED: f64 = 2e6;
 /// Where a scene does not say how far one sees: so far, or as far as its extent, or so many times as far as a camera is from what it looks at.
 const FAR_ENOUGH: f64 = 100.0;
 const SIGHT: f64 = 2.5;
-
-/// Surfaces that a ray meets in a scene with glass.
-const THROUGH_GLASS: u32 = 6;
 
 /// A compiled scene.
 #[derive(Clone, Debug)]
@@ -126,7 +124,8 @@ impl Compiled {
     /// The uniform block's bytes. `origin` is the scene's point at which the module's `p` is zero.
     pub fn uniform_bytes(&self, live: &Live, origin: [f64; 3]) -> Vec<u8> {
         let mut bytes = vec![0; self.module.uniform_size as usize];
-        let occlusion = self.frame(live).ambient_occlusion;
+        let frame = self.frame(live);
+        let occlusion = frame.ambient_occlusion;
         let computed = self.module.formulas.values(live.time, |i| live.component(&self.graph, i));
         for uniform in &self.module.uniforms {
             for i in 0..uniform.components {
@@ -138,6 +137,7 @@ impl Compiled {
                     UniformSource::OcclusionStrength => occlusion.1 as f32,
                     UniformSource::Factor(f) => multiple_of(live.factor(&self.graph, f)),
                     UniformSource::Formula(field) => self.module.formulas.component(&computed, field, i),
+                    UniformSource::View(field) => frame.view(field).get(i as usize).copied().unwrap_or(0.0) as f32,
                 };
                 let at = (uniform.offset + 4 * i) as usize;
                 if let Some(slot) = bytes.get_mut(at..at + 4) {
@@ -227,7 +227,7 @@ impl Compiled {
 
     /// How often a ray is followed where the text does not say: not at all, or where there is glass as often as it takes to look through some.
     pub fn usual_reflections(&self) -> u32 {
-        if self.functions.surface.glass.is_some() { THROUGH_GLASS } else { 0 }
+        usual_reflections(&self.functions)
     }
 
     /// A camera of which eye and target are given or not.

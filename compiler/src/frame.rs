@@ -1,7 +1,9 @@
 //! The scene around the field: cameras, lights, the sky; as nodes, and at one moment.
 
 use crate::blocks::{Shadow, Tone};
-use crate::camera::Camera;
+use crate::camera::{Basis, Camera, Projection};
+use crate::interface::ViewField;
+use crate::vector::{length, sub};
 
 /// Where light comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +55,12 @@ impl Fog {
     }
 }
 
+/// Distance from the eye of the plane at which a depth begins or ends that a host does not say.
+pub const NEAR: f64 = 0.01;
+
+/// The size of a picture that a host does not say.
+const SIZE: [f64; 2] = [640.0, 360.0];
+
 /// Everything around the field at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
@@ -86,5 +94,42 @@ pub struct Frame {
     pub capture: Option<[f64; 3]>,
 }
 
+impl Frame {
+    /// What a module that draws is told of the view through the first camera.
+    pub fn view(&self, field: ViewField) -> Vec<f64> {
+        let camera = self.cameras.first().map_or(Camera::PLAIN, |(_, camera)| *camera);
+        match field {
+            ViewField::Eye => camera.eye.to_vec(),
+            ViewField::LookAt => camera.target.to_vec(),
+            ViewField::Up => camera.up.to_vec(),
+            ViewField::Fov => vec![camera.fov],
+            ViewField::Height => match camera.projection {
+                Projection::Orthographic(Some(height)) => vec![height],
+                _ => vec![2.0 * Basis::of(&camera).tan_half_fov * length(sub(camera.target, camera.eye)).max(1e-9)],
+            },
+            ViewField::Size => SIZE.to_vec(),
+            ViewField::Corner => vec![0.0; 2],
+            ViewField::Near => vec![NEAR],
+            ViewField::Far => vec![self.max_distance],
+        }
+    }
+}
+
 /// A ray is mirrored at most so often.
 pub const MAX_BOUNCES: u32 = 8;
+
+/// The most lights that a picture takes; those beyond are left out.
+pub const MAX_LIGHTS: usize = 16;
+
+/// What the ground throws back of the sky's light, and of the light of lamps that are infinitely far.
+pub const GROUND: (f64, f64) = (0.25, 0.07);
+
+/// The light of a scene that has none.
+pub fn default_light() -> Light {
+    Light {
+        name: String::new(),
+        kind: LightKind::Direction([0.55, -0.8, -0.5]),
+        radiance: [3.02, 2.95, 2.86],
+        shadow: Shadow::Soft(12.0),
+    }
+}

@@ -62,6 +62,118 @@ impl Export {
     }
 }
 
+/// How a module declares what a host sets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Uniforms {
+    /// One uniform block.
+    #[default]
+    Block,
+    /// A private variable, a struct of all of them with the values at the start: the shader itself sets what it wants to change before it calls anything.
+    /// Nothing else has to be computed, as with [`Options::live_in_shader`].
+    Private,
+    /// A uniform variable for each, from [`Options::binding`] on.
+    Separate,
+}
+
+/// Whether a module draws the scene by itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Entry {
+    /// It holds functions alone.
+    #[default]
+    None,
+    /// It has the entry points `sf_vertex`, a triangle over the target, and `sf_fragment`, the scene in its light, with its depth.
+    Draw,
+}
+
+/// What a module that draws makes of light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Colors {
+    /// A screen's colours after the scene's tone curve, encoded as sRGB.
+    #[default]
+    Screen,
+    /// The same, not encoded: for targets that encode them.
+    Linear,
+    /// Light times the exposure, for hosts that have a tone curve of their own.
+    Light,
+}
+
+/// What a module that draws is told of the view. All but the picture's size is as the scene's first camera has it at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ViewField {
+    /// Where the eye is, in the scene.
+    Eye,
+    /// Vertical angle of view, radians.
+    Fov,
+    /// How much of the scene is seen from the picture's lower edge to its upper one, where rays go side by side; in place of [`ViewField::Fov`].
+    Height,
+    /// What it looks at, in the scene.
+    LookAt,
+    /// The distance ahead at which the depth is 0.
+    Near,
+    /// What is up in the picture, of any length.
+    Up,
+    /// The distance ahead at which the depth is 1.
+    Far,
+    /// Width and height of the picture in pixels.
+    Size,
+    /// The picture's upper left corner on the target, in pixels.
+    Corner,
+}
+
+impl ViewField {
+    /// All of them, in an order that leaves no gap in a block.
+    pub const ALL: [ViewField; 9] = [
+        ViewField::Eye,
+        ViewField::Fov,
+        ViewField::Height,
+        ViewField::LookAt,
+        ViewField::Near,
+        ViewField::Up,
+        ViewField::Far,
+        ViewField::Size,
+        ViewField::Corner,
+    ];
+
+    /// Its name in the module.
+    pub fn name(self) -> &'static str {
+        match self {
+            ViewField::Eye => "view_eye",
+            ViewField::Fov => "view_fov",
+            ViewField::Height => "view_height",
+            ViewField::LookAt => "view_look_at",
+            ViewField::Near => "view_near",
+            ViewField::Up => "view_up",
+            ViewField::Far => "view_far",
+            ViewField::Size => "view_size",
+            ViewField::Corner => "view_corner",
+        }
+    }
+
+    /// Number of floats.
+    pub fn components(self) -> u8 {
+        match self {
+            ViewField::Eye | ViewField::LookAt | ViewField::Up => 3,
+            ViewField::Size | ViewField::Corner => 2,
+            _ => 1,
+        }
+    }
+
+    /// What it is, for people.
+    pub fn about(self) -> &'static str {
+        match self {
+            ViewField::Eye => "where the eye is",
+            ViewField::Fov => "vertical angle of view, radians",
+            ViewField::Height => "how much of the scene is seen from the lower edge to the upper one",
+            ViewField::LookAt => "what the eye looks at",
+            ViewField::Near => "the distance ahead at which the depth is 0",
+            ViewField::Up => "what is up in the picture",
+            ViewField::Far => "the distance ahead at which the depth is 1; less than near for a reversed depth",
+            ViewField::Size => "width and height of the picture in pixels",
+            ViewField::Corner => "its upper left corner on the target in pixels",
+        }
+    }
+}
+
 /// What a module shall hold and how it is named.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -71,8 +183,14 @@ pub struct Options {
     pub prefix: String,
     /// Bind group of the uniform block.
     pub group: u32,
-    /// Binding of the uniform block.
+    /// Binding of the uniform block, or of the first uniform variable.
     pub binding: u32,
+    /// How the module declares what a host sets.
+    pub uniforms: Uniforms,
+    /// Whether the module draws the scene by itself.
+    pub entry: Entry,
+    /// What it makes of light then.
+    pub colors: Colors,
     /// Values of parameters that replace those in the text, by the name that a person sees (`spin`, `column.flutes`):
     /// components of a number, colour or vector.
     pub set: Vec<(String, Vec<f64>)>,
@@ -89,6 +207,18 @@ pub struct Options {
     pub rules: RuleSet,
 }
 
+impl Options {
+    /// The binding of the first of the two buffers with tables, after all of so many uniform values.
+    pub fn first_buffer(&self, fields: usize) -> u32 {
+        let taken = match self.uniforms {
+            Uniforms::Block => 1,
+            Uniforms::Private => 0,
+            Uniforms::Separate => fields as u32,
+        };
+        self.binding.saturating_add(taken)
+    }
+}
+
 impl Default for Options {
     fn default() -> Self {
         Self {
@@ -96,6 +226,9 @@ impl Default for Options {
             prefix: "sf_".to_owned(),
             group: 0,
             binding: 0,
+            uniforms: Uniforms::default(),
+            entry: Entry::default(),
+            colors: Colors::default(),
             set: Vec::new(),
             choose: Vec::new(),
             strict: false,
@@ -235,6 +368,8 @@ pub enum UniformSource {
     Factor(u32),
     /// What is computed from time and parameters: a field of [`Module::formulas`].
     Formula(u32),
+    /// The view, in a module that draws.
+    View(ViewField),
 }
 
 /// A field of the uniform block.

@@ -33,6 +33,7 @@ pub mod reference;
 pub mod rules;
 pub mod reference_text;
 pub mod sampled;
+pub mod shading;
 pub mod skipped;
 pub mod solid;
 pub mod source;

@@ -3,7 +3,7 @@
 use crate::analysis::Facts;
 use crate::analysis::analysis_cache::Memory;
 use crate::compiled::{Compiled, Outcome};
-use crate::interface::{Export, Options};
+use crate::interface::{Entry, Export, Options};
 use crate::loader::Loader;
 use crate::diagnostic::{Code, Diagnostic, Severity, tidy};
 use crate::camera::Home;
@@ -128,7 +128,7 @@ fn run(loaded: &Loaded, grids: &Grids, options: &Options, memory: &mut Memory, f
         finished(Stage::Analyse);
         if !has_errors(&diagnostics) {
             let (blocks, parameters) = (&elaboration.blocks, &elaboration.parameters);
-            match emit::emit(&graph, root, &functions, blocks, parameters, options, &loaded.sources) {
+            match emit::emit(&graph, root, &functions, blocks, parameters, options, &loaded.sources, None) {
                 Ok(module) => {
                     if module.operations.1 / functions.operands().max(1) > COSTLY {
                         diagnostics.push(Diagnostic::new(
@@ -151,6 +151,14 @@ fn run(loaded: &Loaded, grids: &Grids, options: &Options, memory: &mut Memory, f
                         apart: None,
                     };
                     compiled.home = compiled.blocks.is_framed().then(|| Home::of(&compiled).into());
+                    // A module that draws is told where the camera stands, which is known only now.
+                    if options.entry == Entry::Draw {
+                        let frame = compiled.frame(&compiled.live());
+                        let Compiled { graph, functions, blocks, parameters, .. } = &compiled;
+                        if let Ok(module) = emit::emit(graph, root, functions, blocks, parameters, options, &loaded.sources, Some(&frame)) {
+                            compiled.module = module;
+                        }
+                    }
                     compiled.apart = ground(&compiled, facts, options, &loaded.sources).map(Box::new);
                     made = Some(compiled);
                 }
@@ -193,9 +201,9 @@ fn ground(seen: &Compiled, facts: &mut Facts, options: &Options, sources: &Sourc
         (functions, summary, _) = functions::build(&mut graph, facts, root, &seen.blocks, false, searches);
     }
     functions.carry = carry;
-    let options = Options { exports: vec![Export::Bound, Export::Distance, Export::Gradient], ..options.clone() };
+    let options = Options { exports: vec![Export::Bound, Export::Distance, Export::Gradient], entry: Entry::None, ..options.clone() };
     let (blocks, parameters) = (seen.blocks.clone(), seen.parameters.clone());
     // What can't be written is met as it is seen.
-    let module = emit::emit(&graph, root, &functions, &blocks, &parameters, &options, sources).ok()?;
+    let module = emit::emit(&graph, root, &functions, &blocks, &parameters, &options, sources, None).ok()?;
     Some(Compiled { graph, root, functions, summary, parameters, blocks, module, unused: Vec::new(), home: None, apart: None })
 }

@@ -1,53 +1,53 @@
 //! The text of the pass over the screen is valid WGSL after a module that has the functions it calls.
 
 const STUB: &str = include_str!("scene_pass/stub.wgsl");
-const BASE: &str = concat!(include_str!("../../runtime/src/passes/scene/base.wgsl"), include_str!("../../runtime/src/passes/scene/pinhole.wgsl"));
-const LENS: &str = concat!(include_str!("../../runtime/src/passes/scene/base.wgsl"), include_str!("../../runtime/src/passes/scene/camera.wgsl"));
+const BASE: &str = concat!(include_str!("../src/shading/base.wgsl"), include_str!("../../runtime/src/passes/scene/bindings.wgsl"), include_str!("../src/shading/triangle.wgsl"), include_str!("../src/shading/pinhole.wgsl"));
+const LENS: &str = concat!(include_str!("../src/shading/base.wgsl"), include_str!("../../runtime/src/passes/scene/bindings.wgsl"), include_str!("../src/shading/triangle.wgsl"), include_str!("../src/shading/camera.wgsl"));
 const SKY: [&str; 2] = [
-    include_str!("../../runtime/src/passes/scene/sky_gradient.wgsl"),
+    include_str!("../src/shading/sky_gradient.wgsl"),
     include_str!("../../runtime/src/passes/scene/sky_images.wgsl"),
 ];
 const REFLECTIONS: [&str; 2] = [
-    include_str!("../../runtime/src/passes/scene/reflections.wgsl"),
-    include_str!("../../runtime/src/passes/scene/no_reflections.wgsl"),
+    include_str!("../src/shading/reflections.wgsl"),
+    include_str!("../src/shading/no_reflections.wgsl"),
 ];
 const FILM: [&str; 2] = [
     concat!(
-        include_str!("../../runtime/src/passes/scene/tone_aces.wgsl"),
-        include_str!("../../runtime/src/passes/scene/film.wgsl"),
-        include_str!("../../runtime/src/passes/dither.wgsl"),
-        include_str!("../../runtime/src/passes/scene/target.wgsl")
+        include_str!("../src/shading/tone_aces.wgsl"),
+        include_str!("../src/shading/film.wgsl"),
+        include_str!("../src/shading/dither.wgsl"),
+        include_str!("../src/shading/target.wgsl")
     ),
     include_str!("../../runtime/src/passes/capture/film.wgsl"),
 ];
 const TARGET: &str =
-    concat!(include_str!("../../runtime/src/passes/dither.wgsl"), include_str!("../../runtime/src/passes/scene/target.wgsl"));
+    concat!(include_str!("../src/shading/dither.wgsl"), include_str!("../src/shading/target.wgsl"));
 const MIRROR: [&str; 2] =
-    [include_str!("../../runtime/src/passes/capture/none.wgsl"), include_str!("../../runtime/src/passes/capture/read.wgsl")];
-const LIGHT: &str = include_str!("../../runtime/src/passes/scene/light.wgsl");
+    [include_str!("../src/shading/mirror.wgsl"), include_str!("../../runtime/src/passes/capture/read.wgsl")];
+const LIGHT: &str = include_str!("../src/shading/light.wgsl");
 const TONES: [&str; 3] = [
-    include_str!("../../runtime/src/passes/scene/tone_agx.wgsl"),
-    include_str!("../../runtime/src/passes/scene/tone_neutral.wgsl"),
-    include_str!("../../runtime/src/passes/scene/tone_none.wgsl"),
+    include_str!("../src/shading/tone_agx.wgsl"),
+    include_str!("../src/shading/tone_neutral.wgsl"),
+    include_str!("../src/shading/tone_none.wgsl"),
 ];
-const DEVELOP: &str = include_str!("../../runtime/src/passes/scene/film.wgsl");
+const DEVELOP: &str = include_str!("../src/shading/film.wgsl");
 const FOG: [&str; 2] =
-    [include_str!("../../runtime/src/passes/scene/fog.wgsl"), include_str!("../../runtime/src/passes/scene/no_fog.wgsl")];
+    [include_str!("../src/shading/fog.wgsl"), include_str!("../src/shading/no_fog.wgsl")];
 const SHADOW: [&str; 2] = [
     concat!(
-        include_str!("../../runtime/src/passes/scene/emitter.wgsl"),
-        include_str!("../../runtime/src/passes/scene/seen.wgsl"),
-        include_str!("../../runtime/src/passes/scene/shadow.wgsl")
+        include_str!("../src/shading/emitter.wgsl"),
+        include_str!("../src/shading/seen.wgsl"),
+        include_str!("../src/shading/shadow.wgsl")
     ),
-    include_str!("../../runtime/src/passes/scene/no_shadow.wgsl"),
+    include_str!("../src/shading/no_shadow.wgsl"),
 ];
 const OCCLUSION: [&str; 2] = [
-    include_str!("../../runtime/src/passes/scene/occlusion.wgsl"),
-    include_str!("../../runtime/src/passes/scene/no_occlusion.wgsl"),
+    include_str!("../src/shading/occlusion.wgsl"),
+    include_str!("../src/shading/no_occlusion.wgsl"),
 ];
 const MET: &str =
-    concat!(include_str!("../../runtime/src/passes/layers/met.wgsl"), include_str!("../../runtime/src/passes/layers/none.wgsl"));
-const SHADED: &str = include_str!("../../runtime/src/passes/scene/view_shaded.wgsl");
+    concat!(include_str!("../src/shading/met.wgsl"), include_str!("../src/shading/met_plain.wgsl"));
+const SHADED: &str = include_str!("../src/shading/view_shaded.wgsl");
 const OTHERS: [&str; 3] = [
     include_str!("../../runtime/src/passes/scene/view_normals.wgsl"),
     include_str!("../../runtime/src/passes/scene/view_steps.wgsl"),

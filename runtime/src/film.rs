@@ -9,6 +9,7 @@ use crate::gpu::{Gpu, PipelineKey, UniformBlock, depth_attachment, uniform_layou
 use crate::sheets::{attachment, layout, sheet};
 use std::ops::Range;
 use surefoot_compiler::reference::sample_offset;
+use surefoot_compiler::shading;
 
 pub use crate::sheets::LINEAR;
 
@@ -60,7 +61,7 @@ impl Film {
             let layouts = [layout(gpu, true), layout(gpu, false)];
             let kept_in = mean_format(gpu);
             let mean = key(include_str!("passes/film/mean.wgsl"), kept_in);
-            let show = key(concat!(include_str!("passes/dither.wgsl"), include_str!("passes/film/show.wgsl")), target);
+            let show = key(&[shading::DITHER, include_str!("passes/film/show.wgsl")].join("\n"), target);
             let stage = wgpu::ShaderStages::FRAGMENT;
             Ok(Self {
                 mean: gpu.screen_pipeline("surefoot film, mean", mean, &[Some(&layouts[0])])?,

@@ -20,6 +20,7 @@ const FLOORS: [(&str, &[&str]); 3] = [
             "blocks evaluate",
             "analysis frame",
             "functions",
+            "shading",
             "emit",
             "cells compiled",
             "followed physics",
@@ -31,7 +32,7 @@ const FLOORS: [(&str, &[&str]); 3] = [
         ],
     ),
     ("runtime", &["copied_block images mesh view", "gpu", "module readback sheets", "passes physics", "frame", "film", "headless", "explain live tighten", "stage", "lib"]),
-    ("editor", &["animation files measures meshes", "picture window", "command", "main"]),
+    ("editor", &["animation files hosts measures meshes", "picture window", "command", "main"]),
 ];
 
 type Module = Vec<String>;

@@ -8,6 +8,7 @@ mod balls;
 mod capture;
 mod common;
 mod corpus;
+mod draw;
 mod examples;
 mod house;
 mod imports;

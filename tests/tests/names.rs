@@ -2,7 +2,7 @@
 
 use crate::common::{Disk, examples, root};
 use std::collections::BTreeSet;
-use surefoot_compiler::compiled::{Compiled, Module};
+use surefoot_compiler::compiled::{Compiled, Entry, Module, Uniforms};
 use surefoot_compiler::emit::{Target, translate, validate};
 use surefoot_compiler::{MemoryLoader, Options, compile};
 use surefoot_tests::mutations::Random;
@@ -88,6 +88,9 @@ fn names_of_scenes_are_kept() {
 fn names_of_examples_are_the_same_in_every_language() {
     for (name, path) in examples() {
         let scene = compiled(&path, &Options::default());
+        let options = Options { entry: Entry::Draw, uniforms: Uniforms::Separate, ..Options::default() };
+        let drawn = compiled(&path, &options).module;
+        assert_eq!(wrong(&drawn), Vec::<String>::new(), "{name}\n{}", drawn.wgsl);
         // Tables of grids have no text of their own.
         if !scene.module.grids {
             assert_eq!(changed(&scene.module, "sf_"), Vec::<String>::new(), "{name}");

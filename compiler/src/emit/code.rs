@@ -52,6 +52,8 @@ pub enum Code {
     Layers(u32),
     /// The struct of where a point lies in its part from its fields.
     Carry,
+    /// The struct of what surrounds the scene from its fields.
+    Around,
     /// The value so far of a union, or its gradient and value: so many components.
     Value(u8),
     /// The value of a union that was set aside.
@@ -81,6 +83,7 @@ impl Code {
             Code::Surface => (14, 0),
             Code::Layers(which) => (15, u64::from(which)),
             Code::Carry => (19, 0),
+            Code::Around => (23, 0),
             Code::Value(n) => (18, u64::from(n)),
             Code::Aside(n) => (16, u64::from(n)),
             Code::Row(piece) => (17, u64::from(piece)),

@@ -8,6 +8,8 @@ use std::fmt;
 pub enum EmitError {
     /// The prefix can't start a name of WGSL.
     Prefix(String),
+    /// Uniforms shall be variables of their own, and nothing stands before their names.
+    Unnamed,
     /// A function that is called has no formula.
     NoFormula(ShapeId, Function),
     /// A shape's function needs itself.
@@ -27,6 +29,7 @@ impl fmt::Display for EmitError {
                 f,
                 "`{prefix}` can't start the names of a module: take letters, digits and `_`, a letter first, and no WGSL keyword"
             ),
+            EmitError::Unnamed => f.write_str("uniforms as variables of their own need a prefix before their names"),
             EmitError::NoFormula(shape, function) => {
                 write!(f, "shape {} is asked for its {function:?} and has no formula for it", shape.0)
             }

@@ -5,9 +5,10 @@ use crate::emit::formulas::{Formulas, call_name};
 use crate::emit::library;
 use crate::emit::names::{identifier, vector_type};
 use crate::emit::uniforms::Candidates;
+use crate::frame::Frame;
 use crate::graph::kernel::Op;
-use crate::graph::{Factor, Graph, Proof};
-use crate::interface::{Export, Options, Parameter, Uniform, UniformSource};
+use crate::graph::{Factor, Graph, Proof, narrow};
+use crate::interface::{Export, Options, Parameter, Uniform, UniformSource, Uniforms};
 use crate::source::{Sources, written};
 use crate::syntax::ast::Type;
 use rustc_hash::FxHashSet;
@@ -39,6 +40,8 @@ pub struct Facts<'a> {
     pub extent: f64,
     /// A box that holds what is solid, but planes.
     pub region: Option<Box3>,
+    /// The scene at the start, where the module draws it.
+    pub frame: Option<&'a Frame>,
 }
 
 /// The comment, and the lines in it of what a host computes.
@@ -50,6 +53,10 @@ pub fn write(facts: &Facts) -> (String, Vec<String>) {
         let signature = library::signature(export).replace("sf_", &facts.options.prefix);
         let _ = writeln!(text, "//   {signature}");
     }
+    if facts.frame.is_some() {
+        let prefix = &facts.options.prefix;
+        let _ = writeln!(text, "//   {prefix}vertex, {prefix}fragment: entry points that draw the scene: three vertices, no buffers, colour and depth");
+    }
     if facts.fields.is_empty() {
         return (text, Vec::new());
     }
@@ -57,16 +64,21 @@ pub fn write(facts: &Facts) -> (String, Vec<String>) {
     let _ = write!(
         text,
         "//\n// Points are relative to `origin`, a point of the scene: zero, or near the eye where coordinates are large.\n//\n\
-         // The uniform block (group {group}, binding {binding}) has {} bytes:\n//\n",
-        facts.size
+         {}:\n//\n",
+        match facts.options.uniforms {
+            Uniforms::Block => format!("// The uniform block (group {group}, binding {binding}) has {} bytes", facts.size),
+            Uniforms::Private => format!("// What can be set is a private variable, {}uniforms. Whoever calls a function sets its fields before", facts.options.prefix),
+            Uniforms::Separate => format!("// What can be set are uniform variables of group {group}; {} stands before each name", facts.options.prefix),
+        }
     );
-    let start = facts.formulas.values(0.0, |i| facts.graph.parameters.get(i as usize).map_or(0.0, |p| p.default));
+    let start = values(facts);
     // What is not in the block stands in no place of it.
     let inputs = facts.uniforms.all.iter().filter(|c| c.computes && !c.read);
     let inputs = inputs.map(|c| Uniform { name: c.name.clone(), source: c.source, components: c.components.into(), offset: u32::MAX });
     let fields: Vec<Uniform> = facts.fields.iter().cloned().chain(inputs).collect();
-    let rows: Vec<[String; 5]> = fields.iter().map(|f| row(facts, &start, f)).collect();
-    let head = ["offset", "type", "name", "default", "range"];
+    let rows: Vec<[String; 5]> = (0..).zip(&fields).map(|(i, f)| row(facts, &start, (i, f))).collect();
+    let place = if facts.options.uniforms == Uniforms::Separate { "binding" } else { "offset" };
+    let head = [place, "type", "name", "default", "range"];
     let mut widths = head.map(str::len);
     for row in &rows {
         for (width, cell) in widths.iter_mut().zip(row) {
@@ -126,34 +138,56 @@ fn parameter<'a>(facts: &Facts<'a>, field: &Uniform) -> Option<&'a Parameter> {
     facts.parameters.get(candidate.parameter?)
 }
 
-fn row(facts: &Facts, start: &[f64], field: &Uniform) -> [String; 5] {
-    let (default, range) = match field.source {
-        UniformSource::Origin => ("0, 0, 0".to_owned(), String::new()),
-        UniformSource::Time => ("0".to_owned(), String::new()),
-        UniformSource::Parameter(_) => match parameter(facts, field) {
-            Some(p) => {
-                let same = |v: &[f64]| match v {
-                    [first, rest @ ..] if rest.iter().all(|x| x == first) => number(*first),
-                    _ => format!("({})", numbers(v)),
-                };
-                (numbers(&p.default), format!("{}..{}", same(&p.min), same(&p.max)))
-            }
-            None => Default::default(),
-        },
-        UniformSource::OcclusionReach => (number(facts.occlusion.0), "0 or more".to_owned()),
-        UniformSource::OcclusionStrength => (number(facts.occlusion.1), "0..1".to_owned()),
-        UniformSource::Factor(i) => {
-            let factor = facts.graph.factors.get(i as usize);
-            (factor.map_or(String::new(), |f| f.multiple().to_string()), String::new())
+fn row(facts: &Facts, start: &[f64], (place, field): (u32, &Uniform)) -> [String; 5] {
+    let range = match field.source {
+        UniformSource::Parameter(_) => {
+            let same = |v: &[f64]| match v {
+                [first, rest @ ..] if rest.iter().all(|x| x == first) => number(*first),
+                _ => format!("({})", numbers(v)),
+            };
+            parameter(facts, field).map_or(String::new(), |p| format!("{}..{}", same(&p.min), same(&p.max)))
         }
-        UniformSource::Formula(of) => {
-            let values: Vec<f64> = (0..field.components).map(|i| facts.formulas.component(start, of, i).into()).collect();
-            (numbers(&values), String::new())
-        }
+        UniformSource::OcclusionReach => "0 or more".to_owned(),
+        UniformSource::OcclusionStrength => "0..1".to_owned(),
+        _ => String::new(),
     };
+    let default = numbers(&value(facts, start, field));
     let ty = vector_type(field.components as u8).to_owned();
-    let offset = if field.offset == u32::MAX { "-".to_owned() } else { field.offset.to_string() };
-    [offset, ty, field.name.clone(), default, range]
+    let place = match facts.options.uniforms {
+        _ if field.offset == u32::MAX => "-".to_owned(),
+        Uniforms::Separate => (facts.options.binding + place).to_string(),
+        _ => field.offset.to_string(),
+    };
+    [place, ty, field.name.clone(), default, range]
+}
+
+/// The value of a field at the start, of the values of all formulas then.
+fn value(facts: &Facts, start: &[f64], field: &Uniform) -> Vec<f64> {
+    match field.source {
+        UniformSource::Origin => vec![0.0; 3],
+        UniformSource::Time => vec![0.0],
+        UniformSource::Parameter(_) => parameter(facts, field).map_or(Vec::new(), |p| p.default.clone()),
+        UniformSource::OcclusionReach => vec![facts.occlusion.0],
+        UniformSource::OcclusionStrength => vec![facts.occlusion.1],
+        UniformSource::Factor(i) => facts.graph.factors.get(i as usize).map_or(Vec::new(), |f| vec![f.multiple().into()]),
+        UniformSource::Formula(of) => (0..field.components).map(|i| facts.formulas.component(start, of, i).into()).collect(),
+        UniformSource::View(of) => facts.frame.map_or(Vec::new(), |frame| frame.view(of)),
+    }
+}
+
+/// The values of all fields at the start, as a struct of them is made.
+pub fn start(facts: &Facts) -> String {
+    let start = values(facts);
+    let one = |field: &Uniform| {
+        let numbers: Vec<String> = value(facts, &start, field).iter().map(|v| format!("{:?}", narrow(*v))).collect();
+        if field.components == 1 { numbers.concat() } else { format!("{}({})", vector_type(field.components as u8), numbers.join(", ")) }
+    };
+    facts.fields.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// The values of all formulas at the start.
+fn values(facts: &Facts) -> Vec<f64> {
+    facts.formulas.values(0.0, |i| facts.graph.parameters.get(i as usize).map_or(0.0, |p| p.default))
 }
 
 /// A line break, as in a description or a file's name, would end the comment.
@@ -185,6 +219,7 @@ fn about(facts: &Facts, field: &Uniform) -> String {
             None => String::new(),
         },
         UniformSource::Formula(_) => "computed: see below".to_owned(),
+        UniformSource::View(field) => field.about().to_owned(),
     }
 }
 

@@ -335,6 +335,11 @@ struct sf_Surface {
     }
 }
 
+/// Text of the library under the prefix of a module.
+pub fn prefixed<'t>(text: &'t str, prefix: &str) -> Cow<'t, str> {
+    if prefix == "sf_" { Cow::Borrowed(text) } else { Cow::Owned(text.replace("sf_", prefix)) }
+}
+
 /// Names of structs, which nothing else may take.
 pub const STRUCTURES: [&str; 5] = ["Hit", "Contact", "Surface", "Passage", "Samples"];
 

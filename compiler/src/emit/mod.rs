@@ -9,6 +9,7 @@ mod arms;
 mod body;
 mod code;
 mod computed;
+mod draw;
 mod error;
 mod formulas;
 mod header;
@@ -23,6 +24,7 @@ pub(crate) mod shadow;
 mod space;
 mod spirv;
 pub mod table;
+mod tokens;
 pub mod tracer;
 mod translate;
 mod uniforms;
@@ -41,23 +43,24 @@ pub use translate::{Target, translate, validate};
 
 use crate::analysis::Box3;
 use crate::blocks::SceneBlocks;
+use crate::frame::Frame;
 use crate::functions::Functions;
 use crate::graph::interval::Interval;
 use crate::graph::simplify::Terms;
 use crate::graph::{Graph, Leaf, Node, ShapeId};
-use crate::interface::{Export, Options, Parameter, Rounding, UniformSource};
+use crate::interface::{Entry, Export, Options, Parameter, Rounding, UniformSource, Uniforms};
 use crate::live::Live;
 use crate::source::Sources;
 use body::Body;
 use code::{Code, ExprId};
+use draw::Drawing;
 use layers::{glass_function, layers_function, layers_struct, mesh_functions};
-use library::Helpers;
+use library::{Helpers, prefixed};
 use names::{Scope, identifier, vector_type};
 use plan::{Group, Plan, Plans, TargetId};
 use rounding::with_rounding;
 use rustc_hash::FxHashMap;
 use space::{own_space, scene_space, surface_plan, surface_struct};
-use std::borrow::Cow;
 use std::fmt::Write;
 use std::sync::Arc;
 use table::{ModuleTables, Tables};
@@ -65,7 +68,9 @@ use tracer::Ways;
 use uniforms::Candidates;
 use write::{Context, Room, unit};
 
-/// The module of a scene: the functions that `options` asks for, and what they need. `sources` are the texts that the graph came from.
+/// The module of a scene: the functions that `options` asks for, and what they need. `sources` are the texts that the graph came from. `frame` is the scene
+/// at the start, where the module shall draw it: [`Options::entry`].
+#[allow(clippy::too_many_arguments)]
 pub fn emit(
     graph: &Graph,
     root: ShapeId,
@@ -74,13 +79,23 @@ pub fn emit(
     parameters: &[Parameter],
     options: &Options,
     sources: &Sources,
+    frame: Option<&Frame>,
 ) -> Result<Module, EmitError> {
     let prefix = &options.prefix;
     check_prefix(prefix)?;
+    if prefix.is_empty() && options.uniforms == Uniforms::Separate {
+        return Err(EmitError::Unnamed);
+    }
     let tables = Tables::new(graph, functions);
     let mut plans = Plans::new(graph, functions, &tables);
     let mut skipped = Vec::new();
-    let exports = exports(options, &plans, root, functions.ahead.planes.is_some(), &mut skipped);
+    let frame = frame.filter(|_| options.entry == Entry::Draw);
+    let drawing = frame.map(|frame| Drawing::new(graph, blocks, functions, frame, options.colors, &mut plans));
+    let needed = drawing.as_ref().map_or(Vec::new(), Drawing::exports);
+    let exports = exports(options, &needed, &plans, root, functions.ahead.planes.is_some(), &mut skipped);
+    // What is not there was said.
+    let drawing = drawing.filter(|_| needed.iter().all(|export| exports.contains(export)));
+    let frame = frame.filter(|_| drawing.is_some());
 
     // What the exports of this scene compute.
     let mut roots: Vec<(Export, TargetId)> = Vec::new();
@@ -123,7 +138,7 @@ pub fn emit(
         module,
         prefix,
         uniform_name: format!("{prefix}uniforms"),
-        uniforms: Candidates::new(graph, parameters),
+        uniforms: Candidates::new(graph, parameters, &drawing.as_ref().map_or(Vec::new(), Drawing::view)),
         helpers: Helpers::default(),
         numbers: FxHashMap::default(),
         room: Room::default(),
@@ -134,7 +149,7 @@ pub fn emit(
         facing: "normal",
     };
     let mut texts = String::with_capacity(24 * graph.len().min(100_000));
-    let mut body = Body::new(graph.len(), (!options.live_in_shader).then(Formulas::default));
+    let mut body = Body::new(graph.len(), (!options.live_in_shader && options.uniforms != Uniforms::Private).then(Formulas::default));
     for &id in &standing {
         shape_function(&mut context, id, &mut body, &mut texts)?;
         let sums = std::mem::take(&mut context.sums);
@@ -156,6 +171,9 @@ pub fn emit(
     }
     if let Some(plan) = &glass {
         glass_function(&mut context, root, plan, &mut body, &mut texts)?;
+    }
+    if let Some(drawing) = &drawing {
+        drawing.write(&mut context, &mut body, rounding, &mut texts)?;
     }
     if let Some(plan) = &carry {
         carry_function(&mut context, root, plan, &mut body, &mut texts)?;
@@ -200,6 +218,7 @@ pub fn emit(
         occlusion: blocks.occlusion(graph, &Live::start(graph)),
         extent: blocks.extent,
         region: functions.ahead.region,
+        frame,
     };
     let (mut wgsl, computed) = header::write(&facts);
     let declared = |buffers: bool, text: &mut String| {
@@ -221,11 +240,23 @@ pub fn emit(
         code
     });
     let has_grids = context.has_grids();
+    let mut meshes_text = meshes_text;
+    let mut origin = format!("{}.origin", context.uniform_name);
+    let mut buffered = buffered;
+    if options.uniforms == Uniforms::Separate {
+        let scope = &mut context.module;
+        let names: FxHashMap<&str, String> = fields.iter().map(|field| (field.name.as_str(), scope.give(&format!("{prefix}{}", field.name)))).collect();
+        for text in [Some(&mut wgsl), Some(&mut meshes_text), buffered.as_mut()].into_iter().flatten() {
+            *text = tokens::with_variables(text, &context.uniform_name, |field| names.get(field).cloned());
+        }
+        origin = names.get("origin").cloned().unwrap_or_default();
+    }
     let uniform_name = if fields.is_empty() { String::new() } else { context.uniform_name };
     Ok(Module {
         wgsl,
         exports,
         uniform_name,
+        origin,
         uniforms: fields,
         formulas: Arc::new(formulas),
         computed,
@@ -238,6 +269,7 @@ pub fn emit(
         one,
         ways,
         grids: has_grids,
+        draws: drawing.is_some(),
         tables: buffered.map(|code| Arc::new(ModuleTables::new(tables, code))),
     })
 }
@@ -250,7 +282,7 @@ fn reserved_names(prefix: &str) -> Scope {
     let mut names = Scope::default();
     let exports = Export::ALL.iter().map(|e| e.name());
     let helpers = library::HELPERS.iter().map(|h| h.name);
-    let others = ["extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists", "planes", "ahead", "rest_bound", "rest_distance", "region_low", "region_high", "passage", "shares", "across", "grid_head"];
+    let others = ["Around", "around", "extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists", "planes", "ahead", "rest_bound", "rest_distance", "region_low", "region_high", "passage", "shares", "across", "grid_head"];
     for text in exports.chain(helpers).chain(library::STRUCTURES).chain(others) {
         names.reserve(&format!("{prefix}{text}"));
     }
@@ -394,22 +426,28 @@ fn export_functions(
 /// Writes the uniform block, structs, constants and helpers. `buffers`: whether tables are buffers, and not text.
 fn declarations(context: &Context, facts: &header::Facts, buffers: bool, wgsl: &mut String) {
     let prefix = context.prefix;
-    if !facts.fields.is_empty() {
+    let Options { group, binding, uniforms, .. } = facts.options;
+    let name = &context.uniform_name;
+    if *uniforms == Uniforms::Separate {
+        for (binding, field) in (*binding..).zip(facts.fields) {
+            // The variable's own name is put in with those of all that read it.
+            let _ = write!(wgsl, "\n@group({group}) @binding({binding}) var<uniform> {name}.{}: {};", field.name, vector_type(field.components as u8));
+        }
+        wgsl.push_str(if facts.fields.is_empty() { "" } else { "\n" });
+    } else if !facts.fields.is_empty() {
         let _ = write!(wgsl, "\nstruct {prefix}Uniforms {{\n");
         for field in facts.fields {
             let ty = vector_type(field.components as u8);
             let _ = writeln!(wgsl, "  {}: {ty},", field.name);
         }
-        let Options { group, binding, .. } = facts.options;
-        let name = &context.uniform_name;
-        let _ = write!(
-            wgsl,
-            "}}\n\n@group({group}) @binding({binding}) var<uniform> {name}: {prefix}Uniforms;\n"
-        );
+        let _ = match uniforms {
+            Uniforms::Private => write!(wgsl, "}}\n\nvar<private> {name}: {prefix}Uniforms = {prefix}Uniforms({});\n", header::start(facts)),
+            _ => write!(wgsl, "}}\n\n@group({group}) @binding({binding}) var<uniform> {name}: {prefix}Uniforms;\n"),
+        };
     }
     if context.has_tables() {
         match buffers {
-            true => table::text::declare_buffers(prefix, facts.options.group, facts.options.binding, wgsl),
+            true => table::text::declare_buffers(prefix, *group, facts.options.first_buffer(facts.fields.len()), wgsl),
             false => table::text::declare_text(context, wgsl),
         }
     }
@@ -434,11 +472,6 @@ fn declarations(context: &Context, facts: &header::Facts, buffers: bool, wgsl: &
     }
 }
 
-/// Text of the library under the prefix of a module.
-fn prefixed<'t>(text: &'t str, prefix: &str) -> Cow<'t, str> {
-    if prefix == "sf_" { Cow::Borrowed(text) } else { Cow::Owned(text.replace("sf_", prefix)) }
-}
-
 fn check_prefix(prefix: &str) -> Result<(), EmitError> {
     let plain = prefix.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     let starts = prefix.is_empty() || prefix.starts_with(|c: char| c.is_ascii_alphabetic());
@@ -460,12 +493,12 @@ fn group_of(export: Export) -> Option<Group> {
     }
 }
 
-/// What was asked for and can be had, with what it needs, in the order of [`Export`].
+/// What was asked for and can be had, with what it needs, in the order of [`Export`]. `needed` is asked for too.
 /// `planes`: whether rays meet planes apart, and follow functions of their own.
-fn exports(options: &Options, plans: &Plans, root: ShapeId, planes: bool, skipped: &mut Vec<String>) -> Vec<Export> {
+fn exports(options: &Options, needed: &[Export], plans: &Plans, root: ShapeId, planes: bool, skipped: &mut Vec<String>) -> Vec<Export> {
     let mut exports = Vec::new();
     for export in Export::ALL {
-        if !options.exports.contains(&export) {
+        if !options.exports.contains(&export) && !needed.contains(&export) {
             continue;
         }
         let all = || library::needs(export).iter().copied().chain([export]);

@@ -16,6 +16,8 @@ pub struct Module {
     pub exports: Vec<Export>,
     /// Name of the uniform block's struct and variable, empty where there is none.
     pub uniform_name: String,
+    /// How its text reads the scene's point at which `p` is zero; that is there where anything reads it.
+    pub origin: String,
     /// Fields of the uniform block.
     pub uniforms: Vec<Uniform>,
     /// What the host computes for them once a frame.
@@ -40,6 +42,8 @@ pub struct Module {
     pub one: bool,
     /// What its tracer is told.
     pub ways: Ways,
+    /// Whether it draws the scene by itself.
+    pub draws: bool,
     /// Whether it reads grids: then its text has buffers too.
     pub grids: bool,
     /// The unions of many operands, which are tables, and the grids; none in most modules.
@@ -70,14 +74,14 @@ impl Module {
         // No buffer may be empty.
         rows.resize(rows.len().max(16), 0);
         let lists = tables.lists().iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
-        let (group, binding) = (options.group, u64::from(options.binding));
+        let (group, binding) = (options.group, u64::from(options.first_buffer(self.uniforms.len())));
         let wgsl = format!(
             "{}//\n// The tables of its unions and the grids of its meshes are two storage buffers of group {group}, read only, little-endian:\n//\n\
              //   binding {}: array<vec4f>, {} bytes\n//   binding {}: array<u32>, {} bytes\n{}",
             self.head(),
-            binding + 1,
+            binding,
             rows.len(),
-            binding + 2,
+            binding + 1,
             lists.len(),
             tables.code(),
         );

@@ -132,7 +132,7 @@ impl Bench {
 
     fn emit(&self, root: ShapeId, options: &Options) -> Module {
         let blocks = SceneBlocks { extent: 100.0, ..SceneBlocks::default() };
-        emit(&self.g, root, &self.functions, &blocks, &self.parameters, options, &Sources::default()).unwrap()
+        emit(&self.g, root, &self.functions, &blocks, &self.parameters, options, &Sources::default(), None).unwrap()
     }
 
     fn check(&self, root: ShapeId, options: &Options) -> Module {
@@ -284,7 +284,7 @@ fn prefix_group_and_binding() {
     let blocks = SceneBlocks::default();
     for prefix in ["1a", "a-b", "_", "é"] {
         let options = Options { prefix: prefix.into(), ..Options::default() };
-        let result = emit(&b.g, root, &b.functions, &blocks, &b.parameters, &options, &Sources::default());
+        let result = emit(&b.g, root, &b.functions, &blocks, &b.parameters, &options, &Sources::default(), None);
         assert!(matches!(result, Err(EmitError::Prefix(_))), "{prefix}");
     }
 }

@@ -47,7 +47,7 @@ pub fn validate(wgsl: &str) -> Result<(naga::Module, ModuleInfo), String> {
 }
 
 /// The module in another language. A language that has no modules without an entry point gets a fragment function that looks
-/// at the scene.
+/// at the scene, unless the module draws by itself: GLSL is its fragment function then.
 pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8>, String> {
     if target == Target::Wgsl {
         return Ok(module.wgsl.clone().into_bytes());
@@ -56,9 +56,10 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
         Target::Spirv => module.wgsl.clone(),
         _ => table::text::with_constants(&module.wgsl, prefix),
     };
-    if target == Target::Glsl {
+    if target == Target::Glsl && !module.draws {
         text.push('\n');
-        text.push_str(&entry(module).replace("sf_", prefix));
+        let entry = entry(module).replace("sf_uniforms.origin", "ORIGIN").replace("sf_", prefix);
+        text.push_str(&entry.replace("ORIGIN", &module.origin));
     }
     let (parsed, info) = validate(&text)?;
     match target {
@@ -79,8 +80,20 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
             let reflection = glsl::Writer::new(&mut out, &parsed, &info, &options, &pipeline, policies)
                 .and_then(|mut writer| writer.write())
                 .map_err(|e| e.to_string())?;
-            let block = reflection.uniforms.values().next();
-            let block = block.map_or_else(String::new, |name| format!("// The uniform block is found by its name, `{name}`; it has no binding.\n"));
+            // A block for each uniform variable, in their order.
+            let mut blocks: Vec<_> = reflection.uniforms.iter().collect();
+            blocks.sort_unstable();
+            let block: String = match &blocks[..] {
+                [] => String::new(),
+                [(_, name)] => format!("// The uniform block is found by its name, `{name}`; it has no binding.\n"),
+                all => {
+                    let known = |(handle, name): &(&naga::Handle<naga::GlobalVariable>, &String)| {
+                        let variable = parsed.global_variables.try_get(**handle).ok().and_then(|variable| variable.name.as_deref());
+                        format!("//   {}: `{name}`\n", variable.unwrap_or(""))
+                    };
+                    format!("// Uniforms have no bindings; each is a block that is found by its name:\n{}", all.iter().map(known).collect::<String>())
+                }
+            };
             // Before the version nothing may stand.
             let (version, rest) = out.split_once('\n').unwrap_or((&out, ""));
             Ok(format!("{version}\n{}{block}{rest}", head(module)).into_bytes())
@@ -107,8 +120,11 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
             let mut options = spv::Options::default();
             options.flags |= spv::WriterFlags::DEBUG;
             let mut words = spv::write_vec(&parsed, &info, &options, None).map_err(|e| e.to_string())?;
-            let names: Vec<String> = module.exports.iter().map(|export| format!("{prefix}{}", export.name())).collect();
-            spirv::export(&mut words, &names);
+            // Where there are entry points nobody links to functions, and Vulkan takes none that say so.
+            if !module.draws {
+                let names: Vec<String> = module.exports.iter().map(|export| format!("{prefix}{}", export.name())).collect();
+                spirv::export(&mut words, &names);
+            }
             Ok(words.into_iter().flat_map(u32::to_le_bytes).collect())
         }
     }

@@ -7,7 +7,7 @@ use crate::emit::names::{Scope, component_name, identifier, split_axis};
 use crate::graph::Graph;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::KERNEL;
-use crate::interface::{Parameter, Uniform, UniformSource};
+use crate::interface::{Parameter, Uniform, UniformSource, ViewField};
 use rustc_hash::FxHashMap;
 
 /// A value that a module may read.
@@ -32,7 +32,7 @@ pub struct Candidate {
 /// All values that a module may read.
 #[derive(Clone, Debug)]
 pub struct Candidates {
-    /// In the order of the struct: origin, time, parameters, occlusion, factors, what is computed.
+    /// In the order of the struct: origin, time, the view, parameters, occlusion, factors, what is computed.
     pub all: Vec<Candidate>,
     /// Candidate and component of each component of a parameter in the graph.
     components: Vec<Option<(u32, u8)>>,
@@ -46,11 +46,12 @@ pub struct Candidates {
 const TIME: u32 = 1;
 
 impl Candidates {
-    /// Names every live value. The names do not depend on what is read.
-    pub fn new(graph: &Graph, parameters: &[Parameter]) -> Self {
+    /// Names every live value. The names do not depend on what is read. `view`: what of the view a module is told that draws.
+    pub fn new(graph: &Graph, parameters: &[Parameter], view: &[ViewField]) -> Self {
         let mut scope = Scope::default();
         // By these names the library reads what is ours, so nothing else has them.
         let [origin, time, reach, strength] = ["origin", "time", "occlusion_reach", "occlusion_strength"].map(|name| scope.give(name));
+        let view_names: Vec<String> = view.iter().map(|field| scope.give(field.name())).collect();
         // A host calls functions by these.
         if !parameters.is_empty() {
             KERNEL.iter().for_each(|row| scope.reserve(call_name(row.op)));
@@ -62,6 +63,10 @@ impl Candidates {
         };
         add(origin, UniformSource::Origin, 3, vec![Interval::ALL; 3], None);
         add(time, UniformSource::Time, 1, vec![Interval::ALL], None);
+        for (&field, name) in view.iter().zip(view_names) {
+            let count = field.components();
+            add(name, UniformSource::View(field), count, vec![Interval::ALL; count.into()], None);
+        }
         let mut components = vec![None; graph.parameters.len()];
         for (index, parameter) in parameters.iter().enumerate() {
             let Some(first) = parameter.first else { continue };

@@ -1,4 +1,4 @@
-//! Rays that go through glass: the twin of `runtime/src/passes/scene/glass.wgsl`.
+//! Rays that go through glass: the twin of `compiler/src/shading/glass.wgsl`.
 
 use super::march::{Ray, at_points};
 use super::shade::{fresnel, Seen, shadow_offset};

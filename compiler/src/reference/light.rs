@@ -1,4 +1,4 @@
-//! Light on its way: from surface to surface, and from lamps to surfaces. The twin of `runtime/src/passes/scene/reflections.wgsl` and
+//! Light on its way: from surface to surface, and from lamps to surfaces. The twin of `compiler/src/shading/reflections.wgsl` and
 //! `glass.wgsl`.
 
 use super::glass::Through;

@@ -1,7 +1,7 @@
 //! The picture in 64 bits: the twin of what the emitted module and the pass over the screen do on a GPU.
 //!
 //! Tracing, shadow and occlusion are step for step those of `compiler/src/emit/library.rs`, the light is that of
-//! `runtime/src/passes/scene/*.wgsl`. A picture is made tile by tile; tiles may be made on as many threads as there are.
+//! `compiler/src/shading/*.wgsl`. A picture is made tile by tile; tiles may be made on as many threads as there are.
 
 mod ahead;
 pub mod area;

@@ -1,6 +1,6 @@
 //! What light does at a surface, and the film that it falls on.
 //!
-//! The constants and formulas are those of `runtime/src/passes/scene/*.wgsl`: what changes here changes there. All colours are linear
+//! The constants and formulas are those of `shading/*.wgsl`: what changes here changes there. All colours are linear
 //! radiance: [`super::film`] makes a screen's colour of it.
 //!
 //! The model: Cook and Torrance's microfacets with the distribution GGX and Smith's shadowing in the form that correlates both
@@ -11,18 +11,14 @@
 use super::area::Part;
 use crate::vector::{Vec3, add, cross, dot, length, mix, mul, scale, smooth, sub, unit};
 use crate::blocks::Shadow;
-use crate::frame::{PLAIN_SKY, Fog, Frame, Light, LightKind, Sky};
+use crate::frame::{GROUND, MAX_LIGHTS, PLAIN_SKY, Fog, Frame, Light, LightKind, Sky, default_light};
 use crate::images::Cube;
 use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// The most lights that a picture takes; those beyond are left out.
-pub const MAX_LIGHTS: usize = 16;
 /// The share of the sky's light that a matte surface gets: less than all of it, so that lights model the shapes.
 const FILL: f64 = 0.48;
-/// What the ground throws back of the sky's light, and of the light of lamps that are infinitely far.
-const GROUND: (f64, f64) = (0.25, 0.07);
 
 /// What a surface is like at a point, as the scene's materials say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -141,16 +137,6 @@ pub fn plain_sky() -> Cube {
 fn gradient(sky: &Sky, direction: Vec3) -> Vec3 {
     let s = direction[1].max(0.0);
     mix(sky.horizon, sky.zenith, 1.2 * s * s / (s * s + 0.2))
-}
-
-/// The light of a scene that has none.
-pub fn default_light() -> Light {
-    Light {
-        name: String::new(),
-        kind: LightKind::Direction([0.55, -0.8, -0.5]),
-        radiance: [3.02, 2.95, 2.86],
-        shadow: Shadow::Soft(12.0),
-    }
 }
 
 /// A surface's answer to light.

@@ -1,4 +1,4 @@
-//! Tone curves: what of linear light a screen shows, as linear shares of its white. The twins are `runtime/src/passes/scene/tone_*.wgsl`.
+//! Tone curves: what of linear light a screen shows, as linear shares of its white. The twins are `compiler/src/shading/tone_*.wgsl`.
 
 use crate::vector::{Vec3, add, mix, scale};
 use crate::blocks::Tone;

@@ -4,14 +4,23 @@ use super::check::parameter_json;
 use super::values::{self, Setting};
 use super::console::{Exit, Failure, ends_wrong, print, show_broken, spare};
 use crate::files;
+use crate::hosts::Host;
 use clap::builder::PossibleValuesParser;
 use serde_json::{Value, json};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use surefoot_compiler::compiled::{Compiled, Module, Uniform, UniformSource};
+use surefoot_compiler::compiled::{Colors, Compiled, Entry, Module, Uniform, UniformSource, Uniforms};
 use surefoot_compiler::emit::{Target, signature, translate, validate};
 use surefoot_compiler::{Export, Options};
 
+const BLOCK: &str = "block";
+const SCREEN: &str = "screen";
+const NONE: &str = "none";
+const DRAW: &str = "draw";
+/// How a module declares what a host sets.
+const UNIFORMS: [(&str, Uniforms); 3] = [(BLOCK, Uniforms::Block), ("private", Uniforms::Private), ("separate", Uniforms::Separate)];
+/// What one that draws makes of light.
+const COLORS: [(&str, Colors); 3] = [(SCREEN, Colors::Screen), ("linear", Colors::Linear), ("light", Colors::Light)];
 const TEXT: &str = "text";
 const BUFFERS: &str = "buffers";
 
@@ -36,6 +45,21 @@ pub struct Args {
     /// Binding of the uniform block.
     #[arg(long, default_value_t = 0, value_name = "N")]
     binding: u32,
+    /// How the module declares what a host sets: one uniform block; a private variable that the shader sets itself, with the values at the start; or a
+    /// uniform variable for each, from --binding on.
+    #[arg(long, default_value = BLOCK, value_parser = PossibleValuesParser::new(UNIFORMS.map(|(name, _)| name)), value_name = "FORM")]
+    uniforms: String,
+    /// Whether the module draws the scene by itself: `draw` adds entry points that do, with the scene's light, sky and camera, and write its depth.
+    #[arg(long, default_value = NONE, value_parser = PossibleValuesParser::new([NONE, DRAW]))]
+    entry: String,
+    /// What a module that draws makes of light: a screen's colours, the same for a target that encodes them as sRGB itself, or light without a tone curve.
+    #[arg(long, default_value = SCREEN, value_parser = PossibleValuesParser::new(COLORS.map(|(name, _)| name)), value_name = "FORM")]
+    colors: String,
+    /// Write the scene for a host, so that the file shows it: `html`, a page that draws by WebGPU, as one file that loads nothing; or `shadertoy`, a
+    /// fragment shader for shadertoy.com.
+    #[arg(long = "for", value_name = "HOST", value_parser = PossibleValuesParser::new(Host::ALL.map(Host::name)),
+          conflicts_with_all = ["functions", "prefix", "group", "binding", "uniforms", "entry", "colors", "target", "tables", "layout", "live_in_shader"])]
+    host: Option<String>,
     /// The language to write. GLSL gets an entry point that draws, since it needs one; names that GLSL forbids get a `_` at the end.
     #[arg(long, default_value = "wgsl", value_parser = PossibleValuesParser::new(Target::ALL.map(Target::name)))]
     target: String,
@@ -88,6 +112,9 @@ fn prefix(text: &str) -> Result<String, String> {
 
 /// Compiles and writes. Nothing is written where anything is wrong.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
+    if let Some(host) = Host::ALL.into_iter().find(|host| Some(host.name()) == args.host.as_deref()) {
+        return for_host(args, host);
+    }
     let target = Target::ALL.into_iter().find(|t| t.name() == args.target).unwrap_or(Target::Wgsl);
     let file = args.output.as_deref().filter(|file| *file != "-").map(Path::new);
     let buffered = args.tables == BUFFERS;
@@ -97,7 +124,17 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if buffered && target == Target::Glsl {
         return Err(Failure::usage("GLSL ES 3.0 has no storage buffers: leave --tables buffers out"));
     }
+    fn chosen<T: Copy>(name: &str, of: &[(&str, T)], usual: T) -> T {
+        of.iter().find(|(known, _)| *known == name).map_or(usual, |(_, value)| *value)
+    }
+    let uniforms = chosen(&args.uniforms, &UNIFORMS, Uniforms::Block);
+    if args.prefix.is_empty() && uniforms == Uniforms::Separate {
+        return Err(Failure::usage("uniforms that are variables of their own need a --prefix before their names"));
+    }
     let options = Options {
+        uniforms,
+        entry: if args.entry == DRAW { Entry::Draw } else { Entry::None },
+        colors: chosen(&args.colors, &COLORS, Colors::Screen),
         exports: args.functions.clone(),
         prefix: args.prefix.clone(),
         group: args.group,
@@ -131,7 +168,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if args.layout.as_deref() == Some("-") {
         return Err(Failure::usage("the layout is a file of its own: say where to write it with --layout FILE"));
     }
-    let layout = args.layout.as_deref().map(|path| (Path::new(path), layout_json(args, compiled, module, &tables)));
+    let layout = args.layout.as_deref().map(|path| (Path::new(path), layout_json(args, &options, compiled, module, &tables)));
     let paths: Vec<&Path> = file.into_iter().chain(layout.iter().map(|(path, _)| *path)).chain(tables.iter().map(|(path, _)| path.as_path())).collect();
     let same = |a: &Path, b: &Path| match (std::path::absolute(a), std::path::absolute(b)) {
         (Ok(a), Ok(b)) => a == b,
@@ -151,12 +188,8 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     for skipped in &compiled.module.skipped {
         eprintln!("note: left out: {skipped}");
     }
-    for (count, what) in [(compiled.blocks.meshes.len(), "meshes"), (compiled.blocks.balls.len(), "balls")] {
-        if count > 0 {
-            eprintln!("note: left out: {what}; the module holds the field alone");
-        }
-    }
-    if !compiled.functions.surface.layers.is_empty() {
+    left_out(compiled, module);
+    if !module.draws && !compiled.functions.surface.layers.is_empty() {
         eprintln!("note: left out: images; {}layers says where they lie", args.prefix);
     }
     match (&compiled.module.tables, buffered) {
@@ -195,15 +228,62 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     Ok(Exit::Fine)
 }
 
+/// Writes the file of a host.
+fn for_host(args: &Args, host: Host) -> Result<Exit, Failure> {
+    let file = args.output.as_deref().filter(|file| *file != "-").map(Path::new);
+    let options = Options { strict: args.strict, ..host.options() };
+    let (outcome, _) = values::read(&args.scene, &args.set, &options)?;
+    let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
+    if show_broken(&outcome, &crate::picture::broken_meshes(compiled)) == Exit::Errors {
+        return Ok(Exit::Errors);
+    }
+    if compiled.module.grids && !host.has_buffers() {
+        return Err(Failure::usage(format!("{} has no storage buffers, from which `mesh_field` and `baked` are read", host.name())));
+    }
+    if let Some(file) = file {
+        spare(file, &outcome)?;
+        if let Some(words) = ends_wrong(file, host.endings()) {
+            return Err(Failure::usage(words));
+        }
+    }
+    left_out(compiled, &compiled.module);
+    let title = Path::new(&args.scene).file_stem().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    let parameters: Vec<Value> = compiled.parameters.iter().filter(|p| p.choices.is_empty()).map(parameter_json).collect();
+    let invalid = |why| Failure { exit: Exit::Errors, words: format!("{}: nothing is written: {why}", args.scene) };
+    let text = validate(&compiled.module.wgsl).and_then(|_| host.write(compiled, &parameters, &title)).map_err(invalid)?;
+    match file {
+        Some(file) => files::write(file, text.as_bytes()).map_err(|why| Failure::usage(format!("can't write {}: {why}", file.display())))?,
+        None => print(text.as_bytes())?,
+    }
+    Ok(Exit::Fine)
+}
+
+/// Says what of the scene a module does not hold.
+fn left_out(compiled: &Compiled, module: &Module) {
+    for (count, what) in [(compiled.blocks.meshes.len(), "meshes"), (compiled.blocks.balls.len(), "balls")] {
+        if count > 0 {
+            eprintln!("note: left out: {what}; the module holds the field alone");
+        }
+    }
+    if module.draws && !compiled.functions.surface.layers.is_empty() {
+        eprintln!("note: left out: images; what lies on a surface is drawn without them");
+    }
+    if module.draws && (compiled.blocks.environment.is_some() || compiled.blocks.capture.is_some()) {
+        eprintln!("note: left out: images of the sky; the module draws the sky of a scene that names none");
+    }
+}
+
 /// WGSL's types of one to four numbers.
 const TYPES: [&str; 4] = ["f32", "vec2f", "vec3f", "vec4f"];
 /// Those of the two buffers with tables.
 const BUFFER_TYPES: [&str; 2] = ["array<vec4f>", "array<u32>"];
 
 /// What a host must know of a module.
-fn layout_json(args: &Args, compiled: &Compiled, module: &Module, tables: &[(PathBuf, &Vec<u8>)]) -> Value {
+fn layout_json(args: &Args, options: &Options, compiled: &Compiled, module: &Module, tables: &[(PathBuf, &Vec<u8>)]) -> Value {
     let start = compiled.uniform_bytes(&compiled.live(), [0.0; 3]);
-    let field = |uniform: &Uniform| {
+    // GLSL knows its block by name: the head of the text says it.
+    let bound = |number: u32| (args.target != Target::Glsl.name()).then_some(number);
+    let field = |(place, uniform): (u32, &Uniform)| {
         // As many digits as tell it from its neighbours in 32 bits.
         let short = |number: f32| number.to_string().parse::<f64>().ok();
         let of = |i: u32| short(f32::from_le_bytes(*start.get((uniform.offset + 4 * i) as usize..)?.first_chunk()?));
@@ -213,7 +293,8 @@ fn layout_json(args: &Args, compiled: &Compiled, module: &Module, tables: &[(Pat
         };
         json!({
             "name": uniform.name,
-            "offset": uniform.offset,
+            "offset": (options.uniforms != Uniforms::Separate).then_some(uniform.offset),
+            "binding": bound(args.binding + place).filter(|_| options.uniforms == Uniforms::Separate),
             "type": TYPES.get((uniform.components as usize).saturating_sub(1)),
             "source": match uniform.source {
                 UniformSource::Origin => "origin",
@@ -223,6 +304,7 @@ fn layout_json(args: &Args, compiled: &Compiled, module: &Module, tables: &[(Pat
                 UniformSource::OcclusionStrength => "occlusion_strength",
                 UniformSource::Factor(_) => "factor",
                 UniformSource::Formula(_) => "computed",
+                UniformSource::View(field) => field.name(),
             },
             "parameter": parameter,
             "start": (0..uniform.components).map(of).collect::<Vec<_>>(),
@@ -230,20 +312,20 @@ fn layout_json(args: &Args, compiled: &Compiled, module: &Module, tables: &[(Pat
     };
     let signature = |export: &Export| signature(*export).replace("sf_", &args.prefix);
     let buffer = |(i, (path, bytes)): (usize, &(PathBuf, &Vec<u8>))| {
-        json!({ "binding": args.binding + 1 + i as u32, "type": BUFFER_TYPES.get(i), "bytes": bytes.len(), "file": path })
+        json!({ "binding": options.first_buffer(module.uniforms.len()) + i as u32, "type": BUFFER_TYPES.get(i), "bytes": bytes.len(), "file": path })
     };
     let chosen = compiled.parameters.iter().filter(|p| !p.choices.is_empty()).map(|p| {
         let set = values::choices(&args.set).into_iter().find(|(name, _)| *name == p.name).map(|(_, choice)| choice);
         (p.name.clone(), json!(set.or_else(|| p.choice().map(str::to_owned))))
     });
-    // GLSL knows its block by name: the head of the text says it.
-    let bound = |number: u32| (args.target != Target::Glsl.name()).then_some(number);
     json!({
         "functions": module.exports.iter().map(signature).collect::<Vec<_>>(),
-        "group": bound(args.group),
-        "binding": bound(args.binding),
+        "entries": if module.draws { vec![format!("{}vertex", args.prefix), format!("{}fragment", args.prefix)] } else { Vec::new() },
+        "form": args.uniforms,
+        "group": bound(args.group).filter(|_| options.uniforms != Uniforms::Private),
+        "binding": bound(args.binding).filter(|_| options.uniforms == Uniforms::Block),
         "size": module.uniform_size,
-        "uniforms": module.uniforms.iter().map(field).collect::<Vec<_>>(),
+        "uniforms": (0..).zip(&module.uniforms).map(field).collect::<Vec<_>>(),
         "parameters": compiled.parameters.iter().map(parameter_json).collect::<Vec<_>>(),
         "chosen": chosen.collect::<serde_json::Map<_, _>>(),
         "computed": module.computed,

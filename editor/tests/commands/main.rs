@@ -2,6 +2,7 @@
 
 mod cases;
 mod films;
+mod hosts;
 mod measure;
 #[cfg(feature = "gpu")]
 mod meshes;

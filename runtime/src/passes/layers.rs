@@ -6,6 +6,7 @@ use surefoot_compiler::emit::{letters, numbered};
 use surefoot_compiler::functions::{Functions, Surface};
 use surefoot_compiler::graph::Slot;
 use surefoot_compiler::images::TextureKind;
+use surefoot_compiler::shading;
 
 /// The binding of the first texture in group 1; that of their sampler is the one before.
 pub(super) const FIRST_TEXTURE: u32 = 5;
@@ -25,7 +26,7 @@ fn textures(functions: &Functions, most: u32) -> Vec<(u32, TextureKind)> {
 pub(super) fn text(functions: &Functions, most: u32) -> Vec<Cow<'static, str>> {
     let surface = &functions.surface;
     let textures = textures(functions, most);
-    let mut text: Vec<Cow<'static, str>> = vec![include_str!("layers/met.wgsl").into()];
+    let mut text: Vec<Cow<'static, str>> = vec![shading::MET.into()];
     if surface.is_layered() || !textures.is_empty() {
         text.push(include_str!("layers/base.wgsl").into());
     }
@@ -38,7 +39,7 @@ pub(super) fn text(functions: &Functions, most: u32) -> Vec<Cow<'static, str>> {
         text.push(image.replace("TEXTURE", &texture.to_string()).replace("BINDING", &binding.to_string()).into());
     }
     if !surface.is_layered() {
-        text.push(include_str!("layers/none.wgsl").into());
+        text.push(shading::MET_PLAIN.into());
         return text;
     }
     text.push(include_str!("layers/begin.wgsl").into());

@@ -9,6 +9,7 @@ use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 use surefoot_compiler::compiled::Compiled;
 use surefoot_compiler::mesh::Placed;
+use surefoot_compiler::shading;
 use surefoot_compiler::vector::sub;
 use wgpu::util::DeviceExt;
 
@@ -90,7 +91,8 @@ impl MeshesPipeline {
         // No formula of the scene is asked: the same for all scenes.
         let before = [
             "fn sf_gradient(p: vec3f) -> vec4f { return vec4f(p, 0.0); }",
-            include_str!("scene/base.wgsl"),
+            shading::BASE,
+            include_str!("scene/bindings.wgsl"),
             features.eye(),
             include_str!("meshes/place.wgsl"),
             include_str!("meshes/vertex.wgsl"),

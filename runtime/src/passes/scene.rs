@@ -7,15 +7,13 @@ use crate::sheets::LINEAR;
 use bytemuck::{Pod, Zeroable};
 use std::borrow::Cow;
 use surefoot_compiler::camera::Basis;
-use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, MAX_BOUNCES, Rounding, Shadow, Tone};
-use surefoot_compiler::reference::area;
-use surefoot_compiler::reference::shade::{self, MAX_LIGHTS};
+use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, Rounding, Shadow, Tone};
+use surefoot_compiler::frame::{MAX_LIGHTS, NEAR};
+use surefoot_compiler::reference::{area, shade};
+use surefoot_compiler::shading::{self, Parts, Shading};
 use surefoot_compiler::vector::{scale, sub};
 
 pub use surefoot_compiler::reference::View as ViewMode;
-
-/// Distance from the eye of the plane at which the written depth is 1.
-pub const NEAR: f32 = 0.01;
 
 /// What of the pass is compiled. Each combination is a pipeline of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -67,43 +65,35 @@ impl Features {
         let blocks = &compiled.blocks;
         let shaded = view == ViewMode::Shaded;
         let off = blocks.shadows.and_then(constant) == Some(0.0);
-        // A scene without lights is lit by one that throws a shadow, or by its images.
-        let unlit = blocks.lights.is_empty() && blocks.environment.is_none();
-        let thrown =
-            unlit || blocks.lights.iter().any(|l| l.shadow.0 != Shadow::None);
-        let nothing = |(reach, strength)| {
-            constant(reach).is_some_and(|r| r <= 0.0)
-                || constant(strength).is_some_and(|s| s <= 0.0)
-        };
-        let shadows = shaded && thrown && !off;
-        let placed = blocks.lights.iter().any(|l| l.position);
-        let emits = compiled.functions.surface.emission.iter().any(|&c| constant(c) != Some(0.0));
+        let shading = Shading::of(&compiled.graph, blocks, &compiled.functions);
         Self {
             view,
-            shadows,
-            emitters: shadows && placed && emits,
-            occlusion: shaded && !blocks.ambient_occlusion.is_some_and(nothing),
+            shadows: shaded && shading.shadows,
+            emitters: shaded && shading.emitters,
+            occlusion: shaded && shading.occlusion,
             environment: shaded && blocks.environment.is_some(),
             textures: if shaded { compiled.functions.textures().len().min(MOST_TEXTURES) as u32 } else { 0 },
-            reflections: match (blocks.reflections, shaded) {
-                (_, false) => 0,
-                (None, _) => compiled.usual_reflections(),
-                (Some(n), _) => constant(n).map_or(MAX_BOUNCES, |n| n as u32),
-            },
-            glass: shaded && compiled.functions.surface.glass.is_some(),
+            reflections: if shaded { shading.reflections } else { 0 },
+            glass: shaded && shading.glass,
             capture: blocks.capture.filter(|_| shaded).map(|capture| capture.size),
             captures: false,
             // Not where the steps of rays are shown.
             balls: compiled.has_balls() && view != ViewMode::Steps,
             meshes: compiled.has_meshes() && view != ViewMode::Steps,
             meshes_first: compiled.has_meshes() && view != ViewMode::Steps,
-            lights: if unlit { 1 } else { blocks.lights.len().min(MAX_LIGHTS) as u32 },
-            tone: if shaded { blocks.tone } else { Tone::default() },
-            fog: blocks.fog.is_some_and(|(_, density)| shaded && constant(density) != Some(0.0)),
+            lights: shading.lights,
+            tone: if shaded { shading.tone } else { Tone::default() },
+            fog: shaded && shading.fog,
             bloom: blocks.bloom.is_some_and(|share| shaded && constant(share) != Some(0.0)),
-            optics: blocks.cameras.iter().any(|camera| camera.orthographic || camera.lens.is_some_and(|lens| constant(lens) != Some(0.0))),
+            optics: shading.optics,
             field_maps: shaded && !off && blocks.lights.iter().any(|l| l.shadow.0 == Shadow::Map),
         }
+    }
+
+    /// Which parts of the shading it has.
+    fn parts(&self) -> Shading {
+        let Self { shadows, emitters, occlusion, reflections, lights, tone, fog, glass, optics, captures, .. } = *self;
+        Shading { shadows, emitters, occlusion, reflections, lights, tone, fog, glass, optics: optics && !captures }
     }
 
     /// Of what draws the cubemap of a scene that has these: the same light, seen from one place. What is mirrored there is the field and
@@ -145,79 +135,34 @@ impl Features {
 
     /// What every pass that shades has: the view, and light where it is shown.
     pub(super) fn shading(&self, compiled: &Compiled) -> Vec<Cow<'static, str>> {
-        let mut sections = vec![include_str!("scene/base.wgsl"), self.eye()];
-        sections.extend(match (self.captures, self.view) {
-            (true, _) => vec![include_str!("capture/film.wgsl")],
-            (false, ViewMode::Shaded) if self.bloom => vec![include_str!("scene/light_film.wgsl")],
-            (false, ViewMode::Shaded) => {
-                vec![self.tone_text(), include_str!("scene/film.wgsl"), include_str!("dither.wgsl"), include_str!("scene/target.wgsl")]
-            }
-            (false, _) => vec![include_str!("dither.wgsl"), include_str!("scene/target.wgsl")],
-        });
-        let mut met = Vec::new();
-        if self.view == ViewMode::Shaded {
-            met = layers::text(&compiled.functions, self.textures);
-            sections.push(match self.environment {
-                true => include_str!("scene/sky_images.wgsl"),
-                false => include_str!("scene/sky_gradient.wgsl"),
-            });
-            sections.push(match self.capture {
-                Some(_) => include_str!("capture/read.wgsl"),
-                None => include_str!("capture/none.wgsl"),
-            });
-            sections.push(include_str!("scene/light.wgsl"));
-            sections.push(match self.fog {
-                true => include_str!("scene/fog.wgsl"),
-                false => include_str!("scene/no_fog.wgsl"),
-            });
-            sections.push(match self.reflections {
-                _ if self.glass => include_str!("scene/glass.wgsl"),
-                0 => include_str!("scene/no_reflections.wgsl"),
-                _ => include_str!("scene/reflections.wgsl"),
-            });
-            sections.extend(match (self.shadows, self.maps()) {
-                (true, true) => {
-                    vec![self.emitter(), include_str!("scene/seen.wgsl"), include_str!("shadows/base.wgsl"), include_str!("shadows/box.wgsl"), include_str!("shadows/lit.wgsl")]
-                }
-                (true, false) => vec![self.emitter(), include_str!("scene/seen.wgsl"), include_str!("scene/shadow.wgsl")],
-                (false, _) => vec![include_str!("scene/no_shadow.wgsl")],
-            });
-            sections.push(match self.occlusion {
-                true => include_str!("scene/occlusion.wgsl"),
-                false => include_str!("scene/no_occlusion.wgsl"),
-            });
+        let shading = self.parts();
+        let mut sections: Vec<Cow<'static, str>> = vec![shading::BASE.into(), include_str!("scene/bindings.wgsl").into(), shading.eye().into()];
+        if self.view != ViewMode::Shaded {
+            sections.extend([shading::DITHER, shading::TARGET].map(Cow::Borrowed));
+            return sections;
         }
-        let mut sections: Vec<Cow<'static, str>> = sections.into_iter().map(Cow::Borrowed).chain(met).collect();
-        if self.glass {
-            let light = include_str!("scene/light.wgsl");
-            // What throws shadows may be glass.
-            let through = light.replace("scene_lit(", "scene_lit_through(");
-            sections.iter_mut().filter(|text| **text == light).for_each(|text| *text = through.clone().into());
-        }
+        sections.extend(shading.sections(Parts {
+            film: match self.captures {
+                true => vec![include_str!("capture/film.wgsl")],
+                false if self.bloom => vec![shading::LIGHT_FILM],
+                false => vec![shading.tone(), shading::FILM, shading::DITHER, shading::TARGET],
+            },
+            sky: if self.environment { include_str!("scene/sky_images.wgsl") } else { shading::SKY },
+            mirror: if self.capture.is_some() { include_str!("capture/read.wgsl") } else { shading::MIRROR },
+            lit: self.maps().then(|| vec![include_str!("shadows/base.wgsl"), include_str!("shadows/box.wgsl"), include_str!("shadows/lit.wgsl")]),
+            met: layers::text(&compiled.functions, self.textures),
+        }));
         sections
     }
 
     /// The text of what a camera's rays are.
     pub(super) fn eye(&self) -> &'static str {
-        match self.optics && !self.captures {
-            true => include_str!("scene/camera.wgsl"),
-            false => include_str!("scene/pinhole.wgsl"),
-        }
+        self.parts().eye()
     }
 
     /// The text of the tone curve.
     pub(crate) fn tone_text(&self) -> &'static str {
-        match self.tone {
-            Tone::Aces => include_str!("scene/tone_aces.wgsl"),
-            Tone::Agx => include_str!("scene/tone_agx.wgsl"),
-            Tone::Neutral => include_str!("scene/tone_neutral.wgsl"),
-            Tone::None => include_str!("scene/tone_none.wgsl"),
-        }
-    }
-
-    /// Where shadows' rays end.
-    fn emitter(&self) -> &'static str {
-        if self.emitters { include_str!("scene/emitter.wgsl") } else { include_str!("scene/no_emitter.wgsl") }
+        self.parts().tone()
     }
 
     /// Values of the `override` constants of what every pass that shades has, on targets of a format.
@@ -238,9 +183,10 @@ impl Features {
     pub fn wgsl(&self, compiled: &Compiled) -> String {
         let mut sections = self.shading(compiled);
         let mut push = |text: &'static str| sections.push(text.into());
+        push(shading::TRIANGLE);
         push(match self.view {
             ViewMode::Shaded if self.captures => include_str!("capture/view.wgsl"),
-            ViewMode::Shaded => include_str!("scene/view_shaded.wgsl"),
+            ViewMode::Shaded => shading::VIEW,
             ViewMode::Normals => include_str!("scene/view_normals.wgsl"),
             ViewMode::Steps => include_str!("scene/view_steps.wgsl"),
             ViewMode::Depth => include_str!("scene/view_depth.wgsl"),
@@ -271,7 +217,7 @@ macro_rules! uniforms {
 }
 
 uniforms! {
-    /// A light, as `scene/base.wgsl` declares it.
+    /// A light, as `compiler/src/shading/base.wgsl` declares it.
     pub struct SceneLight {
         vector: [f32; 3],
         position: u32,
@@ -281,7 +227,7 @@ uniforms! {
 }
 
 uniforms! {
-    /// Uniforms of the pass, as `scene/base.wgsl` declares them.
+    /// Uniforms of the pass, as `compiler/src/shading/base.wgsl` declares them.
     pub struct SceneUniforms {
         eye: [f32; 3],
         tan_half_fov: f32,
@@ -370,7 +316,7 @@ impl SceneUniforms {
             horizon: narrow(frame.sky.horizon),
             reflections: frame.reflections,
             ground: narrow(shade::ground(frame, &lamps)),
-            near: NEAR,
+            near: NEAR as f32,
             corner: [0.0; 2],
             size,
             rounding: [1.0; 3],
@@ -407,7 +353,7 @@ mod tests {
     #[test]
     fn host_and_shader_agree_on_every_field() {
         let stub = "fn sf_gradient(p: vec3f) -> vec4f { return vec4f(p, 0.0); }";
-        let text = format!("{stub}\n{}", include_str!("scene/base.wgsl"));
+        let text = format!("{stub}\n{}", shading::BASE);
         let module = naga::front::wgsl::parse_str(&text).unwrap();
         let host = |fields: &[(&str, usize, usize)]| -> Vec<(String, usize, usize)> {
             fields.iter().map(|&(name, at, size)| (name.to_owned(), at, size)).collect()

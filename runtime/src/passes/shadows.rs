@@ -7,7 +7,8 @@ use crate::gpu::{DEPTH, DEPTH_AS_READ, Gpu, PipelineKey, UniformBlock, storage_l
 use bytemuck::{Pod, Zeroable};
 use surefoot_compiler::compiled::{Compiled, Frame, Shadow};
 use surefoot_compiler::mesh::Placed;
-use surefoot_compiler::reference::shade::{self, Lamp, MAX_LIGHTS};
+use surefoot_compiler::frame::{MAX_LIGHTS, default_light};
+use surefoot_compiler::reference::shade::{self, Lamp};
 use surefoot_compiler::vector::{Vec3, add, cross, dot, length, scale, sub, unit};
 
 /// The maps of a scene, and what draws them.
@@ -144,7 +145,7 @@ impl Shadows {
         // As the lamps of a moment are: a scene without lights has one that is infinitely far.
         let blocks = &compiled.blocks.lights;
         let kinds: Vec<(bool, Shadow)> = match blocks.is_empty() {
-            true => vec![(false, shade::default_light().shadow)],
+            true => vec![(false, default_light().shadow)],
             false => blocks.iter().take(MAX_LIGHTS).map(|light| (light.position, light.shadow.0)).collect(),
         };
         let mut maps = 0;

@@ -42,6 +42,7 @@ pub fn sphere_in(wgsl: &str, radius: f64, (min, max): (f64, f64)) -> Compiled {
         wgsl: wgsl.to_owned(),
         exports: vec![Field, Bound, Distance, Gradient, Trace, Shadow, Occlusion, Surface],
         uniform_name: "sf_uniforms".to_owned(),
+        origin: "sf_uniforms.origin".to_owned(),
         uniforms: vec![
             uniform("origin", UniformSource::Origin, 3, 0),
             uniform("radius", UniformSource::Parameter(0), 1, 12),
@@ -56,6 +57,7 @@ pub fn sphere_in(wgsl: &str, radius: f64, (min, max): (f64, f64)) -> Compiled {
         rounding: surefoot_compiler::compiled::Rounding { reads_scene: [true; 3], unit: 1.0 },
         cancels: None,
         one: false,
+        draws: false,
         ways: Default::default(),
         grids: false,
     };

@@ -270,10 +270,10 @@ fn open(context: &Context, class: &Class, table: &Table, gradient: bool, body: &
     })
 }
 
-/// Declares the tables as buffers.
+/// Declares the tables as buffers, from a binding on.
 pub fn declare_buffers(prefix: &str, group: u32, binding: u32, wgsl: &mut String) {
     for (i, (name, ty)) in [("table", "vec4f"), ("lists", "u32")].into_iter().enumerate() {
-        let binding = binding as usize + 1 + i;
+        let binding = binding as usize + i;
         let _ = write!(wgsl, "\n@group({group}) @binding({binding}) var<storage, read> {prefix}{name}: array<{ty}>;\n");
     }
 }

@@ -147,9 +147,13 @@ impl Writer<'_, '_> {
                 self.put(vector_type(count));
                 self.list(args)
             }
-            Code::Surface | Code::Carry => {
+            Code::Surface | Code::Carry | Code::Around => {
                 self.scratch.push_str(self.context.prefix);
-                self.put(if code == Code::Carry { "Carry" } else { "Surface" });
+                self.put(match code {
+                    Code::Carry => "Carry",
+                    Code::Around => "Around",
+                    _ => "Surface",
+                });
                 self.list(args)
             }
             Code::Layers(which) => {

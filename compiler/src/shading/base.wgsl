@@ -1,4 +1,5 @@
-// One triangle over the screen; each fragment follows its ray through the field. Stands after an emitted module.
+// What all that shades reads. Stands after an emitted module; what draws declares `scene`, a `SceneUniforms`, and the constants `scene_lights`, how many of
+// the lights there are, and `scene_bounces`, how often a mirrored ray is followed at most.
 // The constants and formulas of light are those of compiler/src/reference/shade.rs: what changes here changes there.
 
 struct SceneLight {
@@ -60,35 +61,12 @@ struct SceneUniforms {
     lights: array<SceneLight, 16>,
 }
 
-@group(1) @binding(0) var<uniform> scene: SceneUniforms;
-
-// What no value of a parameter changes is a constant, and no loop ends by a uniform alone: a driver may build the pipeline anew for each draw,
-// with what the uniform is then (lavapipe does).
-
-// How many of the lights there are.
-override scene_lights: u32 = 1u;
-// How often a mirrored ray is followed at most.
-override scene_bounces: u32 = 0u;
-// Whether the target wants linear light, which it may encode itself.
-override scene_linear: bool = false;
-// What the target's levels are apart, of a screen's white; 0 where they are much finer than a screen's.
-override scene_step: f32 = 0.0;
-
-// Where a flat triangle of a mesh is seen, and that place on the round shape that it stands for.
-var<private> scene_flat: vec3f;
-var<private> scene_round: vec3f;
-
 const SCENE_PI: f32 = 3.14159265;
 
 // What a ray from the eye finds: the colour as a screen wants it (sRGB-encoded), and how far the surface is; below 0: none.
 struct ScenePixel {
     color: vec3f,
     t: f32,
-}
-
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
-    return vec4f(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
 // The surface's normal; a gradient that vanishes answers with the direction to the eye.

@@ -14,9 +14,9 @@ fn scene_film(linear: vec3f) -> vec3f {
     let least = -12.47393;
     let most = 4.026069;
     let x = clamp((log2(max(into * linear, vec3f(1e-10))) - least) / (most - least), vec3f(0.0), vec3f(1.0));
-    let x2 = x * x;
-    let x4 = x2 * x2;
-    let curved = 15.5 * x4 * x2 - 40.14 * x4 * x + 31.96 * x4 - 6.868 * x2 * x + 0.4298 * x2 + 0.1191 * x - 0.00232;
+    let square = x * x;
+    let fourth = square * square;
+    let curved = 15.5 * fourth * square - 40.14 * fourth * x + 31.96 * fourth - 6.868 * square * x + 0.4298 * square + 0.1191 * x - 0.00232;
     // The curve ends in a screen's code of the power 2.2.
     return pow(clamp(back * curved, vec3f(1e-6), vec3f(1.0)), vec3f(2.2));
 }

@@ -32,12 +32,12 @@ fn scene_reflect(answer: SceneAnswer, n: vec3f, v: vec3f, l: vec3f) -> vec3f {
     let nh = max(dot(n, h), 0.0);
     let vh = clamp(dot(v, h), 0.0, 1.0);
     let width = answer.roughness * answer.roughness;
-    let width2 = width * width;
+    let squared = width * width;
     // 1 - nh², without its cancellation.
     let across = cross(n, h);
-    let below = nh * nh * width2 + dot(across, across);
-    let distribution = width2 / (SCENE_PI * below * below);
-    let smith = nl * sqrt(nv * nv * (1.0 - width2) + width2) + nv * sqrt(nl * nl * (1.0 - width2) + width2);
+    let below = nh * nh * squared + dot(across, across);
+    let distribution = squared / (SCENE_PI * below * below);
+    let smith = nl * sqrt(nv * nv * (1.0 - squared) + squared) + nv * sqrt(nl * nl * (1.0 - squared) + squared);
     let visible = 0.5 / max(smith, 1e-6);
     let fresnel = answer.mirrored + (1.0 - answer.mirrored) * pow(max(1.0 - vh, 1e-6), 5.0);
     return (fresnel * (distribution * visible) + (1.0 - fresnel) * answer.diffuse / SCENE_PI) * nl;

@@ -1,0 +1,223 @@
+
+'use strict';
+const scene = JSON.parse(document.getElementById('scene').textContent);
+const code = document.getElementById('module').textContent;
+const canvas = document.querySelector('canvas');
+const says = document.getElementById('says');
+
+// The uniform block, and where each of its values stands.
+const block = new Float32Array(new Uint32Array(scene.start).buffer);
+const at = (name) => scene.fields[name];
+const set = (name, values) => {
+  if (at(name) !== undefined) block.set(values, at(name));
+};
+const three = (name) => Array.from(block.subarray(at(name), at(name) + 3));
+
+const DEPTH = 'depth24plus';
+// A picture while something moves takes no longer than this, in milliseconds; else it has fewer pixels.
+const LONGEST = 40;
+
+async function start() {
+  const adapter = await navigator.gpu?.requestAdapter();
+  if (!adapter) throw new Error('This browser offers no WebGPU. Chrome, Edge, Safari 26 and Firefox 141 do on most devices.');
+  const device = await adapter.requestDevice();
+  device.lost.then((why) => { says.textContent = `The graphics device is gone: ${why.message}`; });
+  const module = device.createShaderModule({ code });
+  const errors = (await module.getCompilationInfo()).messages.filter((m) => m.type === 'error');
+  if (errors.length) throw new Error(errors.map((m) => `${m.lineNum}: ${m.message}`).join('\n'));
+  const context = canvas.getContext('webgpu');
+  const format = navigator.gpu.getPreferredCanvasFormat();
+  context.configure({ device, format });
+  const pipeline = await device.createRenderPipelineAsync({
+    layout: 'auto',
+    vertex: { module, entryPoint: 'sf_vertex' },
+    fragment: { module, entryPoint: 'sf_fragment', targets: [{ format }] },
+    depthStencil: { format: DEPTH, depthWriteEnabled: true, depthCompare: 'always' },
+  });
+  const buffer = (bytes, usage) => {
+    const made = device.createBuffer({ size: bytes.byteLength, usage: usage | GPUBufferUsage.COPY_DST });
+    device.queue.writeBuffer(made, 0, bytes);
+    return made;
+  };
+  const uniforms = buffer(block, GPUBufferUsage.UNIFORM);
+  const tables = scene.buffers.map((text) => buffer(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)), GPUBufferUsage.STORAGE));
+  const group = device.createBindGroup({
+    layout: pipeline.getBindGroupLayout(0),
+    entries: [uniforms, ...tables].map((made, binding) => ({ binding, resource: { buffer: made } })),
+  });
+
+  let depth = null;
+  async function draw(scale) {
+    const pixels = devicePixelRatio * scale;
+    const most = device.limits.maxTextureDimension2D;
+    const width = Math.min(Math.max(1, Math.round(canvas.clientWidth * pixels)), most);
+    const height = Math.min(Math.max(1, Math.round(canvas.clientHeight * pixels)), most);
+    if (canvas.width !== width || canvas.height !== height || !depth) {
+      Object.assign(canvas, { width, height });
+      depth?.destroy();
+      depth = device.createTexture({ size: [width, height], format: DEPTH, usage: GPUTextureUsage.RENDER_ATTACHMENT });
+    }
+    set('view_size', [width, height]);
+    device.queue.writeBuffer(uniforms, 0, block);
+    const encoder = device.createCommandEncoder();
+    const pass = encoder.beginRenderPass({
+      colorAttachments: [{ view: context.getCurrentTexture().createView(), loadOp: 'clear', storeOp: 'store' }],
+      depthStencilAttachment: { view: depth.createView(), depthClearValue: 1, depthLoadOp: 'clear', depthStoreOp: 'discard' },
+    });
+    pass.setPipeline(pipeline);
+    pass.setBindGroup(0, group);
+    pass.draw(3);
+    pass.end();
+    const began = performance.now();
+    device.queue.submit([encoder.finish()]);
+    await device.queue.onSubmittedWorkDone();
+    return performance.now() - began;
+  }
+
+  // What changed is drawn at once, with fewer pixels where that takes long, and once more with all of them when it rests.
+  let due = false, moved = 0, scale = 1, busy = false, sharp = false, running = scene.moves, before = null;
+  const change = () => {
+    moved = performance.now();
+    sharp = false;
+    if (!due) requestAnimationFrame(turn);
+    due = true;
+  };
+  async function turn(now) {
+    due = false;
+    if (busy) return;
+    busy = true;
+    if (running && before !== null) set('time', [block[at('time')] + (now - before) / 1000]);
+    before = running ? now : null;
+    const rests = !running && performance.now() - moved > 150;
+    const took = await draw(rests ? 1 : scale);
+    if (!rests) scale = Math.min(1, Math.max(0.2, scale * Math.min(1.2, Math.max(0.5, Math.sqrt(LONGEST / Math.max(took, 1))))));
+    sharp = rests || scale === 1;
+    busy = false;
+    if ((running || !sharp) && !due) {
+      due = true;
+      requestAnimationFrame(turn);
+    }
+  }
+  parameters(change);
+  orbit(change);
+  new ResizeObserver(change).observe(canvas);
+  canvas.addEventListener('keydown', (event) => {
+    if (event.key === ' ' && at('time') !== undefined) {
+      running = !running;
+      before = null;
+      change();
+      event.preventDefault();
+    }
+  });
+  await draw(1);
+  change();
+}
+
+// The eye goes around what it looks at: drag, or two fingers or the wheel to go nearer; a double click goes back.
+function orbit(change) {
+  const home = { eye: three('view_eye'), aim: three('view_look_at'), height: at('view_height') === undefined ? 0 : block[at('view_height')] };
+  const way = home.eye.map((c, i) => c - home.aim[i]);
+  let turn, rise, far, nearer;
+  const reset = () => {
+    far = Math.hypot(...way);
+    turn = Math.atan2(way[0], way[2]);
+    rise = Math.asin(Math.max(-1, Math.min(1, way[1] / Math.max(far, 1e-9))));
+    nearer = 1;
+  };
+  const place = () => {
+    const [c, s, cr, sr] = [Math.cos(turn), Math.sin(turn), Math.cos(rise), Math.sin(rise)];
+    const parallel = at('view_height') !== undefined;
+    const away = parallel ? far : far * nearer;
+    set('view_eye', [home.aim[0] + away * s * cr, home.aim[1] + away * sr, home.aim[2] + away * c * cr]);
+    if (parallel) set('view_height', [home.height * nearer]);
+    change();
+  };
+  const zoom = (by) => {
+    nearer = Math.min(20, Math.max(0.05, nearer * by));
+    place();
+  };
+  reset();
+  const fingers = new Map();
+  const apart = () => {
+    const [a, b] = [...fingers.values()];
+    return Math.hypot(a.x - b.x, a.y - b.y);
+  };
+  canvas.addEventListener('pointerdown', (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+  });
+  canvas.addEventListener('pointermove', (event) => {
+    const known = fingers.get(event.pointerId);
+    if (!known) return;
+    const before = fingers.size === 2 ? apart() : 0;
+    const [dx, dy] = [event.clientX - known.x, event.clientY - known.y];
+    Object.assign(known, { x: event.clientX, y: event.clientY });
+    if (fingers.size === 2) {
+      zoom(before / Math.max(apart(), 1));
+    } else {
+      turn -= dx * 0.008;
+      rise = Math.min(1.55, Math.max(-1.55, rise + dy * 0.008));
+      place();
+    }
+  });
+  for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, (event) => fingers.delete(event.pointerId));
+  canvas.addEventListener('wheel', (event) => {
+    event.preventDefault();
+    zoom(Math.exp(event.deltaY * (event.deltaMode ? 0.05 : 0.0015)));
+  }, { passive: false });
+  canvas.addEventListener('dblclick', () => { reset(); place(); });
+}
+
+// A slider, a box or a colour for each parameter that the module reads.
+function parameters(change) {
+  const form = document.querySelector('form');
+  form.addEventListener('submit', (event) => event.preventDefault());
+  const encode = (c) => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
+  const decode = (c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
+  const add = (name, input, shown, take) => {
+    const label = document.createElement('label');
+    const value = document.createElement('output');
+    value.value = shown();
+    input.addEventListener('input', () => {
+      take();
+      value.value = shown();
+      change();
+    });
+    label.append(name, input, value);
+    form.append(label);
+  };
+  const made = (type, more) => Object.assign(document.createElement('input'), { type, ...more });
+  for (const p of scene.parameters) {
+    const place = at(`parameter ${p.name}`);
+    if (place === undefined) continue;
+    if (p.type === 'color') {
+      const bytes = () => [0, 1, 2].map((i) => Math.round(255 * encode(Math.min(1, Math.max(0, block[place + i])))));
+      const hex = () => `#${bytes().map((b) => b.toString(16).padStart(2, '0')).join('')}`;
+      const input = made('color', { value: hex() });
+      add(p.name, input, hex, () => {
+        [1, 3, 5].forEach((from, i) => { block[place + i] = decode(parseInt(input.value.slice(from, from + 2), 16) / 255); });
+      });
+      continue;
+    }
+    if (p.type === 'bool') {
+      const input = made('checkbox', { checked: block[place] !== 0 });
+      add(p.name, input, () => '', () => { block[place] = Number(input.checked); });
+      continue;
+    }
+    const unit = p.degrees ? Math.PI / 180 : 1;
+    const [least, most] = [[p.min].flat(), [p.max].flat()];
+    least.forEach((_, i) => {
+      const input = made('range', { min: least[i] / unit, max: most[i] / unit, step: p.type === 'int' ? 1 : 'any' });
+      input.valueAsNumber = block[place + i] / unit;
+      const name = least.length > 1 ? `${p.name}.${'xyzw'[i]}` : p.name;
+      const shown = () => `${Number((block[place + i] / unit).toPrecision(3))}${p.degrees ? '°' : ''}`;
+      add(name, input, shown, () => { block[place + i] = input.valueAsNumber * unit; });
+    });
+  }
+}
+
+// Who drives this page waits for one of the two.
+start().then(
+  () => { document.body.dataset.state = 'drawn'; },
+  (error) => { says.textContent = error.message; document.body.dataset.state = 'failed'; },
+);

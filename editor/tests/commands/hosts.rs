@@ -1,0 +1,60 @@
+//! What `compile` writes for other hosts: forms of uniforms, entry points that draw, and whole files.
+
+use super::{folder, run};
+use serde_json::Value;
+use std::fs;
+
+#[test]
+fn forms_of_uniforms_are_what_was_asked_for() {
+    let folder = folder("forms");
+    let (code, wgsl, says) = run(&folder, &["compile", "good.sdf", "--functions", "field", "--uniforms", "separate", "--group", "2", "--binding", "5", "--layout", "layout.json"]);
+    assert_eq!(code, 0, "{says}");
+    assert!(wgsl.contains("@group(2) @binding(5) var<uniform> sf_origin: vec3f;\n@group(2) @binding(6) var<uniform> sf_size: f32;\n"), "{wgsl}");
+    let layout: Value = serde_json::from_slice(&fs::read(folder.join("layout.json")).unwrap()).unwrap();
+    assert_eq!(layout["form"], "separate");
+    assert_eq!((&layout["uniforms"][1]["binding"], &layout["uniforms"][1]["offset"], &layout["binding"]), (&6.into(), &Value::Null, &Value::Null));
+    let (code, wgsl, says) = run(&folder, &["compile", "good.sdf", "--functions", "field", "--uniforms", "private"]);
+    assert_eq!(code, 0, "{says}");
+    assert!(wgsl.contains("var<private> sf_uniforms: sf_Uniforms = sf_Uniforms(vec3f(0.0, 0.0, 0.0), 1.0);"), "{wgsl}");
+    let (code, _, says) = run(&folder, &["compile", "good.sdf", "--uniforms", "separate", "--prefix", ""]);
+    assert_eq!(code, 2, "{says}");
+    let (code, wgsl, says) = run(&folder, &["compile", "good.sdf", "--entry", "draw", "--prefix", "sf_my_"]);
+    assert_eq!(code, 0, "{says}");
+    assert!(wgsl.contains("fn sf_my_fragment(") && !wgsl.contains("my_my"), "{wgsl}");
+}
+
+#[test]
+fn a_page_is_one_file_that_loads_nothing() {
+    let folder = folder("page");
+    let (code, _, says) = run(&folder, &["compile", "good.sdf", "--for", "html", "-o", "good.html", "--set", "style=ball"]);
+    assert_eq!(code, 0, "{says}");
+    let page = fs::read_to_string(folder.join("good.html")).unwrap();
+    assert!(page.contains("default-src 'none'; script-src 'sha256-") && page.contains("<title>good</title>"), "{page}");
+    assert!(!page.contains("%%") && !page.contains("http:") && !page.contains("https:") && !page.contains(" src="), "{page}");
+    assert_eq!((page.matches("<script").count(), page.matches("</script>").count()), (3, 3));
+    // What a person writes ends no text of the page.
+    fs::write(folder.join("odd.sdf"), "param a = 1 in 0.5..2 \"</script><b>%%SCRIPT%%\"\nscene = sphere(a)\n").unwrap();
+    let (code, odd, says) = run(&folder, &["compile", "odd.sdf", "--for", "html"]);
+    assert_eq!(code, 0, "{says}");
+    assert_eq!((odd.matches("<script").count(), odd.matches("</script>").count(), odd.matches("<b>").count()), (3, 3, 0));
+    for wrong in [vec!["--target", "glsl"], vec!["-o", "page.png"]] {
+        let (code, _, says) = run(&folder, &[&["compile", "good.sdf", "--for", "html"], &wrong[..]].concat());
+        assert_eq!(code, 2, "{says}");
+    }
+}
+
+#[test]
+fn a_shader_for_shadertoy_has_its_entry() {
+    let folder = folder("shadertoy");
+    fs::write(folder.join("turn.sdf"), "scene = box(1).rotate(y, time)\n").unwrap();
+    let (code, shader, says) = run(&folder, &["compile", "turn.sdf", "--for", "shadertoy"]);
+    assert_eq!(code, 0, "{says}");
+    assert!(shader.contains("void mainImage(out vec4 fragColor, in vec2 fragCoord) {\n    sf_uniforms.time = iTime;\n"), "{shader}");
+    for word in ["#version", "void main()", "gl_FragDepth", "layout(", "precision "] {
+        assert!(!shader.contains(word), "{word} in\n{shader}");
+    }
+    // What no shader of the page can read is said.
+    fs::write(folder.join("baked.sdf"), "scene = sphere(1).baked(16)\n").unwrap();
+    let (code, _, says) = run(&folder, &["compile", "baked.sdf", "--for", "shadertoy"]);
+    assert_eq!(code, 2, "{says}");
+}
