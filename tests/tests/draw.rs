@@ -219,8 +219,8 @@ fn every_form_is_valid_in_every_language() {
                 Uniforms::Separate => module.uniforms.len(),
             };
             assert_eq!(count, expected + if module.tables.is_some() { 2 } else { 0 }, "{what}");
-            for target in [Target::Glsl, Target::Hlsl, Target::Msl, Target::Spirv] {
-                if module.grids && target == Target::Glsl {
+            for target in [Target::Glsl, Target::Glsl450, Target::Hlsl, Target::Msl, Target::Spirv] {
+                if module.grids && matches!(target, Target::Glsl | Target::Glsl450) {
                     continue;
                 }
                 let written = translate(module, "my_", target).unwrap_or_else(|e| panic!("{what} {target:?}: {e}"));

@@ -39,7 +39,7 @@ pub use formulas::Formulas;
 pub use library::signature;
 pub use module::Module;
 pub use names::{letters, numbered};
-pub use translate::{Target, translate, validate};
+pub use translate::{Target, translate, validate, vertex_shader};
 
 use crate::analysis::Box3;
 use crate::blocks::SceneBlocks;
@@ -233,16 +233,14 @@ pub fn emit(
     // Grids are too large for a text.
     declared(context.has_grids(), &mut wgsl);
     wgsl.push_str(&texts);
-    let buffered = context.has_tables().then(|| {
+    let mut buffered = context.has_tables().then(|| {
         let mut code = String::with_capacity(texts.len() + 4096);
         declared(true, &mut code);
         code.push_str(&texts);
         code
     });
     let has_grids = context.has_grids();
-    let mut meshes_text = meshes_text;
     let mut origin = format!("{}.origin", context.uniform_name);
-    let mut buffered = buffered;
     if options.uniforms == Uniforms::Separate {
         let scope = &mut context.module;
         let names: FxHashMap<&str, String> = fields.iter().map(|field| (field.name.as_str(), scope.give(&format!("{prefix}{}", field.name)))).collect();

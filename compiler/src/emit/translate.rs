@@ -13,6 +13,8 @@ pub enum Target {
     Wgsl,
     /// OpenGL ES 3.0 and WebGL 2: a fragment shader.
     Glsl,
+    /// Vulkan's GLSL, version 4.50: a fragment shader, whose blocks have the module's bindings in set 0.
+    Glsl450,
     /// Direct3D's, shader model 6.0.
     Hlsl,
     /// Metal's.
@@ -23,13 +25,14 @@ pub enum Target {
 
 impl Target {
     /// All of them.
-    pub const ALL: [Target; 5] = [Target::Wgsl, Target::Glsl, Target::Hlsl, Target::Msl, Target::Spirv];
+    pub const ALL: [Target; 6] = [Target::Wgsl, Target::Glsl, Target::Glsl450, Target::Hlsl, Target::Msl, Target::Spirv];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Target::Wgsl => "wgsl",
             Target::Glsl => "glsl",
+            Target::Glsl450 => "glsl450",
             Target::Hlsl => "hlsl",
             Target::Msl => "msl",
             Target::Spirv => "spirv",
@@ -56,7 +59,7 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
         Target::Spirv => module.wgsl.clone(),
         _ => table::text::with_constants(&module.wgsl, prefix),
     };
-    if target == Target::Glsl && !module.draws {
+    if matches!(target, Target::Glsl | Target::Glsl450) && !module.draws {
         text.push('\n');
         let entry = entry(module).replace("sf_uniforms.origin", "ORIGIN").replace("sf_", prefix);
         text.push_str(&entry.replace("ORIGIN", &module.origin));
@@ -64,40 +67,7 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
     let (parsed, info) = validate(&text)?;
     match target {
         Target::Wgsl => Ok(text.into_bytes()),
-        Target::Glsl => {
-            let options = glsl::Options {
-                version: glsl::Version::new_gles(300),
-                writer_flags: glsl::WriterFlags::empty(),
-                ..glsl::Options::default()
-            };
-            let pipeline = glsl::PipelineOptions {
-                shader_stage: naga::ShaderStage::Fragment,
-                entry_point: format!("{prefix}fragment"),
-                multiview: None,
-            };
-            let mut out = String::new();
-            let policies = naga::proc::BoundsCheckPolicies::default();
-            let reflection = glsl::Writer::new(&mut out, &parsed, &info, &options, &pipeline, policies)
-                .and_then(|mut writer| writer.write())
-                .map_err(|e| e.to_string())?;
-            // A block for each uniform variable, in their order.
-            let mut blocks: Vec<_> = reflection.uniforms.iter().collect();
-            blocks.sort_unstable();
-            let block: String = match &blocks[..] {
-                [] => String::new(),
-                [(_, name)] => format!("// The uniform block is found by its name, `{name}`; it has no binding.\n"),
-                all => {
-                    let known = |(handle, name): &(&naga::Handle<naga::GlobalVariable>, &String)| {
-                        let variable = parsed.global_variables.try_get(**handle).ok().and_then(|variable| variable.name.as_deref());
-                        format!("//   {}: `{name}`\n", variable.unwrap_or(""))
-                    };
-                    format!("// Uniforms have no bindings; each is a block that is found by its name:\n{}", all.iter().map(known).collect::<String>())
-                }
-            };
-            // Before the version nothing may stand.
-            let (version, rest) = out.split_once('\n').unwrap_or((&out, ""));
-            Ok(format!("{version}\n{}{block}{rest}", head(module)).into_bytes())
-        }
+        Target::Glsl | Target::Glsl450 => glsl(module, (&parsed, &info), target, (naga::ShaderStage::Fragment, &format!("{prefix}fragment"))),
         Target::Hlsl => {
             let options = hlsl::Options {
                 shader_model: hlsl::ShaderModel::V6_0,
@@ -128,6 +98,52 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
             Ok(words.into_iter().flat_map(u32::to_le_bytes).collect())
         }
     }
+}
+
+/// The vertex shader of a module that draws, in GLSL for Vulkan.
+pub fn vertex_shader(module: &Module, prefix: &str) -> Result<Vec<u8>, String> {
+    let (parsed, info) = validate(&table::text::with_constants(&module.wgsl, prefix))?;
+    glsl(module, (&parsed, &info), Target::Glsl450, (naga::ShaderStage::Vertex, &format!("{prefix}vertex")))
+}
+
+/// A stage of a module in GLSL, by its entry point.
+fn glsl(module: &Module, (parsed, info): (&naga::Module, &ModuleInfo), target: Target, (stage, entry): (naga::ShaderStage, &str)) -> Result<Vec<u8>, String> {
+    let is_vulkan = target == Target::Glsl450;
+    let bindings = parsed.global_variables.iter().filter_map(|(_, variable)| variable.binding).map(|binding| (binding, binding.binding as u8));
+    let options = glsl::Options {
+        version: if is_vulkan { glsl::Version::Desktop(450) } else { glsl::Version::new_gles(300) },
+        writer_flags: glsl::WriterFlags::empty(),
+        binding_map: if is_vulkan { bindings.collect() } else { Default::default() },
+        ..glsl::Options::default()
+    };
+    let pipeline = glsl::PipelineOptions { shader_stage: stage, entry_point: entry.to_owned(), multiview: None };
+    let mut out = String::new();
+    let policies = naga::proc::BoundsCheckPolicies::default();
+    let reflection = glsl::Writer::new(&mut out, parsed, info, &options, &pipeline, policies)
+        .and_then(|mut writer| writer.write())
+        .map_err(|e| e.to_string())?;
+    if is_vulkan {
+        // OpenGL's name of it.
+        out = out.replace("gl_VertexID", "gl_VertexIndex");
+    }
+    // A block for each uniform variable, in their order.
+    let mut blocks: Vec<_> = reflection.uniforms.iter().collect();
+    blocks.sort_unstable();
+    let block: String = match &blocks[..] {
+        _ if is_vulkan => String::new(),
+        [] => String::new(),
+        [(_, name)] => format!("// The uniform block is found by its name, `{name}`; it has no binding.\n"),
+        all => {
+            let known = |(handle, name): &(&naga::Handle<naga::GlobalVariable>, &String)| {
+                let variable = parsed.global_variables.try_get(**handle).ok().and_then(|variable| variable.name.as_deref());
+                format!("//   {}: `{name}`\n", variable.unwrap_or(""))
+            };
+            format!("// Uniforms have no bindings; each is a block that is found by its name:\n{}", all.iter().map(known).collect::<String>())
+        }
+    };
+    // Before the version nothing may stand.
+    let (version, rest) = out.split_once('\n').unwrap_or((&out, ""));
+    Ok(format!("{version}\n{}{block}{rest}", head(module)).into_bytes())
 }
 
 /// What the module says of itself, for a language with the same comments.

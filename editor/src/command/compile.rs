@@ -55,8 +55,8 @@ pub struct Args {
     /// What a module that draws makes of light: a screen's colours, the same for a target that encodes them as sRGB itself, or light without a tone curve.
     #[arg(long, default_value = SCREEN, value_parser = PossibleValuesParser::new(COLORS.map(|(name, _)| name)), value_name = "FORM")]
     colors: String,
-    /// Write the scene for a host, so that the file shows it: `html`, a page that draws by WebGPU, as one file that loads nothing; or `shadertoy`, a
-    /// fragment shader for shadertoy.com.
+    /// Write the scene for a host, so that the file shows it: `html`, a page that draws by WebGPU, as one file that loads nothing; `shadertoy`, a
+    /// fragment shader for shadertoy.com; or `vulkan`, both shaders as SPIR-V (.spv), or one in GLSL 4.50 (.frag, .vert).
     #[arg(long = "for", value_name = "HOST", value_parser = PossibleValuesParser::new(Host::ALL.map(Host::name)),
           conflicts_with_all = ["functions", "prefix", "group", "binding", "uniforms", "entry", "colors", "target", "tables", "layout", "live_in_shader"])]
     host: Option<String>,
@@ -82,9 +82,10 @@ pub struct Args {
 }
 
 /// The endings of files in each language.
-const ENDINGS_OF: [(&[&str], Target); 5] = [
+const ENDINGS_OF: [(&[&str], Target); 6] = [
     (&["wgsl"], Target::Wgsl),
     (&["glsl", "frag", "vert"], Target::Glsl),
+    (&["glsl", "frag"], Target::Glsl450),
     (&["hlsl"], Target::Hlsl),
     (&["msl", "metal"], Target::Msl),
     (&["spv", "spirv"], Target::Spirv),
@@ -250,10 +251,11 @@ fn for_host(args: &Args, host: Host) -> Result<Exit, Failure> {
     let title = Path::new(&args.scene).file_stem().map_or(String::new(), |name| name.to_string_lossy().into_owned());
     let parameters: Vec<Value> = compiled.parameters.iter().filter(|p| p.choices.is_empty()).map(parameter_json).collect();
     let invalid = |why| Failure { exit: Exit::Errors, words: format!("{}: nothing is written: {why}", args.scene) };
-    let text = validate(&compiled.module.wgsl).and_then(|_| host.write(compiled, &parameters, &title)).map_err(invalid)?;
+    let ending = file.and_then(|file| file.extension()).map_or(String::new(), |ending| ending.to_string_lossy().to_lowercase());
+    let bytes = validate(&compiled.module.wgsl).and_then(|_| host.write(compiled, &parameters, &title, &ending)).map_err(invalid)?;
     match file {
-        Some(file) => files::write(file, text.as_bytes()).map_err(|why| Failure::usage(format!("can't write {}: {why}", file.display())))?,
-        None => print(text.as_bytes())?,
+        Some(file) => files::write(file, &bytes).map_err(|why| Failure::usage(format!("can't write {}: {why}", file.display())))?,
+        None => print(&bytes)?,
     }
     Ok(Exit::Fine)
 }

@@ -7,6 +7,10 @@ mod shadertoy;
 use serde_json::Value;
 use surefoot_compiler::Options;
 use surefoot_compiler::compiled::{Compiled, Entry, Uniforms};
+use surefoot_compiler::emit::{Target, translate, vertex_shader};
+
+/// What names of these modules begin with.
+const PREFIX: &str = "sf_";
 
 /// A host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,17 +19,20 @@ pub enum Host {
     Html,
     /// A fragment shader for shadertoy.com.
     Shadertoy,
+    /// Shaders for Vulkan, as SPIR-V or as GLSL.
+    Vulkan,
 }
 
 impl Host {
     /// All of them.
-    pub const ALL: [Host; 2] = [Host::Html, Host::Shadertoy];
+    pub const ALL: [Host; 3] = [Host::Html, Host::Shadertoy, Host::Vulkan];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Host::Html => "html",
             Host::Shadertoy => "shadertoy",
+            Host::Vulkan => "vulkan",
         }
     }
 
@@ -34,6 +41,7 @@ impl Host {
         match self {
             Host::Html => &["html", "htm"],
             Host::Shadertoy => &["glsl", "frag", "txt"],
+            Host::Vulkan => &["spv", "frag", "vert"],
         }
     }
 
@@ -44,18 +52,21 @@ impl Host {
 
     /// What its module is: one that draws, in which all is computed from parameters and time.
     pub fn options(self) -> Options {
-        let uniforms = if self == Host::Html { Uniforms::Block } else { Uniforms::Private };
-        Options { exports: Vec::new(), entry: Entry::Draw, live_in_shader: true, uniforms, ..Options::default() }
+        let uniforms = if self == Host::Shadertoy { Uniforms::Private } else { Uniforms::Block };
+        Options { exports: Vec::new(), prefix: PREFIX.to_owned(), entry: Entry::Draw, live_in_shader: true, uniforms, ..Options::default() }
     }
 
-    /// The file, of a scene with that module; `title` is what a person calls it, `parameters` are its parameters as data.
-    pub fn write(self, compiled: &Compiled, parameters: &[Value], title: &str) -> Result<String, String> {
+    /// The file, of a scene with that module; `title` is what a person calls it, `parameters` are its parameters as data, `ending` is how its name ends.
+    pub fn write(self, compiled: &Compiled, parameters: &[Value], title: &str, ending: &str) -> Result<Vec<u8>, String> {
         if !compiled.module.draws {
             return Err("the scene can't be drawn".to_owned());
         }
         match self {
-            Host::Html => Ok(page::write(compiled, parameters, title)),
-            Host::Shadertoy => shadertoy::write(compiled),
+            Host::Html => Ok(page::write(compiled, parameters, title).into_bytes()),
+            Host::Shadertoy => shadertoy::write(compiled).map(String::into_bytes),
+            Host::Vulkan if ending == "spv" => translate(&compiled.module, PREFIX, Target::Spirv),
+            Host::Vulkan if ending == "vert" => vertex_shader(&compiled.module, PREFIX),
+            Host::Vulkan => translate(&compiled.module, PREFIX, Target::Glsl450),
         }
     }
 }

@@ -58,3 +58,27 @@ fn a_shader_for_shadertoy_has_its_entry() {
     let (code, _, says) = run(&folder, &["compile", "baked.sdf", "--for", "shadertoy"]);
     assert_eq!(code, 2, "{says}");
 }
+
+#[test]
+fn shaders_for_vulkan_have_bindings_and_entries() {
+    let folder = folder("vulkan");
+    for file in ["good.spv", "good.frag", "good.vert"] {
+        let (code, _, says) = run(&folder, &["compile", "good.sdf", "--for", "vulkan", "-o", file]);
+        assert_eq!(code, 0, "{says}");
+    }
+    let text = |file: &str| fs::read_to_string(folder.join(file)).unwrap();
+    let (fragment, vertex) = (text("good.frag"), text("good.vert"));
+    assert!(fragment.starts_with("#version 450") && fragment.contains("layout(std140, binding = 0) uniform"), "{fragment}");
+    assert!(fragment.contains("gl_FragDepth") && vertex.contains("gl_VertexIndex") && !vertex.contains("gl_VertexID"), "{vertex}");
+    let words: Vec<u32> = fs::read(folder.join("good.spv")).unwrap().chunks(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect();
+    let (mut at, mut entries, mut capabilities) = (5, 0, Vec::new());
+    while at < words.len() {
+        match words[at] & 0xffff {
+            15 => entries += 1,
+            17 => capabilities.push(words[at + 1]),
+            _ => {}
+        }
+        at += (words[at] >> 16) as usize;
+    }
+    assert_eq!((entries, capabilities), (2, vec![1]), "Shader, and nothing to link");
+}
