@@ -10,6 +10,7 @@
 
 use crate::certify::code::{Code, Room};
 use crate::certify::forward::{self, Domain, Slot};
+use crate::certify::prover::side;
 use crate::certify::step::{Known, Step, known};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -111,6 +112,41 @@ pub(super) fn parted<const D: usize>(code: &Code, slots: &[Slot<D>], live: &mut 
         value += 1.0;
     }
     Some(pieces)
+}
+
+/// The sign that a code surely keeps all over a domain across its jumps, or 0. Looks at `left` pieces at most. What is known of each step over the
+/// domain stands in `slots`, and is not there afterwards; the others are room.
+pub(super) fn kept<const D: usize>(
+    code: &Code,
+    domain: &Domain<D>,
+    slots: &mut Vec<Slot<D>>,
+    ranges: &mut Vec<Interval>,
+    live: &mut Vec<bool>,
+    left: &mut usize,
+) -> i8 {
+    let mut sign = 0;
+    for (piece, guard) in parted(code, slots, live).unwrap_or_default() {
+        if guard.side(domain, slots) == Side::Outside {
+            continue;
+        }
+        *left = left.saturating_sub(1);
+        if *left == 0 {
+            return 0;
+        }
+        let mut here = side(forward::natural(&piece, &domain.range, ranges));
+        if here == 0 {
+            let whole = forward::full(&piece, domain, slots);
+            here = side(whole.range);
+            if here == 0 && whole.jump {
+                here = kept(&piece, domain, slots, ranges, live, left);
+            }
+        }
+        if here == 0 || here == -sign {
+            return 0;
+        }
+        sign = here;
+    }
+    sign
 }
 
 /// About where in a part of a ray operations jump, in the order of the code, as far as it can be told. `slots`: what is known of each step over the segment
