@@ -9,6 +9,7 @@
 #![allow(clippy::indexing_slicing)]
 
 use crate::certify::code::{Code, Room};
+use crate::certify::form::Form;
 use crate::certify::forward::{self, Domain, Slot};
 use crate::certify::prover::side;
 use crate::certify::step::{Known, Step, known};
@@ -48,6 +49,11 @@ impl Guard {
         self.code.steps.len()
     }
 
+    /// What is known of the number by which the piece is told, and what it is within the piece. `slots` is room.
+    pub(super) fn value<const D: usize>(&self, domain: &Domain<D>, slots: &mut Vec<Slot<D>>) -> (Slot<D>, Interval) {
+        (forward::full(&self.code, domain, slots), self.within)
+    }
+
     /// How a part of space lies to the piece. `slots` is room.
     pub(super) fn side<const D: usize>(&self, domain: &Domain<D>, slots: &mut Vec<Slot<D>>) -> Side {
         let value = forward::full(&self.code, domain, slots).range;
@@ -64,31 +70,12 @@ impl Guard {
 /// The pieces of a box: of each its code and where it is. None where nothing jumps, or too much. `slots`: what is known of each step over
 /// the box; `live` is room.
 pub(super) fn parted<const D: usize>(code: &Code, slots: &[Slot<D>], live: &mut Vec<bool>) -> Option<Vec<(Code, Guard)>> {
-    live.clear();
-    live.resize(code.steps.len(), false);
-    *live.last_mut()? = true;
-    let (mut first, mut open) = (None, 0);
-    for (i, step) in code.steps.iter().enumerate().rev() {
-        if let (true, Step::Form(_, from)) = (live[i], *step) {
-            live[from[0] as usize] = true;
-        }
-        let (true, Step::Op(op, from)) = (live[i], *step) else { continue };
-        let arguments = from.map(|a| slots[a as usize]);
-        match known(op, arguments.map(|a| a.range), slots[i].range) {
-            Known::Argument(k) => live[from[k] as usize] = true,
-            Known::Negated => live[from[0] as usize] = true,
-            Known::Constant(_) => {}
-            Known::Open => {
-                from[..usize::from(op.row().arity)].iter().for_each(|&a| live[a as usize] = true);
-                // What is made of something that jumps has to wait.
-                let [a, b, ..] = arguments;
-                let turns = op != Op::Atan2 || b.range.lo <= 0.0 && a.range.contains(0.0);
-                if op.row().jumps && turns && arguments.iter().all(|a| !a.jump) {
-                    (first, open) = (Some(i), open + 1);
-                }
-            }
-        }
-    }
+    let (first, open) = open(code, slots, live, |op, arguments| {
+        let [a, b, ..] = arguments;
+        // What is made of something that jumps has to wait.
+        let turns = op != Op::Atan2 || b.range.lo <= 0.0 && a.range.contains(0.0);
+        op.row().jumps && turns && arguments.iter().all(|a| !a.jump)
+    });
     if open > OPEN {
         return None;
     }
@@ -147,6 +134,60 @@ pub(super) fn kept<const D: usize>(
         sign = here;
     }
     sign
+}
+
+/// The first step of some kind of those that matter and are not settled, and how many there are.
+fn open<const D: usize>(
+    code: &Code,
+    slots: &[Slot<D>],
+    live: &mut Vec<bool>,
+    kind: impl Fn(Op, &[Slot<D>; 4]) -> bool,
+) -> (Option<usize>, usize) {
+    live.clear();
+    live.resize(code.steps.len(), false);
+    live.iter_mut().rev().take(1).for_each(|last| *last = true);
+    let (mut first, mut count) = (None, 0);
+    for (i, step) in code.steps.iter().enumerate().rev() {
+        if let (true, Step::Form(_, from)) = (live[i], *step) {
+            live[from[0] as usize] = true;
+        }
+        let (true, Step::Op(op, from)) = (live[i], *step) else { continue };
+        let arguments = from.map(|a| slots[a as usize]);
+        match known(op, arguments.map(|a| a.range), slots[i].range) {
+            Known::Argument(k) => live[from[k] as usize] = true,
+            Known::Negated => live[from[0] as usize] = true,
+            Known::Constant(_) => {}
+            Known::Open => {
+                from[..usize::from(op.row().arity)].iter().for_each(|&a| live[a as usize] = true);
+                if kind(op, &arguments) {
+                    (first, count) = (Some(i), count + 1);
+                }
+            }
+        }
+    }
+    (first, count)
+}
+
+/// Both sides of a kink, where there is one in a box: of each its code and where it is. `slots`: what is known of each step over the box, in which
+/// nothing jumps; `live` is room.
+pub(super) fn at_kink<const D: usize>(code: &Code, slots: &[Slot<D>], live: &mut Vec<bool>) -> Option<[(Code, Guard); 2]> {
+    let at = open(code, slots, live, |op, _| matches!(op, Op::Min | Op::Max | Op::Abs)).0?;
+    let Step::Op(op, from) = code.steps[at] else { return None };
+    let below = Interval { lo: f64::NEG_INFINITY, hi: 0.0 };
+    // The same value under a name of its own.
+    let same = |a: u32| Step::Form(Form::Rest(f64::NEG_INFINITY, f64::INFINITY), [a, 0, 0, 0]);
+    let [a, b, ..] = from;
+    let (compared, less, more) = match op {
+        Op::Abs => (code.steps[..=a as usize].to_vec(), Step::Op(Op::Neg, [a, 0, 0, 0]), same(a)),
+        _ => {
+            let mut steps = code.steps[..at].to_vec();
+            steps.push(Step::Op(Op::Sub, from));
+            if op == Op::Min { (steps, same(a), same(b)) } else { (steps, same(b), same(a)) }
+        }
+    };
+    let compared = tidied(code, compared);
+    let side = |by: Step, within: Interval| (replaced(code, at, &[by]), Guard { code: compared.clone(), within });
+    Some([side(less, below), side(more, below.neg())])
 }
 
 /// About where in a part of a ray operations jump, in the order of the code, as far as it can be told. `slots`: what is known of each step over the segment

@@ -38,7 +38,7 @@ use prover::{BRANCHES, NATURAL, Over, SHORT, SLOPES, joined, side};
 
 pub use ball::{Ball, Distance};
 pub use falsify::{Claim, Violation, falsify};
-pub use plane::{Look, Place, Slab};
+pub use plane::{Held, Look, Place, Slab};
 pub use ray::Hit;
 pub use steepest::Steepest;
 

@@ -8,14 +8,21 @@
 //! it is tilted, a linear function is known on it exactly.
 
 use super::code::Code;
-use super::forward::{self, Domain};
+use super::forward::{self, Domain, Slot};
 use super::jumps::{self, Guard};
+use super::step::Step;
 use super::{Box3, Prover, SHORT, SLOPES, ball, joined, side};
 use crate::graph::interval::Interval;
+use crate::graph::kernel::Op;
+use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// Branches of the field that are looked at where its gradients are not alike.
 const BRANCHES: usize = 8;
+/// So often a place is parted at a kink or a jump before it is no more.
+const KINKS: usize = 5;
+/// Steps of which is told where the field is zero, at most.
+const IMPLIED: usize = 8;
 /// Pieces of a triangle on which the field jumps.
 const PIECES: usize = 16;
 /// The planes are moved apart by this part of the box, for the rounding of whoever computes with them.
@@ -56,9 +63,21 @@ pub enum Look {
     Nothing,
     /// The field jumps there; these pieces have all of the values.
     Parted(Vec<Place>),
-    /// Only what is in this box, and between the planes if they are known, can have the values. Last the box in two halves, cut across the axis
-    /// along which not knowing the gradient costs most.
-    Held(Place, Option<Slab>, [Box3; 2]),
+    /// Only what is in this box can have the values.
+    Held(Held),
+}
+
+/// What of a box can have the values.
+#[derive(Clone, Debug)]
+pub struct Held {
+    /// The box.
+    pub place: Place,
+    /// It lies in all of these.
+    pub slabs: SmallVec<[Slab; 4]>,
+    /// The box in two, cut across the axis along which not knowing the gradient costs most.
+    pub halves: [Box3; 2],
+    /// Whether the field has a kink there that [`Prover::sides`] can part.
+    pub kink: bool,
 }
 
 impl Prover<'_> {
@@ -119,14 +138,45 @@ impl Prover<'_> {
                 gradient.iter_mut().zip(piece.gradient).for_each(|(g, other)| *g = g.intersect(other));
             }
         }
-        let code = shorter.map_or(code, Arc::new);
-        // A gradient of no point is left by rounding only.
-        if whole.jump || gradient.iter().any(|g| g.is_empty() || !g.is_finite()) {
-            return Look::Held(Place { range, code, guards }, None, ball::halves(&range, &gradient));
+        let known = !whole.jump && gradient.iter().all(|g| !g.is_empty() && g.is_finite());
+        let left = if known { domain.holding(whole.centre, &gradient, target) } else { Some(range) };
+        let Some(left) = left else { return Look::Nothing };
+        let mut slabs = SmallVec::new();
+        let mut kink = false;
+        if known {
+            slabs.extend(slab(&domain, &left, whole.centre, &gradient, target));
+            if loose(&gradient) {
+                kink = guards.len() < KINKS;
+                slabs.extend(implied(&code, &self.slots, target).into_iter().filter_map(|(step, target)| {
+                    let slot = self.slots.get(step as usize)?;
+                    let known = !slot.jump && slot.gradient.iter().all(|g| !g.is_empty() && g.is_finite());
+                    if known { slab(&domain, &left, slot.centre, &slot.gradient, target) } else { None }
+                }));
+            }
         }
-        let Some(left) = domain.holding(whole.centre, &gradient, target) else { return Look::Nothing };
-        let slab = slab(&domain, &left, whole.centre, &gradient, target);
-        Look::Held(Place { range: left, code, guards }, slab, ball::halves(&left, &gradient))
+        if !guards.is_empty() {
+            self.work += SLOPES * guards.iter().map(|guard| guard.steps() as u64).sum::<u64>();
+        }
+        for guard in &guards {
+            let (value, within) = guard.value(&domain, &mut self.slots);
+            if !value.jump && value.gradient.iter().all(|g| !g.is_empty() && g.is_finite()) {
+                slabs.extend(slab(&domain, &left, value.centre, &value.gradient, within));
+            }
+        }
+        let code = shorter.map_or(code, Arc::new);
+        let halves = ball::halves(&left, &gradient);
+        Look::Held(Held { place: Place { range: left, code, guards }, slabs, halves, kink })
+    }
+
+    /// Both sides of a kink of the field in a box that is held; none where there is none.
+    pub fn sides(&mut self, place: &Place) -> Option<[Place; 2]> {
+        self.work += SLOPES * place.code.steps.len() as u64;
+        forward::full(&place.code, &Domain::new(place.range, None), &mut self.slots);
+        let sides = jumps::at_kink(&place.code, &self.slots, &mut self.live)?;
+        Some(sides.map(|(code, guard)| {
+            let guards = place.guards.iter().cloned().chain([Arc::new(guard)]).collect();
+            Place { range: place.range, code: Arc::new(code), guards }
+        }))
     }
 
     /// 1 or -1 where the field is above or below zero all over a triangle, else 0. `place` holds it and no jump parts it.
@@ -155,6 +205,45 @@ impl Prover<'_> {
         let code = place.code.clone();
         self.sign(&code, at)
     }
+}
+
+/// Other steps, and between which numbers each lies where the last step's value is one of `target`.
+fn implied(code: &Code, slots: &[Slot<3>], target: Interval) -> SmallVec<[(u32, Interval); 4]> {
+    let mut found: SmallVec<[(u32, Interval); 4]> = SmallVec::new();
+    let mut open: SmallVec<[(u32, Interval); 4]> = SmallVec::new();
+    open.push(((code.steps.len() as u32).saturating_sub(1), target));
+    while let Some((step, target)) = open.pop() {
+        let Some(Step::Op(op, [a, b, c, d])) = code.steps.get(step as usize).copied() else {
+            if let Some(Step::Form(_, [value, ..])) = code.steps.get(step as usize) {
+                open.push((*value, target));
+            }
+            continue;
+        };
+        let range = |step: u32| slots.get(step as usize).map_or(Interval::ALL, |slot| slot.range);
+        let mut all: SmallVec<[(u32, Interval); 4]> = SmallVec::new();
+        let about = Interval { lo: -target.hi, hi: target.hi };
+        match op {
+            Op::Neg => all.push((a, target.neg())),
+            Op::Add if range(b).is_point() => all.push((a, target.sub(range(b)))),
+            Op::Add if range(a).is_point() => all.push((b, target.sub(range(a)))),
+            Op::Sub if range(b).is_point() => all.push((a, target.add(range(b)))),
+            Op::Sub if range(a).is_point() => all.push((b, range(a).sub(target))),
+            Op::Mul if range(b).is_point() && range(b).lo != 0.0 => all.push((a, target.div(range(b)))),
+            Op::Mul if range(a).is_point() && range(a).lo != 0.0 => all.push((b, target.div(range(a)))),
+            Op::Max => all.extend([a, b].map(|step| (step, Interval { lo: f64::NEG_INFINITY, hi: target.hi }))),
+            Op::Min => all.extend([a, b].map(|step| (step, Interval { lo: target.lo, hi: f64::INFINITY }))),
+            Op::Abs => all.push((a, about)),
+            Op::Length2 | Op::Length3 | Op::Length4 => all.extend([a, b, c, d].into_iter().take(usize::from(op.row().arity)).map(|step| (step, about))),
+            _ => {}
+        }
+        all.retain(|(_, target)| target.lo.is_finite() || target.hi.is_finite());
+        if found.len() + open.len() + all.len() > IMPLIED {
+            break;
+        }
+        found.extend(all.iter().copied());
+        open.extend(all);
+    }
+    found
 }
 
 /// Whether gradients differ so much that more may be known of them.

@@ -5,7 +5,7 @@
 
 use super::certificate::{Asked, Way};
 use super::prism::{Prism, ROUNDED};
-use crate::certify::{Box3, Look, Place, Prover};
+use crate::certify::{Box3, Held, Look, Place, Prover};
 use crate::graph::interval::Interval;
 use crate::spread::spread;
 use crate::vector::{Vec3, length, sub};
@@ -19,7 +19,7 @@ const FEW: usize = 96;
 const MANY: usize = 1000;
 /// After so many boxes of a cell the worst part is asked first whether it is proven to be farther.
 const EARLY: usize = 24;
-/// A part that is no thicker than this part of its distance is known well enough.
+/// A part that is no thicker than this part of its distance, and has a corner almost as far away, is known well enough.
 const THIN: f64 = 0.3;
 /// Parts of a cell that are asked whether they are proven to be farther.
 const ASKED: usize = 32;
@@ -48,6 +48,7 @@ struct Open {
     far: f64,
     place: Place,
     halves: [Box3; 2],
+    kink: bool,
 }
 
 impl PartialEq for Open {
@@ -135,7 +136,7 @@ fn eighths(prover: &mut Prover<'_>, part: &Part, cube: &Cube) -> Vec<Cube> {
     all.filter_map(|range| {
         let inside = within(&range, &part.room)?;
         match prover.look(cube.place.within(inside), part.target, false) {
-            Look::Held(place, ..) => Some(Cube { range, place: place.within(inside) }),
+            Look::Held(held) => Some(Cube { range, place: held.place.within(inside) }),
             _ => None,
         }
     }).collect()
@@ -189,7 +190,11 @@ impl<'a> Cell<'a> {
             if self.looked >= if far { MANY } else { FEW } {
                 break;
             }
-            let Some(Open { far, place, halves }) = self.open.pop() else { break };
+            let Some(Open { far, place, halves, kink }) = self.open.pop() else { break };
+            if kink && let Some(sides) = prover.sides(&place) {
+                sides.into_iter().for_each(|side| self.look(prover, side, hint));
+                continue;
+            }
             if halves.contains(&place.range) {
                 // No number is between its walls.
                 self.done(far, &place);
@@ -238,15 +243,16 @@ impl<'a> Cell<'a> {
             match prover.look(place, self.part.target, self.looked < FEW) {
                 Look::Nothing => {}
                 Look::Parted(pieces) => places.extend(pieces),
-                Look::Held(place, slab, halves) => {
-                    let Some(prism) = Prism::new(&place.range, slab.as_ref()) else { continue };
+                Look::Held(Held { place, slabs, halves, kink }) => {
+                    let Some(prism) = Prism::new(&place.range, &slabs) else { continue };
                     self.held += 1;
-                    let far = prism.farthest(asked.boxes, asked.fine, hint);
+                    let (far, near) = prism.farthest(asked.boxes, asked.fine, hint);
                     // What is thin is not told better by less of it.
-                    if far <= asked.fine || far <= asked.tolerance && prism.thickness() <= THIN * far {
+                    let told = !kink && prism.thickness() <= THIN * far && near >= (1.0 - THIN) * far;
+                    if far <= asked.fine || far <= asked.tolerance && told {
                         self.done(far, &place);
                     } else {
-                        self.open.push(Open { far, place, halves });
+                        self.open.push(Open { far, place, halves, kink });
                     }
                 }
             }

@@ -10,7 +10,9 @@ use crate::vector::{Vec3, along, cross, dot, length, scale, sub};
 use smallvec::SmallVec;
 
 /// Parts in which a prism is cut at most.
-const PARTS: usize = 24;
+const PARTS: usize = 32;
+/// What is no wider than this part of its distance is not cut where no side of a triangle goes through it.
+const WIDE: f64 = 0.25;
 /// Distances are larger by this part of the largest coordinate, for rounding.
 pub(super) const ROUNDED: f64 = 1e-12;
 /// A triangle whose height is less than this part of its longest side is taken for its sides alone: its normal has lost too many digits.
@@ -19,6 +21,18 @@ const NEEDLE: f64 = 1e-4;
 const EDGES: [(usize, usize); 12] = [(0, 1), (2, 3), (4, 5), (6, 7), (0, 2), (1, 3), (4, 6), (5, 7), (0, 4), (1, 5), (2, 6), (3, 7)];
 
 type Outline = SmallVec<[[f64; 2]; 16]>;
+
+/// A part of a prism, the triangle that is nearest to its middle, how far the part is from that at most, and where.
+struct Piece {
+    outline: Outline,
+    triangle: u32,
+    far: f64,
+    there: [f64; 2],
+}
+
+fn far(pieces: &[Piece], index: usize) -> f64 {
+    pieces.get(index).map_or(0.0, |piece| piece.far)
+}
 
 /// What lies over a convex outline in a plane, between two heights.
 pub(super) struct Prism {
@@ -30,26 +44,56 @@ pub(super) struct Prism {
 }
 
 impl Prism {
-    /// The least prism across a slab that holds what of a box lies in the slab; the box itself where there is none. Nothing where they do not meet.
-    pub fn new(range: &Box3, slab: Option<&Slab>) -> Option<Self> {
-        let Some(slab) = slab else { return Some(Self::whole(range)) };
-        let axes = axes(slab.normal);
+    /// A prism that holds what of a box lies in all of some slabs: across the thinnest of them; across the box's shortest side where there are
+    /// none. Nothing where they do not meet.
+    pub fn new(range: &Box3, slabs: &[Slab]) -> Option<Self> {
         let corners: [Vec3; 8] = std::array::from_fn(|i| corner(range, i));
+        let mut best: Option<(Slab, [f64; 2])> = None;
+        for slab in slabs {
+            let high = corners.iter().map(|p| dot(sub(*p, slab.from), slab.normal));
+            let ends = high.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, top], h| [low.min(h), top.max(h)]);
+            let heights = [slab.heights[0].max(ends[0]), slab.heights[1].min(ends[1])];
+            // What these lines lose is less than what slabs are wider.
+            if heights[0] > heights[1] {
+                return None;
+            }
+            if best.is_none_or(|(_, other)| heights[1] - heights[0] < other[1] - other[0]) {
+                best = Some((*slab, heights));
+            }
+        }
+        let Some((slab, heights)) = best else { return Some(Self::whole(range)) };
+        let axes = axes(slab.normal);
         let high = corners.map(|p| dot(sub(p, slab.from), slab.normal));
-        let [low, top] = slab.heights;
         let mut points: SmallVec<[Vec3; 32]> = SmallVec::new();
-        points.extend(corners.iter().zip(high).filter(|(_, h)| low <= *h && *h <= top).map(|(p, _)| *p));
+        points.extend(corners.iter().zip(high).filter(|(_, h)| heights[0] <= *h && *h <= heights[1]).map(|(p, _)| *p));
         for (i, j) in EDGES {
             let (Some(p), Some(q), Some(a), Some(b)) = (corners.get(i), corners.get(j), high.get(i), high.get(j)) else { continue };
-            for plane in slab.heights {
-                if (a < &plane) != (b < &plane) && plane.is_finite() {
+            for plane in heights {
+                if (a < &plane) != (b < &plane) {
                     points.push(along(*p, sub(*q, *p), ((plane - a) / (b - a)).clamp(0.0, 1.0)));
                 }
             }
         }
-        let ends = high.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, top], h| [low.min(*h), top.max(*h)]);
         let outline = hull(points.iter().map(|p| flat(&axes, sub(*p, slab.from))).collect());
-        (!outline.is_empty()).then_some(Self { from: slab.from, axes, outline, heights: [low.max(ends[0]), top.min(ends[1])] })
+        let mut prism = Self { from: slab.from, axes, outline, heights };
+        for other in slabs.iter().filter(|other| **other != slab) {
+            prism.cut_off(other);
+        }
+        (!prism.outline.is_empty()).then_some(prism)
+    }
+
+    /// Takes away what lies outside of a slab at all heights.
+    fn cut_off(&mut self, slab: &Slab) {
+        let [x, y, z] = self.axes.map(|axis| dot(axis, slab.normal));
+        let from = dot(sub(self.from, slab.from), slab.normal);
+        let rise = self.heights.map(|h| z * h);
+        let [low, top] = [rise[0].min(rise[1]), rise[0].max(rise[1])];
+        if slab.heights[1].is_finite() {
+            self.outline = clip(&self.outline, &[x, y, from + low - slab.heights[1]], 0.0);
+        }
+        if slab.heights[0].is_finite() {
+            self.outline = clip(&self.outline, &[-x, -y, slab.heights[0] - from - top], 0.0);
+        }
     }
 
     /// A box, across its shortest side.
@@ -73,32 +117,51 @@ impl Prism {
         along(along(along(self.from, u, x), v, y), n, height)
     }
 
-    /// A number that no point's distance from the triangles exceeds: about the largest of them, if that is above `enough`. `hint` is a triangle
-    /// that may be near, and becomes one.
-    pub fn farthest(&self, boxes: &Boxes, enough: f64, hint: &mut u32) -> f64 {
-        let mut open: SmallVec<[Outline; 8]> = SmallVec::new();
-        open.push(self.outline.clone());
-        let (mut most, mut left) = (0.0_f64, PARTS);
-        while let Some(outline) = open.pop() {
-            let middle = self.place(mean(&outline), 0.5 * (self.heights[0] + self.heights[1]));
-            *hint = boxes.closest(middle, *hint).triangle;
-            let Some(triangle) = boxes.triangles.get(*hint as usize) else { return f64::INFINITY };
-            let mut far = 0.0_f64;
-            for at in &outline {
-                for height in self.heights {
-                    far = far.max(no_farther(triangle, self.place(*at, height)));
+    /// A number that no point's distance from the triangles exceeds, and the distance that some corner has: the two are near to each other, or the first
+    /// is at most `enough`, unless the prism lies over too many triangles. `hint` is a triangle that may be near, and becomes one.
+    pub fn farthest(&self, boxes: &Boxes, enough: f64, hint: &mut u32) -> (f64, f64) {
+        let mut open: SmallVec<[Piece; 16]> = SmallVec::new();
+        open.push(self.piece(boxes, self.outline.clone(), f64::INFINITY, hint));
+        let mut most = 0.0_f64;
+        for _ in 0..PARTS {
+            // The worst first: what is left is no farther.
+            let Some(worst) = (0..open.len()).max_by(|&i, &j| far(&open, i).total_cmp(&far(&open, j))) else { break };
+            if far(&open, worst) <= enough.max(most) {
+                break;
+            }
+            let piece = open.swap_remove(worst);
+            let triangle = boxes.triangles.get(piece.triangle as usize);
+            let parts = triangle.and_then(|triangle| self.cut(&piece.outline, triangle)).or_else(|| halved(&piece.outline, piece.there, WIDE * piece.far));
+            match parts {
+                Some(parts) => open.extend(parts.into_iter().filter(|part| !part.is_empty()).map(|part| self.piece(boxes, part, piece.far, hint))),
+                None => {
+                    most = piece.far;
+                    open.push(piece);
                 }
             }
-            left = left.saturating_sub(1);
-            if far > enough && far > most && left > 0
-                && let Some(parts) = self.cut(&outline, triangle)
-            {
-                open.extend(parts);
-                continue;
-            }
-            most = most.max(far);
         }
-        most
+        let Some(worst) = open.into_iter().max_by(|a, b| a.far.total_cmp(&b.far)) else { return (0.0, 0.0) };
+        if worst.far <= enough {
+            return (worst.far, 0.0);
+        }
+        let corners = self.heights.map(|height| boxes.closest(self.place(worst.there, height), *hint).squared.sqrt());
+        (worst.far, corners[0].max(corners[1]))
+    }
+
+    /// A part of it with the triangle that is nearest to its middle. It is no farther than `limit`.
+    fn piece(&self, boxes: &Boxes, outline: Outline, limit: f64, hint: &mut u32) -> Piece {
+        let middle = self.place(mean(&outline), 0.5 * (self.heights[0] + self.heights[1]));
+        *hint = boxes.closest(middle, *hint).triangle;
+        let (mut far, mut there) = (0.0, mean(&outline));
+        for at in &outline {
+            for height in self.heights {
+                let distance = boxes.triangles.get(*hint as usize).map_or(f64::INFINITY, |triangle| no_farther(triangle, self.place(*at, height)));
+                if distance > far {
+                    (far, there) = (distance, *at);
+                }
+            }
+        }
+        Piece { outline, triangle: *hint, far: far.min(limit), there }
     }
 
     /// Cuts an outline along the side of a triangle beyond which it reaches farthest; none where no side goes through it.
@@ -127,6 +190,19 @@ impl Prism {
         let more = 1e-9 * size;
         Some([clip(outline, &line, more), clip(outline, &line.map(|x| -x), more)])
     }
+}
+
+/// An outline cut in two through its middle, across the way to one of its corners; none where that is not so far.
+fn halved(outline: &Outline, corner: [f64; 2], least: f64) -> Option<[Outline; 2]> {
+    let middle = mean(outline);
+    let way = [corner[0] - middle[0], corner[1] - middle[1]];
+    let long = way[0].hypot(way[1]);
+    if long <= least {
+        return None;
+    }
+    let [x, y] = way.map(|c| c / long);
+    let line = [x, y, -(x * middle[0] + y * middle[1])];
+    Some([clip(outline, &line, 1e-9 * long), clip(outline, &line.map(|c| -c), 1e-9 * long)])
 }
 
 /// How far a point is beyond a line.
@@ -256,13 +332,16 @@ mod tests {
             let range: Box3 = std::array::from_fn(|i| Interval { lo: from[i], hi: from[i] + size[i] });
             let normal = crate::vector::unit(point()).unwrap();
             let slab = Slab { from: range.map(Interval::middle), normal, heights: [-0.1 * random.next(), 0.1 * random.next()] };
-            let slab = (round % 3 > 0).then_some(slab);
-            let Some(prism) = Prism::new(&range, slab.as_ref()) else { continue };
-            let most = prism.farthest(&boxes, 0.0, &mut 0);
+            let other = Slab { normal: crate::vector::unit(point()).unwrap(), heights: [-0.1 * random.next(), f64::INFINITY], ..slab };
+            let slabs = [slab, other];
+            let slabs = &slabs[..round % 3];
+            let Some(prism) = Prism::new(&range, slabs) else { continue };
+            let (most, _) = prism.farthest(&boxes, 0.0, &mut 0);
             let mut found = 0.0_f64;
             for _ in 0..300 {
                 let at: Vec3 = std::array::from_fn(|i| range[i].lo + random.next() * size[i]);
-                if slab.is_none_or(|slab| (slab.heights[0]..slab.heights[1]).contains(&dot(sub(at, slab.from), slab.normal))) {
+                let inside = |slab: &Slab| (slab.heights[0]..slab.heights[1]).contains(&dot(sub(at, slab.from), slab.normal));
+                if slabs.iter().all(inside) {
                     found = found.max(boxes.closest(at, 0).squared.sqrt());
                 }
             }
