@@ -64,7 +64,7 @@ pub enum Look {
     /// The field jumps there; these pieces have all of the values.
     Parted(Vec<Place>),
     /// Only what is in this box can have the values.
-    Held(Held),
+    Held(Box<Held>),
 }
 
 /// What of a box can have the values.
@@ -165,7 +165,7 @@ impl Prover<'_> {
         }
         let code = shorter.map_or(code, Arc::new);
         let halves = ball::halves(&left, &gradient);
-        Look::Held(Held { place: Place { range: left, code, guards }, slabs, halves, kink })
+        Look::Held(Box::new(Held { place: Place { range: left, code, guards }, slabs, halves, kink }))
     }
 
     /// Both sides of a kink of the field in a box that is held; none where there is none.

@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 /// Boxes that are looked at in a cell that is within the tolerance, to know it better.
 const FEW: usize = 96;
 /// The same in another.
-const MANY: usize = 1000;
+const MANY: usize = 400;
 /// After so many boxes of a cell the worst part is asked first whether it is proven to be farther.
 const EARLY: usize = 24;
 /// A part that is no thicker than this part of its distance, and has a corner almost as far away, is known well enough.
@@ -243,7 +243,8 @@ impl<'a> Cell<'a> {
             match prover.look(place, self.part.target, self.looked < FEW) {
                 Look::Nothing => {}
                 Look::Parted(pieces) => places.extend(pieces),
-                Look::Held(Held { place, slabs, halves, kink }) => {
+                Look::Held(held) => {
+                    let Held { place, slabs, halves, kink } = *held;
                     let Some(prism) = Prism::new(&place.range, &slabs) else { continue };
                     self.held += 1;
                     let (far, near) = prism.farthest(asked.boxes, asked.fine, hint);

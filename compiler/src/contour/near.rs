@@ -21,7 +21,7 @@ const FIRST: u32 = 1;
 /// So many times as far it may be each time it is cut.
 const WIDER: f64 = 1.5;
 /// Times that the sign is asked for all over some part of a triangle.
-const TRIES: usize = 1500;
+const TRIES: usize = 300;
 /// Boxes for a proof that no surface is near.
 const BOXES: usize = 500;
 /// Parts of a triangle of which that is asked.
@@ -105,7 +105,7 @@ impl Looks<'_> {
                 shift = (2.0 * shift).min(most);
             };
             let found = match found {
-                None if !last && !(patch.depth == FIRST && self.is_farther(prover, &patch, &mut way)) => {
+                None if !(last || patch.depth == FIRST && self.is_farther(prover, &patch, &mut way)) => {
                     open.extend(patch.quarters());
                     continue;
                 }
