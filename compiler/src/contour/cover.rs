@@ -3,7 +3,7 @@
 //! A cell is done where the field keeps its sign in it, or where what lies between the planes that hold its zeros is near to triangles. Any
 //! other is cut in two, the part first of which least is known.
 
-use super::certificate::{Asked, Way};
+use super::asked::{Asked, Way};
 use super::prism::{Prism, ROUNDED};
 use crate::certify::{Box3, Held, Look, Place, Prover};
 use crate::graph::interval::Interval;

@@ -16,6 +16,7 @@
 //!
 //! [`certify`] proves how far a mesh and the surface are from each other (`certificate.rs`).
 
+mod asked;
 mod cells;
 mod certificate;
 mod cover;
@@ -29,7 +30,8 @@ mod near;
 mod place;
 mod prism;
 
-pub use certificate::{Certificate, Way, certify};
+pub use asked::Way;
+pub use certificate::{Certificate, certify};
 pub use examine::{Examined, Shell};
 pub use mesh::{MOST_VERTICES, Mesh, Refused};
 use mesh::{Grid, at};

@@ -4,7 +4,7 @@
 //! each of its points has a sign change on the way between them, which is no longer than it was moved. A triangle of which this can't be shown
 //! is cut in four. What is small beside the distance is near to the surface if its middle is: if the field has both signs in a ball about it.
 
-use super::certificate::{Asked, Way};
+use super::asked::{Asked, Way};
 use super::prism::ROUNDED;
 use crate::certify::{Ball, Place, Prover};
 use crate::graph::interval::Interval;
