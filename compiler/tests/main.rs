@@ -6,6 +6,7 @@ mod ablation;
 mod absorbed;
 mod ahead;
 mod balls;
+mod certificate;
 mod certify;
 mod common;
 mod computed;

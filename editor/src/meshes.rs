@@ -46,10 +46,27 @@ impl Format {
         }
     }
 
+    /// The unit of a file's numbers, where that is not the scene's.
+    fn other_unit(self, unit: Option<Unit>) -> Option<(Unit, Unit)> {
+        unit.map(|unit| (unit, self.unit(unit))).filter(|(own, other)| own != other)
+    }
+
+    /// The mesh as the numbers in a file have it, in the scene's space. `unit` is that of the scene, where it says one.
+    pub fn rounded(self, mesh: &Mesh, unit: Option<Unit>) -> Mesh {
+        let units = self.other_unit(unit);
+        let number = |c: f64| match self {
+            Format::Stl | Format::Ply | Format::Glb => f64::from(c as f32),
+            Format::Obj => format!("{c:.9}").parse().unwrap_or(c),
+            Format::ThreeMf => c,
+        };
+        let read = |c: f64| units.map_or_else(|| number(c), |(own, other)| other.to(own, number(own.to(other, c))));
+        Mesh { vertices: mesh.vertices.iter().map(|v| v.map(read)).collect(), ..mesh.clone() }
+    }
+
     /// The bytes of a file. `unit` is that of the scene, where it says one.
     pub fn bytes(self, mesh: &Mesh, unit: Option<Unit>) -> Result<Vec<u8>, String> {
-        let scaled = unit.filter(|unit| self.unit(*unit) != *unit).map(|unit| {
-            let vertices = mesh.vertices.iter().map(|v| v.map(|c| unit.to(self.unit(unit), c))).collect();
+        let scaled = self.other_unit(unit).map(|(own, other)| {
+            let vertices = mesh.vertices.iter().map(|v| v.map(|c| own.to(other, c))).collect();
             Mesh { vertices, ..mesh.clone() }
         });
         let mesh = scaled.as_ref().unwrap_or(mesh);

@@ -300,7 +300,7 @@ fn nearest_fall(domain: &Domain<3>, slope: &[f64; 3], centre: [f64; 3], radius: 
 }
 
 /// A box cut in two, across the axis along which not knowing the gradient costs most.
-fn halves(range: &Box3, gradient: &[Interval; 3]) -> [Box3; 2] {
+pub(super) fn halves(range: &Box3, gradient: &[Interval; 3]) -> [Box3; 2] {
     let known = gradient.iter().all(|g| g.is_finite());
     let cost = |i: usize| {
         let width = range.get(i).map_or(0.0, |x| x.width());

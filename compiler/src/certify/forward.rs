@@ -26,6 +26,8 @@ pub(super) struct Domain<const D: usize> {
     half: [f64; D],
     /// The ball's centre as seen from the middle, and its radius; the middle lies in it.
     ball: Option<([f64; D], f64)>,
+    /// The corners of a triangle as seen from the middle, which is a fourth: only what lies between them is looked at.
+    corners: Option<[[f64; D]; 3]>,
     /// Greatest distance from the middle.
     reach: f64,
 }
@@ -55,7 +57,31 @@ impl<const D: usize> Domain<D> {
         let length = |v: &[f64; D]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let within = ball.map_or(f64::INFINITY, |(seen, radius)| length(&seen) + radius);
         let reach = length(&half).min(within) * (1.0 + ROUNDING);
-        Self { range, middle, half, ball, reach }
+        Self { range, middle, half, ball, corners: None, reach }
+    }
+
+    /// What lies between the corners of a triangle and the mean of these as it is computed.
+    pub(super) fn triangle(corners: [[f64; D]; 3]) -> Self {
+        let mut middle = [0.0; D];
+        for (i, m) in middle.iter_mut().enumerate() {
+            *m = corners.iter().map(|corner| corner[i]).sum::<f64>() / 3.0;
+        }
+        let mut range = middle.map(Interval::point);
+        let mut seen = corners;
+        for corner in &mut seen {
+            for ((x, side), m) in corner.iter_mut().zip(&mut range).zip(&middle) {
+                *side = side.hull(Interval::point(*x));
+                *x -= m;
+            }
+        }
+        let within = Self::new(range, None);
+        let mut half = [0.0; D];
+        for ((half, side), m) in half.iter_mut().zip(&range).zip(&middle) {
+            *half = (side.hi - m).max(m - side.lo).next_up();
+        }
+        let far = |corner: &[f64; D]| corner.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let reach = seen.iter().map(far).fold(0.0, f64::max) * (1.0 + ROUNDING);
+        Self { middle, half, corners: Some(seen), reach, ..within }
     }
 
     /// The radius of the ball, where all of it is in the box and the middle is its centre.
@@ -113,6 +139,20 @@ impl<const D: usize> Domain<D> {
             let far = far + ROUNDING * (far + size);
             lo = lo.max(centre.lo + along - far);
             hi = hi.min(centre.hi + along + far);
+        }
+        if let (Some(corners), true) = (&self.corners, slopes.is_finite()) {
+            // For each gradient the extremes are at corners; the middle is one of them.
+            let (mut below, mut above, mut size) = (0.0_f64, 0.0_f64, 0.0_f64);
+            for corner in corners {
+                let (mut low, mut high, mut all) = (0.0, 0.0, 0.0);
+                for (g, x) in gradient.iter().zip(corner) {
+                    let (a, b) = (g.lo * x, g.hi * x);
+                    (low, high, all) = (low + a.min(b), high + a.max(b), all + a.abs().max(b.abs()));
+                }
+                (below, above, size) = (below.min(low), above.max(high), size.max(all));
+            }
+            lo = lo.max(centre.lo + below - ROUNDING * size);
+            hi = hi.min(centre.hi + above + ROUNDING * size);
         }
         let slack = ROUNDING * (centre.magnitude() + side.min(1e300));
         Interval::new(lo - slack, hi + slack)

@@ -9,7 +9,9 @@
 #![allow(clippy::indexing_slicing)]
 
 use crate::certify::code::{Code, Room};
+use crate::certify::form::Form;
 use crate::certify::forward::{self, Domain, Slot};
+use crate::certify::prover::side;
 use crate::certify::step::{Known, Step, known};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
@@ -47,6 +49,11 @@ impl Guard {
         self.code.steps.len()
     }
 
+    /// What is known of the number by which the piece is told, and what it is within the piece. `slots` is room.
+    pub(super) fn value<const D: usize>(&self, domain: &Domain<D>, slots: &mut Vec<Slot<D>>) -> (Slot<D>, Interval) {
+        (forward::full(&self.code, domain, slots), self.within)
+    }
+
     /// How a part of space lies to the piece. `slots` is room.
     pub(super) fn side<const D: usize>(&self, domain: &Domain<D>, slots: &mut Vec<Slot<D>>) -> Side {
         let value = forward::full(&self.code, domain, slots).range;
@@ -63,31 +70,12 @@ impl Guard {
 /// The pieces of a box: of each its code and where it is. None where nothing jumps, or too much. `slots`: what is known of each step over
 /// the box; `live` is room.
 pub(super) fn parted<const D: usize>(code: &Code, slots: &[Slot<D>], live: &mut Vec<bool>) -> Option<Vec<(Code, Guard)>> {
-    live.clear();
-    live.resize(code.steps.len(), false);
-    *live.last_mut()? = true;
-    let (mut first, mut open) = (None, 0);
-    for (i, step) in code.steps.iter().enumerate().rev() {
-        if let (true, Step::Form(_, from)) = (live[i], *step) {
-            live[from[0] as usize] = true;
-        }
-        let (true, Step::Op(op, from)) = (live[i], *step) else { continue };
-        let arguments = from.map(|a| slots[a as usize]);
-        match known(op, arguments.map(|a| a.range), slots[i].range) {
-            Known::Argument(k) => live[from[k] as usize] = true,
-            Known::Negated => live[from[0] as usize] = true,
-            Known::Constant(_) => {}
-            Known::Open => {
-                from[..usize::from(op.row().arity)].iter().for_each(|&a| live[a as usize] = true);
-                // What is made of something that jumps has to wait.
-                let [a, b, ..] = arguments;
-                let turns = op != Op::Atan2 || b.range.lo <= 0.0 && a.range.contains(0.0);
-                if op.row().jumps && turns && arguments.iter().all(|a| !a.jump) {
-                    (first, open) = (Some(i), open + 1);
-                }
-            }
-        }
-    }
+    let (first, open) = open(code, slots, live, |op, arguments| {
+        let [a, b, ..] = arguments;
+        // What is made of something that jumps has to wait.
+        let turns = op != Op::Atan2 || b.range.lo <= 0.0 && a.range.contains(0.0);
+        op.row().jumps && turns && arguments.iter().all(|a| !a.jump)
+    });
     if open > OPEN {
         return None;
     }
@@ -111,6 +99,95 @@ pub(super) fn parted<const D: usize>(code: &Code, slots: &[Slot<D>], live: &mut 
         value += 1.0;
     }
     Some(pieces)
+}
+
+/// The sign that a code surely keeps all over a domain across its jumps, or 0. Looks at `left` pieces at most. What is known of each step over the
+/// domain stands in `slots`, and is not there afterwards; the others are room.
+pub(super) fn kept<const D: usize>(
+    code: &Code,
+    domain: &Domain<D>,
+    slots: &mut Vec<Slot<D>>,
+    ranges: &mut Vec<Interval>,
+    live: &mut Vec<bool>,
+    left: &mut usize,
+) -> i8 {
+    let mut sign = 0;
+    for (piece, guard) in parted(code, slots, live).unwrap_or_default() {
+        if guard.side(domain, slots) == Side::Outside {
+            continue;
+        }
+        *left = left.saturating_sub(1);
+        if *left == 0 {
+            return 0;
+        }
+        let mut here = side(forward::natural(&piece, &domain.range, ranges));
+        if here == 0 {
+            let whole = forward::full(&piece, domain, slots);
+            here = side(whole.range);
+            if here == 0 && whole.jump {
+                here = kept(&piece, domain, slots, ranges, live, left);
+            }
+        }
+        if here == 0 || here == -sign {
+            return 0;
+        }
+        sign = here;
+    }
+    sign
+}
+
+/// The first step of some kind of those that matter and are not settled, and how many there are.
+fn open<const D: usize>(
+    code: &Code,
+    slots: &[Slot<D>],
+    live: &mut Vec<bool>,
+    kind: impl Fn(Op, &[Slot<D>; 4]) -> bool,
+) -> (Option<usize>, usize) {
+    live.clear();
+    live.resize(code.steps.len(), false);
+    live.iter_mut().rev().take(1).for_each(|last| *last = true);
+    let (mut first, mut count) = (None, 0);
+    for (i, step) in code.steps.iter().enumerate().rev() {
+        if let (true, Step::Form(_, from)) = (live[i], *step) {
+            live[from[0] as usize] = true;
+        }
+        let (true, Step::Op(op, from)) = (live[i], *step) else { continue };
+        let arguments = from.map(|a| slots[a as usize]);
+        match known(op, arguments.map(|a| a.range), slots[i].range) {
+            Known::Argument(k) => live[from[k] as usize] = true,
+            Known::Negated => live[from[0] as usize] = true,
+            Known::Constant(_) => {}
+            Known::Open => {
+                from[..usize::from(op.row().arity)].iter().for_each(|&a| live[a as usize] = true);
+                if kind(op, &arguments) {
+                    (first, count) = (Some(i), count + 1);
+                }
+            }
+        }
+    }
+    (first, count)
+}
+
+/// Both sides of a kink, where there is one in a box: of each its code and where it is. `slots`: what is known of each step over the box, in which
+/// nothing jumps; `live` is room.
+pub(super) fn at_kink<const D: usize>(code: &Code, slots: &[Slot<D>], live: &mut Vec<bool>) -> Option<[(Code, Guard); 2]> {
+    let at = open(code, slots, live, |op, _| matches!(op, Op::Min | Op::Max | Op::Abs)).0?;
+    let Step::Op(op, from) = code.steps[at] else { return None };
+    let below = Interval { lo: f64::NEG_INFINITY, hi: 0.0 };
+    // The same value under a name of its own.
+    let same = |a: u32| Step::Form(Form::Rest(f64::NEG_INFINITY, f64::INFINITY), [a, 0, 0, 0]);
+    let [a, b, ..] = from;
+    let (compared, less, more) = match op {
+        Op::Abs => (code.steps[..=a as usize].to_vec(), Step::Op(Op::Neg, [a, 0, 0, 0]), same(a)),
+        _ => {
+            let mut steps = code.steps[..at].to_vec();
+            steps.push(Step::Op(Op::Sub, from));
+            if op == Op::Min { (steps, same(a), same(b)) } else { (steps, same(b), same(a)) }
+        }
+    };
+    let compared = tidied(code, compared);
+    let side = |by: Step, within: Interval| (replaced(code, at, &[by]), Guard { code: compared.clone(), within });
+    Some([side(less, below), side(more, below.neg())])
 }
 
 /// About where in a part of a ray operations jump, in the order of the code, as far as it can be told. `slots`: what is known of each step over the segment

@@ -9,7 +9,8 @@
 //! - [`Prover::over`]: all values and gradients over a box; [`Prover::range`]: the values alone;
 //! - [`Prover::empty_ball`]: whether a ball holds no surface; [`Prover::distance`]: how far the surface is;
 //! - [`Prover::first_hit`]: where a ray meets the surface first;
-//! - [`Prover::steepest`]: how steep the field is at most in a box.
+//! - [`Prover::steepest`]: how steep the field is at most in a box;
+//! - [`Prover::look`]: between which two planes the field can be zero in a box; [`Prover::side_of_triangle`]: its sign all over a triangle.
 //!
 //! All work by subdividing boxes. A box in which some branches of the code can't matter gets a shorter code (as in Keeter, "Massively
 //! Parallel Rendering of Complex Closed-Form Implicit Surfaces", 2020); what is left is bounded by natural intervals and the mean-value
@@ -26,6 +27,7 @@ mod forms;
 mod forward;
 mod jumps;
 mod pieces;
+mod plane;
 mod prover;
 mod ray;
 mod steepest;
@@ -36,6 +38,7 @@ use prover::{BRANCHES, NATURAL, Over, SHORT, SLOPES, joined, side};
 
 pub use ball::{Ball, Distance};
 pub use falsify::{Claim, Violation, falsify};
+pub use plane::{Held, Look, Place, Slab};
 pub use ray::Hit;
 pub use steepest::Steepest;
 

@@ -2,8 +2,8 @@
 
 use super::code::Code;
 use super::forward::{self, Domain};
-use super::jumps::{self, Side};
-use super::{BRANCHES, Prover, SHORT, joined, side};
+use super::jumps;
+use super::{BRANCHES, Prover, SHORT, joined};
 use crate::graph::interval::Interval;
 use std::sync::Arc;
 
@@ -79,7 +79,7 @@ impl Prover<'_> {
                     open.extend(parts.into_iter().map(|(lo, hi)| (lo, hi, code.clone(), halved + 1)));
                     continue;
                 }
-                if self.kept(&code, &domain, &mut { PIECES }) != 0 {
+                if jumps::kept(&code, &domain, &mut self.ray_slots, &mut self.ranges, &mut self.live, &mut { PIECES }) != 0 {
                     continue;
                 }
                 forward::full(&code, &domain, &mut self.ray_slots);
@@ -122,34 +122,6 @@ impl Prover<'_> {
         }
         parts.push((lo, end));
         parts
-    }
-
-    /// The sign that the field surely keeps all along a segment across its jumps, or 0. Looks at `left` pieces at most. What is known of each
-    /// step over the segment stands in `ray_slots`, and is not there afterwards.
-    fn kept(&mut self, code: &Code, domain: &Domain<1>, left: &mut usize) -> i8 {
-        let mut sign = 0;
-        for (piece, guard) in jumps::parted(code, &self.ray_slots, &mut self.live).unwrap_or_default() {
-            if guard.side(domain, &mut self.ray_slots) == Side::Outside {
-                continue;
-            }
-            *left = left.saturating_sub(1);
-            if *left == 0 {
-                return 0;
-            }
-            let mut here = side(forward::natural(&piece, &domain.range, &mut self.ranges));
-            if here == 0 {
-                let whole = forward::full(&piece, domain, &mut self.ray_slots);
-                here = side(whole.range);
-                if here == 0 && whole.jump {
-                    here = self.kept(&piece, domain, left);
-                }
-            }
-            if here == 0 || here == -sign {
-                return 0;
-            }
-            sign = here;
-        }
-        sign
     }
 
     /// Whether the field surely rises, or surely falls, all along a segment. `apart`: each side of its kinks is taken by itself.

@@ -35,7 +35,7 @@ fn places([a, b, c]: [Vec3; 3]) -> [Vec3; 4] {
 }
 
 /// Ways to the corners and to the middles of the faces of a cube.
-const AROUND: [Vec3; 14] = {
+pub(super) const AROUND: [Vec3; 14] = {
     const S: f64 = 0.577_350_269;
     [
         [1.0, 0.0, 0.0],

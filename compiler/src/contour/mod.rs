@@ -13,16 +13,25 @@
 //!
 //! A vertex stands where the tangent planes at the loop's crossings meet best, within its cell (Ju, Losasso, Schaefer and Warren 2002,
 //! "Dual contouring of Hermite data"; `place.rs`). Where the surface is smooth it is moved onto it.
+//!
+//! [`certify`] proves how far a mesh and the surface are from each other (`certificate.rs`).
 
+mod asked;
 mod cells;
+mod certificate;
+mod cover;
 mod descend;
 mod deviation;
 mod examine;
 mod field;
 mod join;
 mod mesh;
+mod near;
 mod place;
+mod prism;
 
+pub use asked::Way;
+pub use certificate::{Certificate, certify};
 pub use examine::{Examined, Shell};
 pub use mesh::{MOST_VERTICES, Mesh, Refused};
 use mesh::{Grid, at};

@@ -156,7 +156,7 @@ pub struct Near {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Boxes {
+pub(crate) struct Boxes {
     nodes: Vec<Node>,
     /// As many as nodes.
     dipoles: Vec<Dipole>,
@@ -195,7 +195,7 @@ impl Boxes {
         boxes
     }
 
-    pub fn bounds(&self) -> Bounds {
+    pub(super) fn bounds(&self) -> Bounds {
         self.nodes[0].bounds
     }
 

@@ -21,3 +21,4 @@ pub use kept::Kept;
 pub use measure::{Measured, measure};
 pub use surface::{Near, Sign, Surface};
 pub use triangle::{Part, Triangle};
+pub(crate) use boxes::Boxes;

@@ -10,12 +10,14 @@ use surefoot_compiler::{Options, Outcome};
 pub enum Exit {
     /// All is well.
     Fine = 0,
-    /// The scene has errors (or is not laid out, for `fmt --check`; or a violation, for `verify`).
+    /// The scene has errors (or is not laid out, for `fmt --check`; or a violation, for `verify`; or a mesh that is too far off, for `mesh --certify`).
     Errors = 1,
     /// Wrong usage, or a file that can't be read or written.
     Usage = 2,
     /// `--device gpu`, and there is no adapter.
     NoGraphics = 3,
+    /// `mesh --certify`, and something could not be decided.
+    Undecided = 4,
 }
 
 /// Why a command could not do what was asked. What is wrong with a scene is not here: diagnostics say it.

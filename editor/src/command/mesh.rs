@@ -6,8 +6,9 @@ use super::console::{Exit, Failure, ends_wrong, print, spare};
 use crate::files;
 use crate::measures::powers;
 use crate::meshes::Format;
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use surefoot_compiler::contour::{self, Detail, MOST_CELLS, Mesh, Refused, Settings};
+use surefoot_compiler::contour::{self, Certificate, Detail, MOST_CELLS, Mesh, Refused, Settings};
 use surefoot_compiler::diagnostic::Code;
 use surefoot_compiler::functions::Kind;
 use surefoot_compiler::measure::ends_now;
@@ -16,6 +17,13 @@ use surefoot_compiler::{Compiled, Options};
 
 /// The surface of what, how fine, and where to.
 #[derive(Debug, clap::Args)]
+#[command(after_help = "\
+--certify proves two things by interval arithmetic: no part of the surface is farther from the mesh than the tolerance, and no part of the \
+mesh is farther from the surface. So a piece of surface that the mesh lacks is one that lies within the tolerance of the mesh all over. The \
+tolerance is that of --tolerance, or half a cell. The surface is where the field changes its sign. The field is the formula of the scene in \
+exact numbers, with constants and parameters rounded to 32 bits. The surface is looked for in the extent of the scene, or in the box of --within. The \
+mesh is the one in the file. The proof relies on this program, and on the library functions of the processor's language to four units in \
+the last place; no claim and no bound of the scene is used.")]
 pub struct Args {
     /// The scene.
     scene: String,
@@ -31,6 +39,9 @@ pub struct Args {
     /// Round edges and corners off by less than a cell. Without this they stay sharp.
     #[arg(long)]
     smooth: bool,
+    /// Prove how far the surface is from the mesh at most, and the mesh from the surface. Ends with code 1 if some part is proven to be farther than the tolerance, and with code 4 if some part is undecided.
+    #[arg(long)]
+    certify: bool,
     /// Cut the solid off at a box, and close it there. An infinite solid needs this.
     #[arg(long, allow_hyphen_values = true, value_parser = corners, value_name = "(X,Y,Z)..(X,Y,Z)")]
     within: Option<[[f64; 3]; 2]>,
@@ -67,6 +78,9 @@ pub(super) fn corners(text: &str) -> Result<[[f64; 3]; 2], String> {
         false => Err("each coordinate of the second corner is above that of the first".to_owned()),
     }
 }
+
+/// The tolerance of a certificate, as a part of a cell, where none is given.
+pub(super) const CERTIFIED: f64 = 0.5;
 
 fn format_of(path: &Path) -> Option<Format> {
     let ending = path.extension()?.to_str()?.to_ascii_lowercase();
@@ -111,7 +125,45 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let bytes = format.bytes(&mesh, compiled.blocks.unit).map_err(refused)?;
     files::write(&args.output, &bytes).map_err(|why| Failure::usage(format!("can't write {}: {why}", args.output.display())))?;
     print(summary(&args.output, &mesh, compiled.blocks.unit).as_bytes())?;
-    Ok(Exit::Fine)
+    if !args.certify {
+        return Ok(Exit::Fine);
+    }
+    let bar = LateBar::new();
+    let tolerance = args.tolerance.unwrap_or(CERTIFIED * mesh.cell);
+    let found = contour::certify(compiled, &live, &format.rounded(&mesh, compiled.blocks.unit), within, tolerance, &|part| bar.show(part));
+    bar.finish();
+    let found = found.map_err(|why| refused(why.to_string()))?;
+    print(certified(&found, compiled.blocks.unit).as_bytes())?;
+    Ok(if found.to_mesh.farther + found.to_surface.farther > 0 {
+        Exit::Errors
+    } else if found.holds() {
+        Exit::Fine
+    } else {
+        Exit::Undecided
+    })
+}
+
+/// What was proven, for a person.
+fn certified(found: &Certificate, unit: Option<Unit>) -> String {
+    let [long, ..] = powers(unit);
+    let verdict = if found.holds() { "certified" } else { "not certified" };
+    let mut text = format!("  {verdict} to {:.3e}{long}\n", found.tolerance);
+    for (from, to, parts, way) in [("surface", "mesh", "cells", &found.to_mesh), ("mesh", "surface", "triangles", &found.to_surface)] {
+        let place = |at: [f64; 3]| format!("near ({})", at.map(|c| format!("{c:.4}")).join(", "));
+        let _ = write!(text, "  from {from} to {to}: {} {parts}, ", way.parts);
+        let _ = match way.proven.is_finite() {
+            true => write!(text, "all of them proven to be within {:.3e}{long}", way.proven),
+            false => write!(text, "nothing is proven of some, as {}", place(way.at)),
+        };
+        for (count, what) in [(way.farther, "proven to be farther"), (way.undecided, "undecided")] {
+            let _ = write!(text, "; {count} {what}");
+        }
+        if let Some(at) = way.wrong {
+            let _ = write!(text, ", as {}", place(at));
+        }
+        text.push('\n');
+    }
+    text
 }
 
 /// Why a scene has no mesh, or nothing to measure, and what to do about it.

@@ -11,7 +11,6 @@ mod explain;
 mod fmt;
 mod measure;
 mod mesh;
-#[cfg(feature = "gpu")]
 mod page;
 mod reference;
 mod render;

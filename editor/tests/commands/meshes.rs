@@ -174,3 +174,21 @@ fn a_mesh_is_sampled_at_the_first_start_alone() {
     fs::write(folder.join("tip.obj"), pyramid(1.6)).unwrap();
     assert_eq!((check().0, grids().len()), (0, 2));
 }
+
+/// What is certified is said with both distances; a ball that is missed, and is far from the mesh, is said with its place.
+#[test]
+fn a_mesh_is_certified_or_it_is_said_where_not() {
+    let folder = folder("certified");
+    fs::write(folder.join("ball.sdf"), "scene = sphere(1)\n").unwrap();
+    for (how, ending) in [(["--resolution", "20"], "stl"), (["--tolerance", "0.02"], "obj")] {
+        let (code, out, err) = run(&folder, &["mesh", "ball.sdf", "-o", &format!("ball.{ending}"), how[0], how[1], "--certify"]);
+        assert_eq!((code, err.as_str()), (0, ""), "{out}");
+        assert!(out.contains("\n  certified to ") && out.matches("; 0 proven to be farther; 0 undecided\n").count() == 2, "{out}");
+    }
+    fs::write(folder.join("moon.sdf"), "scene = sphere(1) | sphere(0.02).translate(1.7, 0.01, 0.02)\n").unwrap();
+    let (code, out, err) = run(&folder, &["mesh", "moon.sdf", "-o", "moon.stl", "--resolution", "12", "--certify"]);
+    assert_eq!((code, err.as_str()), (1, ""), "{out}");
+    assert!(out.contains("1 piece, Euler number 2") && out.contains("\n  not certified to "), "{out}");
+    assert!(out.contains("from surface to mesh") && out.contains("near (1.7") && !out.contains("; 0 proven to be farther; 0 undecided\n  from mesh"), "{out}");
+    assert!(out.contains("triangles, all of them") && out.ends_with("; 0 proven to be farther; 0 undecided\n"), "{out}");
+}

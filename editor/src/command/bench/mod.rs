@@ -4,6 +4,7 @@
 mod ablation;
 #[cfg(feature = "gpu")]
 mod balls;
+mod certified;
 mod edits;
 #[cfg(feature = "gpu")]
 pub mod error;
@@ -31,7 +32,7 @@ use surefoot_compiler::{Loader, Memory, Options, Stage, compile_remembering, emi
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Trace these scenes with several methods, and compare each with certified results.
-    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands", "operand", "light", "ablation", "window"])]
+    #[arg(required_unless_present_any = ["compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands", "operand", "light", "ablation", "window", "certified"])]
     scenes: Vec<String>,
     #[cfg(feature = "gpu")]
     #[command(flatten)]
@@ -78,6 +79,12 @@ pub struct Args {
     /// Measure a window on this scene: the delay of a key while the picture is refined, and the cost of a caret.
     #[arg(long, value_name = "SCENE", conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands"])]
     window: Option<String>,
+    /// Mesh these scenes, and prove how far the meshes are from the surfaces at most.
+    #[arg(long, value_name = "SCENES", num_args = 1.., conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands"])]
+    certified: Vec<String>,
+    /// Cells along the longest side of a mesh.
+    #[arg(long, default_value_t = 64, value_name = "N", requires = "certified")]
+    cells: u32,
     /// The largest number of balls.
     #[arg(long, default_value_t = 1_000_000, value_name = "N", requires = "balls")]
     most: u32,
@@ -119,6 +126,9 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if let Some(path) = &args.window {
         return in_window(path);
     }
+    if !args.certified.is_empty() {
+        return certified::run(&args.certified, args.cells, page_of(args));
+    }
     let Some(path) = &args.compile else { return drawn(args) };
     let first = compile_file(path, &Options::default())?;
     show_diagnostics(&first);
@@ -142,25 +152,30 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     Ok(Exit::Fine)
 }
 
-/// Writes the table of operands into a page, where one is asked for.
+/// The page to write into, where one is asked for.
 #[cfg(feature = "gpu")]
+fn page_of(args: &Args) -> Option<&std::path::Path> {
+    args.error.page.as_deref()
+}
+
+#[cfg(not(feature = "gpu"))]
+fn page_of(_: &Args) -> Option<&std::path::Path> {
+    None
+}
+
+/// Writes the table of operands into a page, where one is asked for.
 fn keep(args: &Args, table: &str) -> Result<Exit, Failure> {
-    if let Some(file) = &args.error.page {
+    if let Some(file) = page_of(args) {
         let words = format!("## Many operands\n\nWritten by `surefoot bench --operands --page {}`.\n\n{table}", file.display());
         super::page::put(file, "operands", &words)?;
     }
     Ok(Exit::Fine)
 }
 
-#[cfg(not(feature = "gpu"))]
-fn keep(_: &Args, _: &str) -> Result<Exit, Failure> {
-    Ok(Exit::Fine)
-}
-
 /// What a graphics adapter is measured with.
 #[cfg(feature = "gpu")]
 fn drawn(args: &Args) -> Result<Exit, Failure> {
-    let page = args.error.page.as_deref();
+    let page = page_of(args);
     if !args.light.is_empty() {
         light::run(&args.light, page)
     } else if !args.ablation.is_empty() {

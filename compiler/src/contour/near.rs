@@ -1,0 +1,258 @@
+//! From the mesh to the surface: triangle by triangle.
+//!
+//! A triangle is moved out along the normals of its corners, and in. If the field is surely above zero on one of the two and below on the other,
+//! each of its points has a sign change on the way between them, which is no longer than it was moved. A triangle of which this can't be shown
+//! is cut in four. What is small beside the distance is near to the surface if its middle is: if the field has both signs in a ball about it.
+
+use super::asked::{Asked, Way};
+use super::prism::ROUNDED;
+use crate::certify::{Ball, Place, Prover};
+use crate::graph::interval::Interval;
+use crate::spread::spread;
+use crate::vector::{Vec3, add, along, length, scale, sub};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+/// Triangles that one task looks at; they lie side by side.
+const SHARE: usize = 64;
+/// How often a triangle is cut in four.
+const DEEPEST: u32 = 5;
+/// A patch that was cut so often is asked whether it is proven to be farther, before it is cut again.
+const FIRST: u32 = 1;
+/// So many times as far it may be each time it is cut.
+const WIDER: f64 = 1.5;
+/// Times that the sign is asked for all over some part of a triangle.
+const TRIES: usize = 300;
+/// Boxes for a proof that no surface is near.
+const BOXES: usize = 500;
+/// Parts of a triangle of which that is asked.
+const ASKED: usize = 4;
+/// Times the tolerance, and cells, at which is looked for a surface that is not within the tolerance.
+const FARTHEST: f64 = 64.0;
+
+/// Ways to the corners and to the middles of the faces of a cube.
+const AROUND: [Vec3; 14] = super::deviation::AROUND;
+
+/// A part of a triangle, with the ways out at its corners, none longer than 1.
+#[derive(Clone, Copy)]
+struct Patch {
+    corners: [Vec3; 3],
+    ways: [Vec3; 3],
+    depth: u32,
+}
+
+/// What is proven of the way from the mesh to the surface.
+pub(super) fn near(asked: &Asked, progress: &(dyn Fn(f64) + Sync)) -> Way {
+    let shares: Vec<&[u32]> = asked.boxes.order.chunks(SHARE).collect();
+    let done = AtomicUsize::new(0);
+    let found = spread(shares.len(), &|| asked.truth.prover(), &|prover, i| {
+        let patches: Vec<Patch> = shares.get(i).iter().flat_map(|share| share.iter()).filter_map(|t| patch(asked, *t)).collect();
+        let sides: [Interval; 3] = std::array::from_fn(|axis| {
+            let corners = patches.iter().flat_map(|patch| patch.corners).map(|p| p.get(axis).copied().unwrap_or(0.0));
+            corners.fold(Interval::EMPTY, |all, x| all.hull(Interval::point(x))).grow(2.0 * asked.tolerance)
+        });
+        let looks = Looks { asked, place: prover.place(sides), whole: Place::clone(&prover.place([Interval::ALL; 3])) };
+        let way = patches.into_iter().map(|patch| looks.settled(prover, patch)).fold(Way::NOTHING, Way::and);
+        progress((done.fetch_add(1, Relaxed) + 1) as f64 / shares.len() as f64);
+        way
+    });
+    found.into_iter().fold(Way::NOTHING, Way::and)
+}
+
+/// A triangle of the mesh with the surface's directions at its corners; its own where the mesh has none.
+fn patch(asked: &Asked, triangle: u32) -> Option<Patch> {
+    let mesh = asked.mesh;
+    let ids = mesh.triangles.get(triangle as usize)?;
+    let corners = mesh.corners(ids);
+    let [a, b, c] = corners;
+    let own = crate::vector::unit(crate::vector::cross(sub(b, a), sub(c, a))).unwrap_or([0.0; 3]);
+    let ways = ids.map(|v| {
+        let normal = mesh.normals.get(v as usize).and_then(|n| crate::vector::unit(n.map(f64::from)));
+        // A hair less than 1, so that rounding makes none longer.
+        scale(normal.unwrap_or(own), 1.0 - 1e-12)
+    });
+    Some(Patch { corners, ways, depth: 0 })
+}
+
+struct Looks<'a> {
+    asked: &'a Asked<'a>,
+    /// About the triangles and what is within twice the tolerance.
+    place: Place,
+    whole: Place,
+}
+
+impl Looks<'_> {
+    fn settled(&self, prover: &mut Prover<'_>, triangle: Patch) -> Way {
+        let asked = self.asked;
+        let middle = triangle.middle();
+        let rounding = 2.0 * ROUNDED * size(middle);
+        // What is lost by rounding counts, too.
+        let most = asked.tolerance - rounding;
+        let mut open = vec![triangle];
+        let mut way = Way { parts: 1, at: middle, ..Way::NOTHING };
+        let (mut tries, mut far) = (0, 0);
+        while let Some(patch) = open.pop() {
+            let last = patch.depth == DEEPEST || tries >= TRIES;
+            // What is cut often is hard to tell, and is allowed to be farther.
+            let mut shift = (asked.fine * WIDER.powi(patch.depth as i32)).min(most);
+            let found = loop {
+                tries += 1;
+                if self.between(prover, &patch, shift) {
+                    break Some(shift);
+                }
+                if !last || shift >= most {
+                    break None;
+                }
+                shift = (2.0 * shift).min(most);
+            };
+            let found = match found {
+                None if !(last || patch.depth == FIRST && self.is_farther(prover, &patch, &mut way)) => {
+                    open.extend(patch.quarters());
+                    continue;
+                }
+                None => self.about(prover, &patch),
+                Some(shift) => shift + rounding,
+            };
+            if found > way.proven {
+                (way.proven, way.at) = (found, patch.middle());
+            }
+            if found > asked.tolerance && far < ASKED && way.wrong.is_none() {
+                far += 1;
+                self.is_farther(prover, &patch, &mut way);
+            }
+        }
+        if way.proven > asked.tolerance {
+            if way.wrong.is_some() {
+                way.farther = 1;
+            } else {
+                (way.undecided, way.wrong) = (1, Some(way.at));
+            }
+        }
+        way
+    }
+
+    /// Whether the middle of a patch is proven to be farther from the surface than the tolerance.
+    fn is_farther(&self, prover: &mut Prover<'_>, patch: &Patch, way: &mut Way) -> bool {
+        let middle = patch.middle();
+        let farther = !self.asked.near_wall(middle) && prover.empty_ball(middle, self.asked.tolerance, BOXES) == Ball::Empty;
+        if farther {
+            (way.at_least, way.wrong) = (self.asked.tolerance, Some(middle));
+        }
+        farther
+    }
+
+    /// Whether the field is surely above zero all over a patch that is moved out, and below where it is moved in.
+    fn between(&self, prover: &mut Prover<'_>, patch: &Patch, shift: f64) -> bool {
+        self.side(prover, patch.moved(shift)) == 1 && self.side(prover, patch.moved(-shift)) == -1
+    }
+
+    /// The sign of the field, cut off at the room, all over a triangle; 0 if it is not known.
+    fn side(&self, prover: &mut Prover<'_>, corners: [Vec3; 3]) -> i8 {
+        if self.outside(&corners) {
+            return 1;
+        }
+        let place = if self.asked.holds(&self.place, &corners) { &self.place } else { &self.whole };
+        match prover.side_of_triangle(place, corners) {
+            -1 if !self.asked.inside(&corners) => 0,
+            side => side,
+        }
+    }
+
+    /// Whether all points are beyond one wall at which the solid is cut off.
+    fn outside(&self, points: &[Vec3]) -> bool {
+        self.asked.cut && self.asked.beyond_a_wall(points)
+    }
+
+    /// A number that no point of a patch is farther from the surface than, found by the signs at places about its middle; infinite if there is none.
+    fn about(&self, prover: &mut Prover<'_>, patch: &Patch) -> f64 {
+        let middle = patch.middle();
+        let reach = patch.corners.iter().map(|p| length(sub(*p, middle))).fold(0.0, f64::max);
+        let most = FARTHEST * self.asked.tolerance.max(self.asked.mesh.cell);
+        let mut radius = 0.5 * self.asked.fine;
+        let mut seen = [false; 2];
+        let own = crate::vector::unit(add(patch.ways[0], add(patch.ways[1], patch.ways[2]))).unwrap_or([0.0; 3]);
+        while radius <= most {
+            for way in [[0.0; 3], own, scale(own, -1.0)].into_iter().chain(AROUND) {
+                let at = along(middle, way, radius);
+                let side = if self.outside(&[at]) { 1 } else { self.point(prover, at) };
+                match side {
+                    1 => seen[0] = true,
+                    -1 => seen[1] = true,
+                    _ => {}
+                }
+                if seen == [true; 2] {
+                    return (radius + reach) * (1.0 + 1e-9) + ROUNDED * size(middle);
+                }
+            }
+            radius *= 1.25;
+        }
+        f64::INFINITY
+    }
+
+    fn point(&self, prover: &mut Prover<'_>, at: Vec3) -> i8 {
+        let place = if self.asked.holds(&self.place, &[at]) { &self.place } else { &self.whole };
+        match prover.side_of_point(place, at) {
+            -1 if !self.asked.inside(&[at]) => 0,
+            side => side,
+        }
+    }
+}
+
+impl Asked<'_> {
+    /// Whether all points are in the box of a place.
+    fn holds(&self, place: &Place, points: &[Vec3]) -> bool {
+        points.iter().all(|p| place.range.iter().zip(p).all(|(side, x)| side.contains(*x)))
+    }
+
+    /// Whether all points are surely within the room, or nothing is cut off.
+    fn inside(&self, points: &[Vec3]) -> bool {
+        !self.cut || points.iter().all(|p| self.room.iter().zip(p).all(|(side, x)| side.lo < *x && *x < side.hi))
+    }
+
+    /// Whether all points are beyond the same wall of the room.
+    fn beyond_a_wall(&self, points: &[Vec3]) -> bool {
+        self.room.iter().enumerate().any(|(axis, side)| {
+            let at = |p: &Vec3| p.get(axis).copied().unwrap_or(0.0);
+            points.iter().all(|p| at(p) < side.lo) || points.iter().all(|p| at(p) > side.hi)
+        })
+    }
+
+    /// Whether a wall at which the solid is cut off is before a point or within the tolerance of it.
+    fn near_wall(&self, p: Vec3) -> bool {
+        self.cut && self.room.iter().zip(p).any(|(side, x)| x - side.lo <= self.tolerance || side.hi - x <= self.tolerance)
+    }
+}
+
+impl Patch {
+    fn middle(&self) -> Vec3 {
+        let [a, b, c] = self.corners;
+        scale(add(a, add(b, c)), 1.0 / 3.0)
+    }
+
+    fn moved(&self, by: f64) -> [Vec3; 3] {
+        std::array::from_fn(|i| match (self.corners.get(i), self.ways.get(i)) {
+            (Some(p), Some(way)) => along(*p, *way, by),
+            _ => [0.0; 3],
+        })
+    }
+
+    /// By the middles of the sides. The ways out are those of the whole patch there.
+    fn quarters(&self) -> [Self; 4] {
+        let half = |p: Vec3, q: Vec3| scale(add(p, q), 0.5);
+        let [a, b, c] = self.corners;
+        let [u, v, w] = self.ways;
+        let (ab, bc, ca) = (half(a, b), half(b, c), half(c, a));
+        let (uv, vw, wu) = (half(u, v), half(v, w), half(w, u));
+        let depth = self.depth + 1;
+        [
+            Self { corners: [a, ab, ca], ways: [u, uv, wu], depth },
+            Self { corners: [ab, b, bc], ways: [uv, v, vw], depth },
+            Self { corners: [ca, bc, c], ways: [wu, vw, w], depth },
+            Self { corners: [ab, bc, ca], ways: [uv, vw, wu], depth },
+        ]
+    }
+}
+
+/// The largest coordinate.
+fn size(p: Vec3) -> f64 {
+    p.iter().fold(0.0, |m: f64, c| m.max(c.abs()))
+}
