@@ -368,3 +368,14 @@ fn turns_about_any_axis_go_by_the_right_hand() {
         }
     }
 }
+
+#[test]
+fn a_complement_of_a_complement_is_the_shape() {
+    for (twice, once) in [("!!sphere(1)", "sphere(1)"), ("!!!plane(y)", "!plane(y)"), ("(!!circle(1)).extrude(2)", "circle(1).extrude(2)")] {
+        let [twice, once] = [twice, once].map(|text| scene(&format!("scene = {text}\n")));
+        assert_eq!(twice.module.operations, once.module.operations);
+        assert_eq!(twice.bounds(), once.bounds());
+    }
+    near(field("scene = !!sphere(1)", [0.0, 0.0, 3.0]), 2.0);
+    near(field("scene = !!!sphere(1)", [0.0, 0.0, 3.0]), -2.0);
+}

@@ -2,7 +2,7 @@
 //! every machine. A search that finds it empty gives its safe answer at once: a larger factor, a measured one, or that a formula jumps.
 
 /// What a compilation may spend: one is about the time in which one step of a formula gets its range.
-const ALL: u64 = 9_000_000;
+const ALL: u64 = 8_000_000;
 /// And so much more for each node of its graph: each is looked at, without a search.
 const PER_NODE: u64 = 100;
 /// No search takes more than one in so many of the steps that are left.
@@ -11,8 +11,6 @@ const SHARE: u64 = 4;
 const SLOPES: u64 = 8;
 /// What it costs a step to see what more is known of it, once.
 const SEEN: u64 = 16;
-/// What it costs to run a formula, however short: to find it, and to make room for what it gives.
-const RUN: u64 = 8;
 /// So many additions of numbers cost as much as a step.
 const ADDITIONS: u64 = 64;
 /// How many steps of a formula one constant may cost while a scene is compiled.
@@ -99,7 +97,7 @@ impl Account {
     pub(super) fn run(&mut self, steps: usize, (slopes, new): (bool, bool)) {
         let each = if slopes { SLOPES } else { 1 } + if new { SEEN } else { 0 };
         self.ran += steps as u64;
-        self.spend(each * steps as u64 + RUN);
+        self.spend(each * steps as u64);
     }
 
     /// Whether nothing is left.

@@ -325,14 +325,13 @@ mod tests {
         let mut random = Random(11);
         let mut close = 0;
         for round in 0..400 {
-            let mut point = || [0; 3].map(|_| 2.0 * random.next() - 1.0);
-            let triangles: Vec<Triangle> = (0..1 + round % 7).map(|_| Triangle::new([point(), point(), point()])).collect();
+            let triangles: Vec<Triangle> = (0..1 + round % 7).map(|_| Triangle::new([(); 3].map(|()| random.within(1.0)))).collect();
             let boxes = Boxes::new(&triangles);
-            let (from, size) = (point(), point().map(|c| 0.02 + 0.5 * c.abs()));
+            let (from, size) = (random.within(1.0), random.within(1.0).map(|c| 0.02 + 0.5 * c.abs()));
             let range: Box3 = std::array::from_fn(|i| Interval { lo: from[i], hi: from[i] + size[i] });
-            let normal = crate::vector::unit(point()).unwrap();
+            let normal = crate::vector::unit(random.within(1.0)).unwrap();
             let slab = Slab { from: range.map(Interval::middle), normal, heights: [-0.1 * random.next(), 0.1 * random.next()] };
-            let other = Slab { normal: crate::vector::unit(point()).unwrap(), heights: [-0.1 * random.next(), f64::INFINITY], ..slab };
+            let other = Slab { normal: crate::vector::unit(random.within(1.0)).unwrap(), heights: [-0.1 * random.next(), f64::INFINITY], ..slab };
             let slabs = [slab, other];
             let slabs = &slabs[..round % 3];
             let Some(prism) = Prism::new(&range, slabs) else { continue };

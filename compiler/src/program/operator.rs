@@ -4,11 +4,21 @@ use super::value::{together, Value};
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
-use crate::graph::{NodeId, ShapeId, FAR};
+use crate::graph::{FAR, Function, Node, NodeId, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast::{BinaryOp, Expr, Type, UnaryOp};
 
 impl Elaborator<'_> {
+    /// The shape of which this one is the complement, if that is all it is.
+    fn complemented(&self, id: ShapeId, point: &[NodeId]) -> Option<ShapeId> {
+        let shape = self.graph.shape(id).filter(|shape| shape.variables.is_empty())?;
+        let Node::Op(Op::Neg, of) = self.graph.node(shape.value) else { return None };
+        match self.graph.node(*of.first()?) {
+            Node::Call(inner, Function::Field, at) if point.starts_with(at) => Some(*inner),
+            _ => None,
+        }
+    }
+
     pub(super) fn unary(&mut self, op: UnaryOp, inner: &Expr, span: Span, env: &Env) -> Elaborated<Value> {
         let value = self.expression(inner, env)?;
         match (op, &value) {
@@ -24,6 +34,10 @@ impl Elaborator<'_> {
             (UnaryOp::Not, Value::Bool(c)) => Ok(Value::Bool(self.graph.op(Op::Not, &[*c]))),
             (UnaryOp::Not, Value::Shape(id)) => {
                 let point = self.graph.point();
+                // The complement of a complement is the shape.
+                if let Some(shape) = self.complemented(*id, &point) {
+                    return Ok(Value::Shape(shape));
+                }
                 let field = self.graph.field(*id, point);
                 let value = self.graph.op(Op::Neg, &[field]);
                 let dimensions = self.graph.dimensions(*id);
