@@ -229,6 +229,12 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     Ok(Exit::Fine)
 }
 
+/// What a host shows of a scene beside its picture: its name, and its parameters as data.
+pub fn shown(scene: &str, compiled: &Compiled) -> (String, Vec<Value>) {
+    let title = Path::new(scene).file_stem().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    (title, compiled.parameters.iter().filter(|p| p.choices.is_empty()).map(parameter_json).collect())
+}
+
 /// Writes the file of a host.
 fn for_host(args: &Args, host: Host) -> Result<Exit, Failure> {
     let file = args.output.as_deref().filter(|file| *file != "-").map(Path::new);
@@ -248,8 +254,7 @@ fn for_host(args: &Args, host: Host) -> Result<Exit, Failure> {
         }
     }
     left_out(compiled, &compiled.module);
-    let title = Path::new(&args.scene).file_stem().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    let parameters: Vec<Value> = compiled.parameters.iter().filter(|p| p.choices.is_empty()).map(parameter_json).collect();
+    let (title, parameters) = shown(&args.scene, compiled);
     let invalid = |why| Failure { exit: Exit::Errors, words: format!("{}: nothing is written: {why}", args.scene) };
     let ending = file.and_then(|file| file.extension()).map_or(String::new(), |ending| ending.to_string_lossy().to_lowercase());
     let bytes = validate(&compiled.module.wgsl).and_then(|_| host.write(compiled, &parameters, &title, &ending)).map_err(invalid)?;
@@ -261,7 +266,7 @@ fn for_host(args: &Args, host: Host) -> Result<Exit, Failure> {
 }
 
 /// Says what of the scene a module does not hold.
-fn left_out(compiled: &Compiled, module: &Module) {
+pub fn left_out(compiled: &Compiled, module: &Module) {
     for (count, what) in [(compiled.blocks.meshes.len(), "meshes"), (compiled.blocks.balls.len(), "balls")] {
         if count > 0 {
             eprintln!("note: left out: {what}; the module holds the field alone");
