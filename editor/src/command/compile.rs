@@ -55,8 +55,9 @@ pub struct Args {
     /// What a module that draws makes of light: a screen's colours, the same for a target that encodes them as sRGB itself, or light without a tone curve.
     #[arg(long, default_value = SCREEN, value_parser = PossibleValuesParser::new(COLORS.map(|(name, _)| name)), value_name = "FORM")]
     colors: String,
-    /// Write the scene for a host, so that the file shows it: `html`, a page that draws by WebGPU, as one file that loads nothing; `shadertoy`, a
-    /// fragment shader for shadertoy.com; or `vulkan`, both shaders as SPIR-V (.spv), or one in GLSL 4.50 (.frag, .vert).
+    /// Write the scene for a host, so that the file shows it: `html`, a page that draws by WebGPU, as one file that loads nothing;
+    /// `three` and `three-webgl`, `babylon` and `playcanvas`, modules whose object a page adds to its scene; `shadertoy`, a fragment shader for
+    /// shadertoy.com; or `vulkan`, both shaders as SPIR-V (.spv), or one in GLSL 4.50 (.frag, .vert).
     #[arg(long = "for", value_name = "HOST", value_parser = PossibleValuesParser::new(Host::ALL.map(Host::name)),
           conflicts_with_all = ["functions", "prefix", "group", "binding", "uniforms", "entry", "colors", "target", "tables", "layout", "live_in_shader"])]
     host: Option<String>,
@@ -239,7 +240,7 @@ fn for_host(args: &Args, host: Host) -> Result<Exit, Failure> {
         return Ok(Exit::Errors);
     }
     if compiled.module.grids && !host.has_buffers() {
-        return Err(Failure::usage(format!("{} has no storage buffers, from which `mesh_field` and `baked` are read", host.name())));
+        return Err(Failure::usage(format!("what is written for {} reads no storage buffers, where `mesh_field` and `baked` have their grids: write --for html, or a module with --entry draw", host.name())));
     }
     if let Some(file) = file {
         spare(file, &outcome)?;

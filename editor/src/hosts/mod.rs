@@ -1,12 +1,18 @@
 //! What `compile --for` writes: a scene in the form in which one host takes it, so that a single command ends with a picture.
 
 mod digest;
+mod engine;
+mod fields;
+mod fill;
+mod glsl;
 mod page;
 mod shadertoy;
+mod three;
 
+use engine::Engine;
 use serde_json::Value;
 use surefoot_compiler::Options;
-use surefoot_compiler::compiled::{Compiled, Entry, Uniforms};
+use surefoot_compiler::compiled::{Colors, Compiled, Entry, Uniforms};
 use surefoot_compiler::emit::{Target, translate, vertex_shader};
 
 /// What names of these modules begin with.
@@ -17,6 +23,14 @@ const PREFIX: &str = "sf_";
 pub enum Host {
     /// A page that draws by WebGPU.
     Html,
+    /// A module for three.js and its WebGPURenderer.
+    Three,
+    /// A module for three.js and its WebGLRenderer.
+    ThreeWebgl,
+    /// A module for Babylon.js and its WebGPUEngine.
+    Babylon,
+    /// A module for PlayCanvas with WebGPU.
+    Playcanvas,
     /// A fragment shader for shadertoy.com.
     Shadertoy,
     /// Shaders for Vulkan, as SPIR-V or as GLSL.
@@ -25,12 +39,16 @@ pub enum Host {
 
 impl Host {
     /// All of them.
-    pub const ALL: [Host; 3] = [Host::Html, Host::Shadertoy, Host::Vulkan];
+    pub const ALL: [Host; 7] = [Host::Html, Host::Three, Host::ThreeWebgl, Host::Babylon, Host::Playcanvas, Host::Shadertoy, Host::Vulkan];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Host::Html => "html",
+            Host::Three => "three",
+            Host::ThreeWebgl => "three-webgl",
+            Host::Babylon => "babylon",
+            Host::Playcanvas => "playcanvas",
             Host::Shadertoy => "shadertoy",
             Host::Vulkan => "vulkan",
         }
@@ -40,6 +58,7 @@ impl Host {
     pub fn endings(self) -> &'static [&'static str] {
         match self {
             Host::Html => &["html", "htm"],
+            Host::Three | Host::ThreeWebgl | Host::Babylon | Host::Playcanvas => &["js", "mjs"],
             Host::Shadertoy => &["glsl", "frag", "txt"],
             Host::Vulkan => &["spv", "frag", "vert"],
         }
@@ -52,8 +71,16 @@ impl Host {
 
     /// What its module is: one that draws, in which all is computed from parameters and time.
     pub fn options(self) -> Options {
-        let uniforms = if self == Host::Shadertoy { Uniforms::Private } else { Uniforms::Block };
-        Options { exports: Vec::new(), prefix: PREFIX.to_owned(), entry: Entry::Draw, live_in_shader: true, uniforms, ..Options::default() }
+        let uniforms = match self {
+            Host::Html | Host::Vulkan => Uniforms::Block,
+            _ => Uniforms::Private,
+        };
+        // A renderer that encodes what it is given takes light's own numbers.
+        let colors = match self {
+            Host::Three | Host::ThreeWebgl => Colors::Linear,
+            _ => Colors::Screen,
+        };
+        Options { colors, exports: Vec::new(), prefix: PREFIX.to_owned(), entry: Entry::Draw, live_in_shader: true, uniforms, ..Options::default() }
     }
 
     /// The file, of a scene with that module; `title` is what a person calls it, `parameters` are its parameters as data, `ending` is how its name ends.
@@ -63,6 +90,10 @@ impl Host {
         }
         match self {
             Host::Html => Ok(page::write(compiled, parameters, title).into_bytes()),
+            Host::Three => three::write(compiled, parameters, title, false).map(String::into_bytes),
+            Host::ThreeWebgl => three::write(compiled, parameters, title, true).map(String::into_bytes),
+            Host::Babylon => engine::write(compiled, parameters, title, Engine::Babylon).map(String::into_bytes),
+            Host::Playcanvas => engine::write(compiled, parameters, title, Engine::PlayCanvas).map(String::into_bytes),
             Host::Shadertoy => shadertoy::write(compiled).map(String::into_bytes),
             Host::Vulkan if ending == "spv" => translate(&compiled.module, PREFIX, Target::Spirv),
             Host::Vulkan if ending == "vert" => vertex_shader(&compiled.module, PREFIX),

@@ -44,6 +44,28 @@ fn a_page_is_one_file_that_loads_nothing() {
 }
 
 #[test]
+fn modules_for_engines_export_a_field() {
+    let folder = folder("engines");
+    // Backquotes, and what else ends a text of JavaScript; names of the engine and of the language.
+    let text = "param input = 1 in 0.5..2 \"`${a}` </script> \\n\"\nparam cameraPosition = 0.2 in 0..1\nscene = sphere(input).translate(0, sin(time), cameraPosition)\n";
+    fs::write(folder.join("odd.sdf"), text).unwrap();
+    for host in ["three", "three-webgl", "babylon", "playcanvas"] {
+        let (code, module, says) = run(&folder, &["compile", "odd.sdf", "--for", host]);
+        assert_eq!(code, 0, "{says}");
+        assert!(module.contains("export class Field extends ") && module.contains("\"parameter\":\"cameraPosition\""), "{module}");
+        assert!(!module.contains("%%") && !module.contains("</script"), "{module}");
+        assert_eq!(module.contains("uniform float cameraPosition_value;"), host == "three-webgl");
+        // No text between backquotes ends but where it shall.
+        let plain = module.replace("\\`", "").replace("`three-webgl`", "");
+        assert_eq!(plain.lines().filter(|line| !line.starts_with("//")).map(|line| line.matches('`').count()).sum::<usize>() % 2, 0);
+    }
+    fs::write(folder.join("baked.sdf"), "scene = sphere(1).baked(16)\n").unwrap();
+    let (code, _, says) = run(&folder, &["compile", "baked.sdf", "--for", "three"]);
+    assert_eq!(code, 2);
+    assert!(says.contains("--for html"), "{says}");
+}
+
+#[test]
 fn a_shader_for_shadertoy_has_its_entry() {
     let folder = folder("shadertoy");
     fs::write(folder.join("turn.sdf"), "scene = box(1).rotate(y, time)\n").unwrap();
