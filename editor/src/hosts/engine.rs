@@ -38,5 +38,5 @@ pub fn write(compiled: &Compiled, parameters: &[Value], title: &str, engine: Eng
          // It is drawn with the host's camera, hides what stands behind it, and is hidden. `field.see(camera)` puts a camera where the\n\
          // scene's own camera is. `field.parameters` has the scene's parameters by their names.\n{hand}"
     );
-    Ok(fill(template, &[("HEAD", &head), ("SCENE", &scene), ("MODULE", &quoted(wgsl(compiled))), ("LOOK", LOOK)]))
+    Ok(fill(template, &[("HEAD", &head), ("SCENE", &scene), ("MODULE", &quoted(&wgsl(compiled))), ("LOOK", LOOK)]))
 }

@@ -59,9 +59,19 @@ pub fn picture(compiled: &Compiled) -> Result<&str, String> {
     line.and_then(|line| line.get(3..)?.split('(').next()).ok_or_else(|| "the module has no function that draws".to_owned())
 }
 
-/// The module's text without the comment at its head.
-pub fn wgsl(compiled: &Compiled) -> &str {
-    compiled.module.wgsl.get(compiled.module.head().len()..).unwrap_or_default()
+/// The module's text without the comment at its head and without its entry points: each host has its own.
+pub fn wgsl(compiled: &Compiled) -> String {
+    let text = compiled.module.wgsl.get(compiled.module.head().len()..).unwrap_or_default();
+    let mut out = String::with_capacity(text.len());
+    let mut is_entry = false;
+    for line in text.lines() {
+        is_entry |= line.starts_with("@vertex") || line.starts_with("@fragment");
+        if !is_entry {
+            out.extend([line, "\n"]);
+        }
+        is_entry &= line != "}";
+    }
+    out
 }
 
 /// The scene as data for a program: what a host sets, and how the scene's own camera sees it. `parameters` says what is known of each, `renamed` how

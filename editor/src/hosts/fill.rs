@@ -9,9 +9,9 @@ pub fn fill(template: &str, parts: &[(&str, &str)]) -> String {
     text
 }
 
-/// A text between backquotes of JavaScript.
+/// A text between backquotes of JavaScript, which ends no script that stands in a page.
 pub fn quoted(text: &str) -> String {
-    text.replace('\\', "\\\\").replace('`', "\\`").replace("${", "\\${")
+    text.replace('\\', "\\\\").replace("</", "<\\/").replace('`', "\\`").replace("${", "\\${")
 }
 
 /// A text as the end of one line of a comment.

@@ -1,11 +1,14 @@
 //! What `compile --for` writes: a scene in the form in which one host takes it, so that a single command ends with a picture.
 
+mod bevy;
 mod digest;
 mod engine;
 mod fields;
 mod fill;
 mod glsl;
+mod godot;
 mod page;
+mod shader;
 mod shadertoy;
 mod three;
 
@@ -33,13 +36,33 @@ pub enum Host {
     Playcanvas,
     /// A fragment shader for shadertoy.com.
     Shadertoy,
+    /// A shader for Godot 4.
+    Godot,
+    /// A shader for Bevy, and a plugin beside it.
+    Bevy,
+    /// Shaders for Direct3D.
+    Hlsl,
+    /// Shaders for Metal.
+    Msl,
     /// Shaders for Vulkan, as SPIR-V or as GLSL.
     Vulkan,
 }
 
 impl Host {
     /// All of them.
-    pub const ALL: [Host; 7] = [Host::Html, Host::Three, Host::ThreeWebgl, Host::Babylon, Host::Playcanvas, Host::Shadertoy, Host::Vulkan];
+    pub const ALL: [Host; 11] = [
+        Host::Html,
+        Host::Three,
+        Host::ThreeWebgl,
+        Host::Babylon,
+        Host::Playcanvas,
+        Host::Godot,
+        Host::Bevy,
+        Host::Shadertoy,
+        Host::Vulkan,
+        Host::Hlsl,
+        Host::Msl,
+    ];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -50,7 +73,11 @@ impl Host {
             Host::Babylon => "babylon",
             Host::Playcanvas => "playcanvas",
             Host::Shadertoy => "shadertoy",
+            Host::Godot => "godot",
+            Host::Bevy => "bevy",
             Host::Vulkan => "vulkan",
+            Host::Hlsl => "hlsl",
+            Host::Msl => "msl",
         }
     }
 
@@ -60,7 +87,11 @@ impl Host {
             Host::Html => &["html", "htm"],
             Host::Three | Host::ThreeWebgl | Host::Babylon | Host::Playcanvas => &["js", "mjs"],
             Host::Shadertoy => &["glsl", "frag", "txt"],
+            Host::Godot => &["gdshader", "txt"],
+            Host::Bevy => &["wgsl"],
             Host::Vulkan => &["spv", "frag", "vert"],
+            Host::Hlsl => &["hlsl"],
+            Host::Msl => &["metal", "msl"],
         }
     }
 
@@ -72,12 +103,12 @@ impl Host {
     /// What its module is: one that draws, in which all is computed from parameters and time.
     pub fn options(self) -> Options {
         let uniforms = match self {
-            Host::Html | Host::Vulkan => Uniforms::Block,
+            Host::Html | Host::Vulkan | Host::Hlsl | Host::Msl => Uniforms::Block,
             _ => Uniforms::Private,
         };
         // A renderer that encodes what it is given takes light's own numbers.
         let colors = match self {
-            Host::Three | Host::ThreeWebgl => Colors::Linear,
+            Host::Three | Host::ThreeWebgl | Host::Godot | Host::Bevy => Colors::Linear,
             _ => Colors::Screen,
         };
         Options { colors, exports: Vec::new(), prefix: PREFIX.to_owned(), entry: Entry::Draw, live_in_shader: true, uniforms, ..Options::default() }
@@ -94,10 +125,24 @@ impl Host {
             Host::ThreeWebgl => three::write(compiled, parameters, title, true).map(String::into_bytes),
             Host::Babylon => engine::write(compiled, parameters, title, Engine::Babylon).map(String::into_bytes),
             Host::Playcanvas => engine::write(compiled, parameters, title, Engine::PlayCanvas).map(String::into_bytes),
+            Host::Godot => godot::write(compiled, title).map(String::into_bytes),
+            Host::Bevy => bevy::shader(compiled, title).map(String::into_bytes),
+            Host::Hlsl => shader::hlsl(compiled, title).map(String::into_bytes),
+            Host::Msl => shader::msl(compiled, title).map(String::into_bytes),
             Host::Shadertoy => shadertoy::write(compiled).map(String::into_bytes),
             Host::Vulkan if ending == "spv" => translate(&compiled.module, PREFIX, Target::Spirv),
             Host::Vulkan if ending == "vert" => vertex_shader(&compiled.module, PREFIX),
             Host::Vulkan => translate(&compiled.module, PREFIX, Target::Glsl450),
         }
+    }
+
+    /// How a second file ends that stands beside the first and uses it.
+    pub fn beside(self) -> Option<&'static str> {
+        (self == Host::Bevy).then_some("rs")
+    }
+
+    /// That second file, where the first is called `file`.
+    pub fn write_beside(self, compiled: &Compiled, title: &str, file: &str) -> Option<Vec<u8>> {
+        (self == Host::Bevy).then(|| bevy::plugin(compiled, title, file).into_bytes())
     }
 }

@@ -20,7 +20,7 @@ const DECLARED: [&str; 8] =
 /// The module for one of the renderers.
 pub fn write(compiled: &Compiled, parameters: &[Value], title: &str, webgl: bool) -> Result<String, String> {
     let (host, renderer, template) = if webgl { ("three-webgl", "WebGLRenderer", GL) } else { ("three", "WebGPURenderer", GPU) };
-    let (module, renamed) = if webgl { shader(compiled)? } else { (wgsl(compiled).to_owned(), Vec::new()) };
+    let (module, renamed) = if webgl { shader(compiled)? } else { (wgsl(compiled), Vec::new()) };
     let scene = scene_script(compiled, parameters, title, &renamed)?;
     let (head, module) = (head(title, host, renderer), quoted(&module));
     Ok(fill(template, &[("HEAD", &head), ("SCENE", &scene), ("MODULE", &module), ("LOOK", LOOK), ("FIELD", FIELD), ("METHODS", METHODS)]))

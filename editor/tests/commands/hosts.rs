@@ -104,3 +104,43 @@ fn shaders_for_vulkan_have_bindings_and_entries() {
     }
     assert_eq!((entries, capabilities), (2, vec![1]), "Shader, and nothing to link");
 }
+
+#[test]
+fn a_shader_for_godot_has_no_global_variables() {
+    let folder = folder("godot");
+    fs::write(folder.join("turn.sdf"), "param size = 1 in 0.5..2 \"how large\"\nparam tint: color = #ff0000\nmaterial m { color: tint }\nscene = box(size).rotate(y, time).material(m)\n").unwrap();
+    let (code, shader, says) = run(&folder, &["compile", "turn.sdf", "--for", "godot"]);
+    assert_eq!(code, 0, "{says}");
+    assert!(shader.contains(" : hint_range(0.5, 2.0) = 1.0; // how large\n"), "{shader}");
+    assert!(shader.contains("uniform vec3 tint = vec3(") && shader.contains("sf_uniforms.time = TIME;"), "{shader}");
+    for line in shader.lines().filter(|line| line.ends_with(';') && !line.starts_with([' ', '\t', '}'])) {
+        let known = ["shader_type ", "render_mode ", "uniform ", "const "].iter().any(|start| line.starts_with(start));
+        assert!(known, "{line}");
+    }
+}
+
+#[test]
+fn a_material_for_bevy_has_its_plugin() {
+    let folder = folder("bevy");
+    fs::write(folder.join("my scene 2.sdf"), "param size = 1 in 0.5..2 \"how large\"\nscene = box(size).rotate(y, time)\n").unwrap();
+    let (code, _, says) = run(&folder, &["compile", "my scene 2.sdf", "--for", "bevy", "-o", "s.wgsl"]);
+    assert_eq!(code, 0, "{says}");
+    let text = |file: &str| fs::read_to_string(folder.join(file)).unwrap();
+    let (shader, plugin) = (text("s.wgsl"), text("s.rs"));
+    assert!(shader.contains("#define_import_path surefoot::my_scene\n") && shader.contains("@group(#{MATERIAL_BIND_GROUP}) @binding(0)"), "{shader}");
+    assert!(plugin.contains("pub struct MyScenePlugin;") && plugin.contains("    pub size: f32,\n") && plugin.contains("\"s.wgsl\".into()"), "{plugin}");
+    // Nothing is written over what is not a file of its own.
+    let (code, _, says) = run(&folder, &["compile", "my scene 2.sdf", "--for", "bevy", "-o", "s.rs"]);
+    assert_eq!(code, 2, "{says}");
+}
+
+#[test]
+fn text_for_direct3d_and_metal_says_what_it_binds() {
+    let folder = folder("text");
+    let (code, hlsl, says) = run(&folder, &["compile", "good.sdf", "--for", "hlsl"]);
+    assert_eq!(code, 0, "{says}");
+    assert!(hlsl.contains("dxc -T ps_6_0 -E sf_fragment") && hlsl.contains(": register(b0)"), "{hlsl}");
+    let (code, msl, says) = run(&folder, &["compile", "good.sdf", "--for", "msl"]);
+    assert_eq!(code, 0, "{says}");
+    assert!(msl.contains("[[buffer(0)]]") && !msl.contains("fake"), "{msl}");
+}
