@@ -3,6 +3,9 @@
 use serde_json::{Value, json};
 use surefoot_compiler::compiled::{Compiled, UniformSource};
 
+/// What names of these modules begin with.
+pub const PREFIX: &str = "sf_";
+
 /// WGSL's types of one to four numbers.
 const TYPES: [&str; 4] = ["f32", "vec2f", "vec3f", "vec4f"];
 

@@ -1,6 +1,6 @@
 //! The functions of a scene as GLSL ES 3.0, for hosts that put their own entry point behind them.
 
-use super::fields::picture;
+use super::fields::{PREFIX, picture};
 use surefoot_compiler::compiled::Compiled;
 use surefoot_compiler::emit::{Target, translate};
 
@@ -16,7 +16,7 @@ pub struct Functions {
 
 /// The functions of a scene whose uniforms are private.
 pub fn functions(compiled: &Compiled) -> Result<Functions, String> {
-    let bytes = translate(&compiled.module, "sf_", Target::Glsl)?;
+    let bytes = translate(&compiled.module, PREFIX, Target::Glsl)?;
     let text = String::from_utf8(bytes).map_err(|e| e.to_string())?;
     let (functions, _) = text.split_once("\nvoid main() {").ok_or("the shader has no entry point")?;
     let own = |line: &&str| !["#version", "precision ", "layout(location", "smooth in", "// The uniform block"].iter().any(|start| line.starts_with(start));

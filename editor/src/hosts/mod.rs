@@ -13,13 +13,11 @@ mod shadertoy;
 mod three;
 
 use engine::Engine;
+use fields::PREFIX;
 use serde_json::Value;
 use surefoot_compiler::Options;
 use surefoot_compiler::compiled::{Colors, Compiled, Entry, Uniforms};
 use surefoot_compiler::emit::{Target, translate, vertex_shader};
-
-/// What names of these modules begin with.
-const PREFIX: &str = "sf_";
 
 /// A host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

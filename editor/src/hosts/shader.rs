@@ -1,5 +1,6 @@
 //! Shader text with the entry points that draw, for programs that load it themselves: Direct3D's and Metal's.
 
+use super::fields::PREFIX;
 use super::fill::on_one_line;
 use surefoot_compiler::compiled::Compiled;
 use surefoot_compiler::emit::{Target, translate};
@@ -29,6 +30,6 @@ pub fn msl(compiled: &Compiled, title: &str) -> Result<String, String> {
 }
 
 fn text(compiled: &Compiled, head: String, target: Target) -> Result<String, String> {
-    let text = String::from_utf8(translate(&compiled.module, super::PREFIX, target)?).map_err(|e| e.to_string())?;
+    let text = String::from_utf8(translate(&compiled.module, PREFIX, target)?).map_err(|e| e.to_string())?;
     Ok(head + &text)
 }
