@@ -88,7 +88,7 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
         }
         Target::Msl => {
             let pipeline = msl::PipelineOptions::default();
-            msl::write_string(&parsed, &info, &msl::Options::default(), &pipeline)
+            msl::write_string(&parsed, &info, &metal(&parsed), &pipeline)
                 .map(|(text, _)| (head(module) + &text).into_bytes())
                 .map_err(|e| e.to_string())
         }
@@ -104,6 +104,19 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
             Ok(words.into_iter().flat_map(u32::to_le_bytes).collect())
         }
     }
+}
+
+/// How a module is written for Metal: what entry points bind are buffers by the numbers of their bindings. The sizes of tables follow them.
+fn metal(parsed: &naga::Module) -> msl::Options {
+    let bindings = || parsed.global_variables.iter().filter_map(|(_, variable)| variable.binding);
+    let slot = |number: u32| u8::try_from(number).ok();
+    let resources = msl::EntryPointResources {
+        resources: bindings().map(|binding| (binding, msl::BindTarget { buffer: slot(binding.binding), ..Default::default() })).collect(),
+        sizes_buffer: slot(bindings().map(|binding| binding.binding + 1).max().unwrap_or(0)),
+        ..Default::default()
+    };
+    let entries = parsed.entry_points.iter().map(|entry| (entry.name.clone(), resources.clone()));
+    msl::Options { per_entry_point_map: entries.collect(), ..msl::Options::default() }
 }
 
 /// The vertex shader of a module that draws, in GLSL for Vulkan.

@@ -2,6 +2,7 @@
 //! style by their digests, and forbids all else.
 
 use super::digest::{base64, sha256};
+use super::fill::fill;
 use super::{PREFIX, Showing};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
@@ -61,26 +62,18 @@ pub fn write(compiled: &Compiled, live: &Live, parameters: &[Value], title: &str
     let panel = if showing.bare { "" } else { PANEL };
     let digest = |text: &str| format!("'sha256-{}'", base64(&sha256(text.as_bytes())));
     let policy = format!("default-src 'none'; script-src {}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'", digest(SCRIPT), digest(&style));
-    // The texts go in last: what stands in them is no word of the page.
     let parts = [
-        ("POLICY", policy),
-        ("TITLE", plain(title)),
-        ("STYLE", style),
-        ("POSTER", poster),
-        ("PANEL", panel.to_owned()),
-        ("SCENE", harmless(&scene)),
-        ("MODULE", module.code().replace("</", "< /")),
-        ("GLSL", glsl),
-        ("SCRIPT", SCRIPT.to_owned()),
+        ("POLICY", policy.as_str()),
+        ("TITLE", &plain(title)),
+        ("STYLE", &style),
+        ("POSTER", &poster),
+        ("PANEL", panel),
+        ("SCENE", &harmless(&scene)),
+        ("MODULE", &module.code().replace("</", "< /")),
+        ("GLSL", &glsl),
+        ("SCRIPT", SCRIPT),
     ];
-    let mut page = String::new();
-    for piece in PAGE.split("%%") {
-        match parts.iter().find(|(name, _)| *name == piece) {
-            Some((_, text)) => page.push_str(text),
-            None => page.push_str(piece),
-        }
-    }
-    page
+    fill(PAGE, &parts)
 }
 
 /// A text in a page.
