@@ -80,6 +80,7 @@ try {
   const says = await tab.textContent('#says');
   if (says) failed.push(says);
   const by = await tab.evaluate(() => document.body.dataset.by);
+  if (by) console.log(`first picture after ${((await tab.evaluate(() => Number(document.body.dataset.first))) / 1000).toFixed(1)} s, by ${by}`);
   if (by && (by === 'webgl') !== (how === 'webgl')) failed.push(`it is drawn by ${by}`);
   // A page whose time goes on draws again and again; the space bar stops it. Parameters stand over its picture.
   await tab.evaluate(() => document.querySelector('canvas').dispatchEvent(new KeyboardEvent('keydown', { key: ' ' })));

@@ -497,7 +497,7 @@ fn glsl_chooses_without_branches() {
     assert!(straight.starts_with("// (a ? b : c)\n") && straight.contains("return pick(0.0, (pick(f(2.0), y, (1.0 < x)) + 1.0), c);"), "{straight}");
     assert_eq!(super::straight::choices("int a = (b + c);\n", "pick"), "int a = (b + c);\n");
     // A module with a shadow, lights and reflections holds nothing that naga writes under a condition of its own.
-    let scene = "camera(from: (0, 1, 5))\nlight(direction: (0, -1, 0))\nscene = (plane(y) | sphere(1).twist(y, 0.3)) & box(3)\nreflections = 2\n";
+    let scene = "light { direction: (0, -1, 0) }\nrender { reflections: 2 }\nmaterial mirror { roughness: 0.1 }\nscene = plane(y) | box(1).twist(y, 0.3).material(mirror)\n";
     let loader = crate::MemoryLoader::new().with("main.sdf", scene);
     let options = Options { entry: crate::compiled::Entry::Draw, live_in_shader: true, ..Options::default() };
     let outcome = crate::compile(&loader, "main.sdf", &options);

@@ -86,9 +86,13 @@ fn scene_lit_through(light: u32, p: vec3f, n: vec3f, l: vec3f, off: f32, far: f3
     if lit < 1.0 {
         let hit = sf_trace(p + off * n, l, off, far, scene.footprint);
         let at = p + off * n + hit.t * l;
-        let normal = scene_normal(at, l);
-        let glass = scene_glass(at, normal);
-        if hit.hit & (glass.x > 0.0) {
+        var normal = -l;
+        var glass = vec2f(0.0, 1.0);
+        if hit.hit {
+            normal = scene_normal(at, l);
+            glass = scene_glass(at, normal);
+        }
+        if glass.x > 0.0 {
             let inner = at - scene_off(at, hit.t) * normal;
             let t = scene_inside(inner, l, hit.t);
             let place = inner + t * l;

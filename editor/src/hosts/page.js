@@ -193,6 +193,7 @@ async function start() {
   new ResizeObserver(change).observe(canvas);
   // The first picture is small, so that it is there at once; the next one is not.
   await draw(0.25);
+  document.body.dataset.first = Math.round(performance.now());
   busy = false;
   change();
   while (!sharp && !running) await new Promise((go) => { setTimeout(go, 20); });
