@@ -1,7 +1,7 @@
 // Whether engines of the web draw what `surefoot compile --for` wrote for them: in Chromium without a screen, in a page of each engine that only adds the
 // object to its scene, beside a cube of its own triangles.
 //
-//     node engines.mjs PROGRAM FOLDER [HOST…]
+//     node engines.mjs PROGRAM FOLDER [HOST or SCENE…]
 //
 // PROGRAM is surefoot, FOLDER takes the files and pictures. The usual run draws two small scenes; with SUREFOOT_ENGINES=write in the environment it draws
 // all of them and writes docs/engines.md. CHROMIUM names the browser, /usr/bin/chromium where it does not. This must hold: the picture is the program's own;
@@ -26,7 +26,7 @@ const [width, height] = whole ? [320, 180] : [192, 108];
 const SCENES = {
   // Rays that go side by side.
   parallel: {
-    cube: [0.9, 0.9, 0.5, 0.9],
+    cube: [1, 0.5, 0.7, 0.9],
     set: ['hole', 0.55],
     text: `param hole = 0.3 in 0.1..0.6
 material clay { color: #c9784f, roughness: 0.6 }
@@ -214,8 +214,8 @@ const HOSTS = {
   'three-webgl': { package: 'three', renderer: 'WebGLRenderer', script: three('three', 'WebGLRenderer') },
   godot: { ending: 'gdshader', script: godot },
 };
-if (!work || chosen.some((name) => !HOSTS[name])) {
-  console.error(`usage: node engines.mjs PROGRAM FOLDER [${Object.keys(HOSTS).join('|')}]`);
+if (!work || chosen.some((name) => !HOSTS[name] && !SCENES[name])) {
+  console.error(`usage: node engines.mjs PROGRAM FOLDER [${[...Object.keys(HOSTS), ...Object.keys(SCENES)].join('|')}]`);
   process.exit(2);
 }
 mkdirSync(work, { recursive: true });
@@ -373,8 +373,9 @@ const TAIL = `
   asked here. \`msl\`: Metal's compiler runs on Apple's machines alone, so nothing but naga has seen it.
 `;
 
-const names = whole ? Object.keys(SCENES) : ['csg', 'parallel'];
-const hosts = chosen.length ? chosen : Object.keys(HOSTS);
+const of = (all, usual) => (all.some((name) => chosen.includes(name)) ? all.filter((name) => chosen.includes(name)) : usual);
+const names = of(Object.keys(SCENES), whole ? Object.keys(SCENES) : ['csg', 'parallel']);
+const hosts = of(Object.keys(HOSTS), Object.keys(HOSTS));
 // What was seen before of other hosts stays in the table.
 const known = join(work, 'results.json');
 const results = whole && existsSync(known) ? JSON.parse(readFileSync(known, 'utf8')) : {};
@@ -423,15 +424,16 @@ function chromeVersion() {
 
 // The page: a row for each host, a column for each scene.
 function document() {
+  const scenes = Object.keys(SCENES);
   const percent = (number) => `${(Math.floor(number * 1e4) / 100).toFixed(2)}`;
   const cell = (result) => (result.same === undefined
     ? `no: ${result.wrong[0]}`
     : `${percent(result.same)} / ${percent(result.depth)} / ${percent(result.moved)}${result.wrong.length ? ` (${result.wrong.join(', ')})` : ''}`);
   const version = (name) => JSON.parse(readFileSync(join(packages, name, 'package.json'), 'utf8')).version;
   const row = (first, rest) => `| ${[first, ...rest].join(' | ')} |`;
-  const of = (host) => (host === 'godot' ? '`godot`: its text as GLSL, in a page' : `\`${host}\`: ${HOSTS[host].package} ${version(HOSTS[host].package)}, ${HOSTS[host].renderer}`);
-  const table = (value) => [row('', names.map((name) => `\`${name}\``)), row('---', names.map(() => '---')), ...Object.keys(HOSTS).filter((host) => results[host]).map((host) => row(of(host), names.map((name) => value(results[host][name] ?? { wrong: ['not tried'] }))))].join('\n');
-  const settings = names.map((name) => `\`${name}\`: ${SCENES[name].set[0]} = ${SCENES[name].set[1]}`).join(', ');
+  const about = (host) => (host === 'godot' ? '`godot`: its text as GLSL, in a page' : `\`${host}\`: ${HOSTS[host].package} ${version(HOSTS[host].package)}, ${HOSTS[host].renderer}`);
+  const table = (value) => [row('', scenes.map((name) => `\`${name}\``)), row('---', scenes.map(() => '---')), ...Object.keys(HOSTS).filter((host) => results[host]).map((host) => row(about(host), scenes.map((name) => value(results[host][name] ?? { wrong: ['not tried'] }))))].join('\n');
+  const settings = scenes.map((name) => `\`${name}\`: ${SCENES[name].set[0]} = ${SCENES[name].set[1]}`).join(', ');
   return `${HEAD}
 ${table(cell)}
 
