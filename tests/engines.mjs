@@ -360,6 +360,7 @@ Each cell has three shares of the pixels, in percent:
   solid, so that each hides a part of the other;
 - those that are the same as in the program's picture after the host has set a parameter.
 
+Then the host moves, turns and scales the object, and the camera with it: the picture stays the same. The light is the scene's own.
 At least ${100 * SAME} % of each are asked for. Pixels at edges differ: two drivers round differently, and rasterisers of triangles know no footprint.
 `;
 const TAIL = `
@@ -369,8 +370,8 @@ const TAIL = `
 - \`godot\`: no registry of packages has the engine. The row shows its text as GLSL, which it is but for its first lines, in a page that gives it what
   Godot's documents say that Godot gives. Whether Godot takes it is not tried here.
 - \`bevy\`: \`tests/run shaders\` composes it with naga_oil, as Bevy does. The engine itself is not built here.
-- \`vulkan\`: \`tests/run shaders\` asks spirv-val and glslangValidator. \`hlsl\`: glslangValidator reads it; Microsoft's compiler is in no registry that is
-  asked here. \`msl\`: Metal's compiler runs on Apple's machines alone, so nothing but naga has seen it.
+- \`vulkan\`: \`tests/run shaders\` asks spirv-val and glslangValidator. \`hlsl\`: glslangValidator reads it, but not where it has
+  tables; Microsoft's compiler is in no registry that is asked here. \`msl\`: Metal's compiler runs on Apple's machines alone, so nothing but naga has seen it.
 `;
 
 const of = (all, usual) => (all.some((name) => chosen.includes(name)) ? all.filter((name) => chosen.includes(name)) : usual);
