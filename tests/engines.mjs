@@ -1,11 +1,12 @@
 // Whether engines of the web draw what `surefoot compile --for` wrote for them: in Chromium without a screen, in a page of each engine that only adds the
 // object to its scene, beside a cube of its own triangles.
 //
-//     node engines.mjs PROGRAM FOLDER [HOST…]
+//     node engines.mjs PROGRAM FOLDER [HOST or SCENE…]
 //
-// PROGRAM is surefoot, FOLDER takes the files and pictures. The usual run draws one small scene; with SUREFOOT_ENGINES=write in the environment it draws
-// all of them and writes docs/engines.md. CHROMIUM names the browser, /usr/bin/chromium where it does not. Three things must hold: the picture is the program's own;
-// the cube is seen where it is seen as a part of the scene; the picture is the program's own after the host has set a parameter.
+// PROGRAM is surefoot, FOLDER takes the files and pictures. The usual run draws two small scenes; with SUREFOOT_ENGINES=write in the environment it draws
+// all of them and writes docs/engines.md. CHROMIUM names the browser, /usr/bin/chromium where it does not. This must hold: the picture is the program's own;
+// the cube is seen where it is seen as a part of the scene; the picture is the program's own after the host has set a parameter, and
+// stays so where the host moves the object and the camera with it.
 
 import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -19,14 +20,24 @@ const [program, work, ...chosen] = process.argv.slice(2);
 const root = join(dirname(fileURLToPath(import.meta.url)), '..');
 const packages = join(root, 'tests', 'node_modules');
 const whole = process.env.SUREFOOT_ENGINES === 'write';
-const [width, height] = whole ? [320, 180] : [192, 108];
+const [width, height] = [192, 108];
 
 // Each with the place and the side of a cube that is half within what stands there, and what the host sets.
 const SCENES = {
+  // Rays that go side by side.
+  parallel: {
+    cube: [1, 0.5, 0.7, 0.9],
+    set: ['hole', 0.55],
+    text: `param hole = 0.3 in 0.1..0.6
+material clay { color: #c9784f, roughness: 0.6 }
+scene = (box((2, 1.2, 1.4)) - cylinder(hole, 3)).translate(0, 0.6, 0).material(clay) | sphere(0.4).translate(-1.2, 0.4, 1.2) | plane(y)
+camera { eye: (8, 7, 8), target: (0, 0.6, 0), projection: orthographic, height: 4 }
+`,
+  },
   csg: { cube: [0, 1.15, 0.4, 1.6], set: ['drill', 0.2] },
   melting: { cube: [0.4, 1.75, 0.1, 1.2], set: ['melt', 0.5] },
   colonnade: { cube: [1.5, 1.4, 0.6, 1.6], set: ['rows', 3] },
-  chess: { cube: [0.5, 0.35, -0.3, 0.7], set: ['polish', 0.6] },
+  chess: { cube: [0.5, 0.5, -1, 0.9], set: ['polish', 0.6] },
   menger: { cube: [0.2, 1.3, 0.2, 1.9], set: ['cut', 0.6] },
   balls_bowl: { cube: [0.6, 0.8, 0.4, 1], set: ['bump', 0.85] },
   // Sixty spheres in a table, whose joins the host sets.
@@ -43,6 +54,8 @@ camera { eye: (1.9, 2.2, 2.8), target: (0, 0.2, 0), fov: 38deg }
 };
 // Of all pixels so many are the same, within three levels of 255; the cube's edges are where two rasterisers differ.
 const SAME = 0.99;
+// All pictures of a scene in a host take no longer than so many seconds. A compiler of WebGL that is not done by then is not done for long.
+const longest = (host) => (HOSTS[host].gpu ? 900 : 300);
 
 // What a page of the host does by itself: its renderer, a camera, a cube. `draw` draws once what is to be seen.
 const three = (module, renderer) => `
@@ -67,6 +80,14 @@ const three = (module, renderer) => `
   field.playing = false;
   scene.add(field);
   window.set = (name, value) => { field.parameters[name].value = value; };
+  // The object is moved, and the camera with it.
+  window.turn = () => {
+    field.position.set(1, 2, 3);
+    field.rotation.y = 0.7;
+    field.scale.setScalar(2);
+    field.updateMatrixWorld();
+    field.see(camera);
+  };
   window.draw = (shown, cubed) => { field.visible = shown; cube.visible = cubed; renderer.render(scene, camera); };`;
 
 const babylon = `
@@ -96,6 +117,12 @@ const babylon = `
   field.playing = false;
   await scene.whenReadyAsync();
   window.set = (name, value) => { field.parameters[name].value = value; };
+  window.turn = () => {
+    field.position.set(1, 2, 3);
+    field.rotation.y = 0.7;
+    field.scaling.setAll(2);
+    field.see(camera);
+  };
   window.draw = (shown, cubed) => { field.setEnabled(shown); cube.setEnabled(cubed); engine.beginFrame(); scene.render(); engine.endFrame(); };`;
 
 const playcanvas = `
@@ -130,6 +157,12 @@ const playcanvas = `
   field.playing = false;
   app.root.addChild(field);
   window.set = (name, value) => { field.parameters[name].value = value; };
+  window.turn = () => {
+    field.setPosition(1, 2, 3);
+    field.setEulerAngles(0, 40, 0);
+    field.setLocalScale(2, 2, 2);
+    field.see(camera);
+  };
   window.draw = (shown, cubed) => { field.enabled = shown; cube.enabled = cubed; app.renderNextFrame = true; };`;
 
 // Godot is no program of a page. Here its shader is read as what it is but for its first lines, GLSL, and is given what Godot's documents say that it gives.
@@ -139,8 +172,10 @@ const godot = `
   const renderer = new THREE.WebGLRenderer({ antialias: false, preserveDrawingBuffer: true });
   renderer.setSize(WIDTH, HEIGHT);
   document.body.append(renderer.domElement);
-  const { eye, target, up, fov, near, far } = CAMERA;
-  const camera = new THREE.PerspectiveCamera(fov * 180 / Math.PI, WIDTH / HEIGHT, near, far);
+  const { eye, target, up, fov, height, near, far } = CAMERA;
+  const high = (height ?? 1) / 2;
+  const camera = height ? new THREE.OrthographicCamera(-high * WIDTH / HEIGHT, high * WIDTH / HEIGHT, high, -high, near, far)
+    : new THREE.PerspectiveCamera(fov * 180 / Math.PI, WIDTH / HEIGHT, near, far);
   camera.up.set(...up);
   camera.position.set(...eye);
   camera.lookAt(...target);
@@ -174,13 +209,13 @@ const godot = `
 
 const HOSTS = {
   three: { package: 'three', renderer: 'WebGPURenderer', gpu: true, script: three('three/webgpu', 'WebGPURenderer') },
-  'three-webgl': { package: 'three', renderer: 'WebGLRenderer', script: three('three', 'WebGLRenderer') },
   babylon: { package: '@babylonjs/core', renderer: 'WebGPUEngine', gpu: true, script: babylon },
-  godot: { ending: 'gdshader', script: godot },
   playcanvas: { package: 'playcanvas', renderer: 'WebGPU', gpu: true, script: playcanvas },
+  'three-webgl': { package: 'three', renderer: 'WebGLRenderer', script: three('three', 'WebGLRenderer') },
+  godot: { ending: 'gdshader', script: godot },
 };
-if (!work || chosen.some((name) => !HOSTS[name])) {
-  console.error(`usage: node engines.mjs PROGRAM FOLDER [${Object.keys(HOSTS).join('|')}]`);
+if (!work || chosen.some((name) => !HOSTS[name] && !SCENES[name])) {
+  console.error(`usage: node engines.mjs PROGRAM FOLDER [${[...Object.keys(HOSTS), ...Object.keys(SCENES)].join('|')}]`);
   process.exit(2);
 }
 mkdirSync(work, { recursive: true });
@@ -248,6 +283,8 @@ async function draw(browser, host, name, truth) {
   let wrong;
   const broken = new Promise((_, reject) => { wrong = reject; });
   broken.catch(() => {});
+  // A driver may take for ever with a shader.
+  const late = setTimeout(() => wrong(new Error(`no pictures within ${longest(host)} s`)), 1000 * longest(host));
   tab.on('pageerror', wrong);
   tab.on('console', (message) => message.type() === 'error' && failed.push(message.text()));
   // Nothing is asked of the net: files of the packages are answered from the disk.
@@ -268,9 +305,9 @@ async function draw(browser, host, name, truth) {
       // Twice: what is compiled on the way is there the second time.
       for (let i = 0; i < 2; i += 1) {
         await Promise.race([tab.evaluate(([shown, cubed]) => window.draw(shown, cubed), [shown, cubed]), broken]);
-        await tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+        await Promise.race([tab.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))), broken]);
       }
-      await tab.locator('canvas').screenshot({ path: join(folder, `${picture}.png`), timeout: 600_000 });
+      await Promise.race([tab.locator('canvas').screenshot({ path: join(folder, `${picture}.png`), timeout: 1000 * longest(host) }), broken]);
       return pixels(join(folder, `${picture}.png`));
     };
     const began = Date.now();
@@ -280,6 +317,9 @@ async function draw(browser, host, name, truth) {
     const cube = await shot('cube', false, true);
     await tab.evaluate(([name, value]) => window.set(name, value), set);
     const moved = await shot('moved', true, false);
+    // Where the host moves the object and the camera with it, nothing else is seen.
+    await tab.evaluate(() => window.turn?.());
+    const turned = await shot('turned', true, false);
     if (failed.length) throw new Error(failed.join('; '));
     return {
       same: alike(plain, truth.plain),
@@ -288,26 +328,28 @@ async function draw(browser, host, name, truth) {
       hidden: share((at) => marked(cube, at) && !marked(together, at)),
       moved: alike(moved, truth.moved),
       changed: 1 - alike(moved, plain),
+      turned: alike(turned, moved),
       first,
     };
   } finally {
-    await tab.close();
+    clearTimeout(late);
   }
 }
 
 // What does not hold of a picture.
-function wrongs({ same, depth, seen, hidden, moved, changed }) {
+function wrongs({ same, depth, seen, hidden, moved, changed, turned }) {
   const words = [];
   if (same < SAME) words.push('the picture is another');
   if (depth < SAME) words.push('the cube is seen elsewhere');
   if (seen < 0.002 || hidden < 0.002) words.push('the cube is not on both sides');
   if (moved < SAME || changed < 0.002) words.push('the parameter changes another thing');
+  if (turned < SAME) words.push('the object is not where the host has moved it');
   return words;
 }
 
 const HEAD = `# Engines
 
-Written by \`SUREFOOT_ENGINES=write tests/run engines\`; \`tests/run engines\` holds one small scene to the same. Each engine opens the module
+Written by \`SUREFOOT_ENGINES=write tests/run engines\`; \`tests/run engines\` holds two small pictures to the same. Each engine opens the module
 that \`surefoot compile SCENE.sdf --for HOST\` wrote. Its page has a camera where the scene's own is, a cube of its own triangles, and no
 line more for the field than the one that adds it: \`scene.add(new Field())\`.
 
@@ -318,6 +360,7 @@ Each cell has three shares of the pixels, in percent:
   solid, so that each hides a part of the other;
 - those that are the same as in the program's picture after the host has set a parameter.
 
+Then the host moves, turns and scales the object, and the camera with it: the picture stays the same. The light is the scene's own.
 At least ${100 * SAME} % of each are asked for. Pixels at edges differ: two drivers round differently, and rasterisers of triangles know no footprint.
 `;
 const TAIL = `
@@ -327,32 +370,35 @@ const TAIL = `
 - \`godot\`: no registry of packages has the engine. The row shows its text as GLSL, which it is but for its first lines, in a page that gives it what
   Godot's documents say that Godot gives. Whether Godot takes it is not tried here.
 - \`bevy\`: \`tests/run shaders\` composes it with naga_oil, as Bevy does. The engine itself is not built here.
-- \`vulkan\`: \`tests/run shaders\` asks spirv-val and glslangValidator. \`hlsl\`: glslangValidator reads it; Microsoft's compiler is in no registry that is
-  asked here. \`msl\`: Metal's compiler runs on Apple's machines alone, so nothing but naga has seen it.
+- \`vulkan\`: \`tests/run shaders\` asks spirv-val and glslangValidator. \`hlsl\`: glslangValidator reads it, but not where it has
+  tables; Microsoft's compiler is in no registry that is asked here. \`msl\`: Metal's compiler runs on Apple's machines alone, so nothing but naga has seen it.
 `;
 
-const names = whole ? Object.keys(SCENES).filter((name) => name !== 'csg') : ['csg'];
-const hosts = chosen.length ? chosen : Object.keys(HOSTS);
-const results = {};
+const of = (all, usual) => (all.some((name) => chosen.includes(name)) ? all.filter((name) => chosen.includes(name)) : usual);
+const names = of(Object.keys(SCENES), whole ? Object.keys(SCENES) : ['csg', 'parallel']);
+const hosts = of(Object.keys(HOSTS), Object.keys(HOSTS));
+// What was seen before of other hosts stays in the table.
+const known = join(work, 'results.json');
+const results = whole && existsSync(known) ? JSON.parse(readFileSync(known, 'utf8')) : {};
 let failures = 0;
 const truths = Object.fromEntries(names.map((name) => [name, own(name)]));
 for (const host of hosts) {
-  const profile = mkdtempSync(join(tmpdir(), 'surefoot-engines-'));
-  const browser = await chromium.launchPersistentContext(profile, {
-    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-    headless: true,
-    viewport: { width, height },
-    ignoreDefaultArgs: ['--disable-gpu'],
-    args: [
-      '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update',
-      '--disable-sync', '--disable-default-apps', '--disable-gpu-watchdog',
-      // WebGPU is shown only where the rest of the page is drawn by the same software driver; WebGL has one of its own.
-      ...(HOSTS[host].gpu
-        ? ['--enable-unsafe-webgpu', '--enable-features=Vulkan', '--use-vulkan=swiftshader', '--use-angle=vulkan']
-        : ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist']),
-    ],
-  });
   for (const name of names) {
+    const profile = mkdtempSync(join(tmpdir(), 'surefoot-engines-'));
+    const browser = await chromium.launchPersistentContext(profile, {
+      executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+      headless: true,
+      viewport: { width, height },
+      ignoreDefaultArgs: ['--disable-gpu'],
+      args: [
+        '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update',
+        '--disable-sync', '--disable-default-apps', '--disable-gpu-watchdog',
+        // WebGPU is shown only where the rest of the page is drawn by the same software driver; WebGL has one of its own.
+        ...(HOSTS[host].gpu
+          ? ['--enable-unsafe-webgpu', '--enable-features=Vulkan', '--use-vulkan=swiftshader', '--use-angle=vulkan']
+          : ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist']),
+      ],
+    });
     let result;
     try {
       result = await draw(browser, host, name, truths[name]);
@@ -362,12 +408,13 @@ for (const host of hosts) {
     }
     (results[host] ??= {})[name] = result;
     failures += result.wrong.length ? 1 : 0;
+    if (whole) writeFileSync(known, JSON.stringify(results));
     console.log(`${host} ${name}: ${JSON.stringify(result)}`);
+    await browser.close();
+    rmSync(profile, { recursive: true, force: true });
   }
-  await browser.close();
-  rmSync(profile, { recursive: true, force: true });
 }
-if (whole && !chosen.length) writeFileSync(join(root, 'docs', 'engines.md'), document());
+if (whole) writeFileSync(join(root, 'docs', 'engines.md'), document());
 process.exitCode = failures ? 1 : 0;
 
 function chromeVersion() {
@@ -376,15 +423,16 @@ function chromeVersion() {
 
 // The page: a row for each host, a column for each scene.
 function document() {
+  const scenes = Object.keys(SCENES);
   const percent = (number) => `${(Math.floor(number * 1e4) / 100).toFixed(2)}`;
   const cell = (result) => (result.same === undefined
     ? `no: ${result.wrong[0]}`
     : `${percent(result.same)} / ${percent(result.depth)} / ${percent(result.moved)}${result.wrong.length ? ` (${result.wrong.join(', ')})` : ''}`);
   const version = (name) => JSON.parse(readFileSync(join(packages, name, 'package.json'), 'utf8')).version;
   const row = (first, rest) => `| ${[first, ...rest].join(' | ')} |`;
-  const of = (host) => (host === 'godot' ? '`godot`: its text as GLSL, in a page' : `\`${host}\`: ${HOSTS[host].package} ${version(HOSTS[host].package)}, ${HOSTS[host].renderer}`);
-  const table = (value) => [row('', names.map((name) => `\`${name}\``)), row('---', names.map(() => '---')), ...hosts.map((host) => row(of(host), names.map((name) => value(results[host][name]))))].join('\n');
-  const settings = names.map((name) => `\`${name}\`: ${SCENES[name].set[0]} = ${SCENES[name].set[1]}`).join(', ');
+  const about = (host) => (host === 'godot' ? '`godot`: its text as GLSL, in a page' : `\`${host}\`: ${HOSTS[host].package} ${version(HOSTS[host].package)}, ${HOSTS[host].renderer}`);
+  const table = (value) => [row('', scenes.map((name) => `\`${name}\``)), row('---', scenes.map(() => '---')), ...Object.keys(HOSTS).filter((host) => results[host]).map((host) => row(about(host), scenes.map((name) => value(results[host][name] ?? { wrong: ['not tried'] }))))].join('\n');
+  const settings = scenes.map((name) => `\`${name}\`: ${SCENES[name].set[0]} = ${SCENES[name].set[1]}`).join(', ');
   return `${HEAD}
 ${table(cell)}
 

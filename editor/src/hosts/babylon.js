@@ -71,9 +71,15 @@ fn main(input : FragmentInputs) -> FragmentOutputs {
     camera.upVector = at(up);
     camera.position = Vector3.TransformCoordinates(at(eye), world);
     camera.setTarget(Vector3.TransformCoordinates(at(target), world));
-    Object.assign(camera, { minZ: near, maxZ: far });
-    if (fov) camera.fov = fov;
-    else Object.assign(camera, { mode: 1, orthoTop: height / 2, orthoBottom: -height / 2 });
+    const size = Math.hypot(...world.m.slice(0, 3));
+    Object.assign(camera, { minZ: size * near, maxZ: size * far });
+    if (fov) {
+      camera.fov = fov;
+    } else {
+      const high = (size * height) / 2;
+      const wide = high * this.getScene().getEngine().getAspectRatio(camera);
+      Object.assign(camera, { mode: 1, orthoTop: high, orthoBottom: -high, orthoRight: wide, orthoLeft: -wide });
+    }
     return camera;
   }
 

@@ -21,7 +21,8 @@ fn fragment(corner: sf_Corner) -> sf_SceneFragment {
   %%PLANES%%
   let size = vec2f(view.viewport.w * clip[1][1] / clip[0][0], view.viewport.w);
   sf_uniforms.view_eye = place[3].xyz;
-  sf_uniforms.view_look_at = place[3].xyz - place[2].xyz;
+  let ahead = -place[2].xyz;
+  sf_uniforms.view_look_at = place[3].xyz + max(dot(sf_uniforms.view_look_at - place[3].xyz, ahead), 0.001) * ahead;
   sf_uniforms.view_up = place[1].xyz;
   sf_uniforms.view_size = size;
   sf_uniforms.view_corner = vec2f(-0.5, 0.5) * size * aside;

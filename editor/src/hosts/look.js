@@ -15,6 +15,8 @@ function look(camera, projection, half, left, height) {
   const unit = Math.hypot(c[8], c[9], c[10]) || 1;
   const eye = axis(12, 1);
   const ahead = axis(8, -turn / unit);
+  // Where rays go side by side, what is looked at says how far it is from where they begin.
+  const reach = Math.max(eye.reduce((sum, e, i) => sum + (SCENE.camera.target[i] - e) * ahead[i], 0), 1e-3);
   // What is 0 and 1 in the depth buffer, where it is reversed too.
   const [first, last] = half ? [0, 1] : [-1, 1];
   const near = parallel ? (p[14] - first) / p[10] : p[14] / (p[10] + first);
@@ -24,7 +26,7 @@ function look(camera, projection, half, left, height) {
   const [x, y] = parallel ? [-p[12], -p[13]] : [p[8], p[9]];
   return {
     view_eye: eye,
-    view_look_at: eye.map((e, i) => e + ahead[i]),
+    view_look_at: eye.map((e, i) => e + reach * ahead[i]),
     view_up: axis(4, 1),
     view_fov: 2 * Math.atan(1 / p[5]),
     view_height: (2 * unit) / p[5],

@@ -71,7 +71,9 @@ fn fragmentMain(input: FragmentInput) -> FragmentOutput {
     const world = this.getWorldTransform();
     entity.setPosition(world.transformPoint(new Vec3(eye)));
     entity.lookAt(world.transformPoint(new Vec3(target)), new Vec3(up));
-    Object.assign(entity.camera, { nearClip: near, farClip: far }, fov ? { fov: (fov * 180) / Math.PI } : { projection: 1, orthoHeight: height / 2 });
+    const size = Math.hypot(...world.data.slice(0, 3));
+    const seen = fov ? { fov: (fov * 180) / Math.PI } : { projection: 1, orthoHeight: (size * height) / 2 };
+    Object.assign(entity.camera, { nearClip: size * near, farClip: size * far }, seen);
     return entity;
   }
 

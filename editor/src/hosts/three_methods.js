@@ -4,9 +4,15 @@
     camera.up.set(...up);
     camera.position.set(...eye).applyMatrix4(this.matrixWorld);
     camera.lookAt(new Vector3(...target).applyMatrix4(this.matrixWorld));
-    Object.assign(camera, { near, far });
-    if (camera.isPerspectiveCamera) camera.fov = (fov * 180) / Math.PI;
-    else Object.assign(camera, { top: height / 2, bottom: -height / 2 });
+    const size = this.matrixWorld.getMaxScaleOnAxis();
+    Object.assign(camera, { near: size * near, far: size * far });
+    if (camera.isPerspectiveCamera) {
+      camera.fov = (fov * 180) / Math.PI;
+    } else {
+      const high = (size * height) / 2;
+      const wide = (high * (camera.right - camera.left)) / (camera.top - camera.bottom);
+      Object.assign(camera, { top: high, bottom: -high, right: wide, left: -wide });
+    }
     camera.updateProjectionMatrix();
     return camera;
   }
