@@ -1,6 +1,7 @@
 // Opens what `surefoot compile --for` wrote in Chromium without a screen, and writes what it shows:
 //
 //     node hosts.mjs scene.html picture.png        a page, from its file, as a person opens it
+//     node hosts.mjs scene.html picture.png webgl  the same where the browser has no WebGPU
 //     node hosts.mjs scene.glsl picture.png [X,Y]  a shader for shadertoy.com, with what that page gives it: no mouse, or one dragged so far
 //
 // CHROMIUM names the browser, /usr/bin/chromium where it does not.
@@ -11,7 +12,7 @@ import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { chromium } from 'playwright-core';
 
-const [file, picture, mouse = '0,0'] = process.argv.slice(2);
+const [file, picture, how = '0,0'] = process.argv.slice(2);
 if (!picture) {
   console.error('usage: node hosts.mjs scene.html|scene.glsl picture.png [X,Y]');
   process.exit(2);
@@ -42,7 +43,7 @@ function shadertoy(text) {
     gl.vertexAttribPointer(at, 2, gl.FLOAT, false, 0, 0);
     gl.uniform3f(gl.getUniformLocation(program, 'iResolution'), 640, 360, 1);
     gl.uniform1f(gl.getUniformLocation(program, 'iTime'), 0);
-    const [x, y] = [${mouse}];
+    const [x, y] = [${how}];
     gl.uniform4f(gl.getUniformLocation(program, 'iMouse'), 320 + x, 180 + y, 320, -180);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
     gl.finish();
@@ -62,7 +63,7 @@ const browser = await chromium.launchPersistentContext(join(folder, 'profile'), 
     '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update',
     '--disable-sync', '--disable-default-apps',
     // WebGPU is shown only where the rest of the page is drawn by the same software driver; WebGL has one of its own.
-    ...(file.endsWith('.html')
+    ...(file.endsWith('.html') && how !== 'webgl'
       ? ['--enable-unsafe-webgpu', '--enable-features=Vulkan', '--use-vulkan=swiftshader', '--use-angle=vulkan']
       : ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist']),
   ],
@@ -78,6 +79,9 @@ try {
   await Promise.race([tab.waitForSelector('body[data-state]', { timeout: 240_000 }), wrong]);
   const says = await tab.textContent('#says');
   if (says) failed.push(says);
+  const by = await tab.evaluate(() => document.body.dataset.by);
+  if (by) console.log(`first picture after ${((await tab.evaluate(() => Number(document.body.dataset.first))) / 1000).toFixed(1)} s, by ${by}`);
+  if (by && (by === 'webgl') !== (how === 'webgl')) failed.push(`it is drawn by ${by}`);
   // A page whose time goes on draws again and again; the space bar stops it. Parameters stand over its picture.
   await tab.evaluate(() => document.querySelector('canvas').dispatchEvent(new KeyboardEvent('keydown', { key: ' ' })));
   await tab.evaluate(() => document.querySelector('details')?.remove());

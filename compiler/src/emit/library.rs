@@ -33,37 +33,28 @@ fn sf_square(a: f32) -> f32 {
     Piece { name: "div", text: "\
 // a / b, and 0 where b is 0.
 fn sf_div(a: f32, b: f32) -> f32 {
-  if abs(b) < 1e-28 {
-    return 0.0;
-  }
-  return a / b;
+  let none = abs(b) < 1e-28;
+  return select(a / select(b, 1.0, none), 0.0, none);
 }
 " },
     Piece { name: "div_all", text: "\
 // a / b, and 0 where b is 0.
 fn sf_div_all(a: vec3f, b: f32) -> vec3f {
-  if abs(b) < 1e-28 {
-    return vec3f(0.0);
-  }
-  return a / b;
+  let none = abs(b) < 1e-28;
+  return select(a / select(b, 1.0, none), vec3f(0.0), none);
 }
 " },
     Piece { name: "pow", text: "\
 // a to the power b; a counts as at least 0, the result as at most 1e30.
 fn sf_pow(a: f32, b: f32) -> f32 {
-  if a < 1e-37 {
-    return select(0.0, 1.0, b == 0.0);
-  }
-  return exp2(min(b * log2(a), 99.65784));
+  let power = exp2(min(b * log2(max(a, 1e-37)), 99.65784));
+  return select(power, select(0.0, 1.0, b == 0.0), a < 1e-37);
 }
 " },
     Piece { name: "atan_of", text: "\
 // The angle of the point (b, a), and 0 at the origin.
 fn sf_atan_of(a: f32, b: f32) -> f32 {
-  if a == 0.0 && b == 0.0 {
-    return 0.0;
-  }
-  return atan2(a, b);
+  return atan2(a, select(b, 1.0, (a == 0.0) & (b == 0.0)));
 }
 " },
     // Its two turns are written out: as a loop in hundreds of inlined copies, Mesa took minutes to unroll it.
@@ -93,11 +84,8 @@ fn sf_clip(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32) -> vec2f {
   let middle = -dot(start, direction);
   let nearest = start + direction * middle;
   let rest = sf_extent * sf_extent - dot(nearest, nearest);
-  if rest < 0.0 {
-    return vec2f(1.0, 0.0);
-  }
-  let reach = sqrt(rest);
-  return vec2f(max(t_min, middle - reach), min(t_max, middle + reach));
+  let reach = sqrt(max(rest, 0.0));
+  return select(vec2f(max(t_min, middle - reach), min(t_max, middle + reach)), vec2f(1.0, 0.0), rest < 0.0);
 }
 " },
     // An axis along which a ray hardly moves cuts nothing off between its two sides, and all beyond them.
@@ -133,10 +121,8 @@ fn sf_beside(origin: vec3f, direction: vec3f, span: vec2f, sharpness: f32) -> ve
 // How far the solid of a union is at least, beyond the box about its own; within, 0.
 fn sf_away(row: u32, p: vec3f) -> f32 {
   let q = abs(p - sf_table[row].xyz);
-  if all(q <= sf_table[row + 2u].xyz) {
-    return 0.0;
-  }
-  return length(max(q - sf_table[row + 1u].xyz, vec3f(0.0)));
+  let far = length(max(q - sf_table[row + 1u].xyz, vec3f(0.0)));
+  return select(far, 0.0, all(q <= sf_table[row + 2u].xyz));
 }
 " },
     Piece { name: "span", text: "\

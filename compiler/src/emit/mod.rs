@@ -23,6 +23,7 @@ mod rounding;
 pub(crate) mod shadow;
 mod space;
 mod spirv;
+mod straight;
 pub mod table;
 mod tokens;
 pub mod tracer;

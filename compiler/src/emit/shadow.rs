@@ -39,15 +39,11 @@ pub fn text(ways: Ways) -> String {
     let passage = passage + &end(ways);
     let span = "sf_clip(origin, direction, t_min, t_max)";
     let beside = if ways.region { "  span = sf_beside(origin, direction, span, sharpness);\n" } else { "" };
-    let planes = "  if span.x > span.y {
-    return sf_Passage(1.0, t_max, 0.0);
-  }
-  let plane = sf_ahead(origin + direction * span.x, direction);
-  if plane <= span.y - span.x {
-    return sf_Passage(0.0, span.x + plane, 0.0);
-  }
+    let planes = "  let plane = span.x + sf_ahead(origin + direction * span.x, direction);
+  let blocked = plane <= span.y;
   // A plane is passed most narrowly at the ray's end.
-  lit = min(lit, sharpness * sf_planes(origin + direction * span.y) / max(span.y, 1e-6 * UNIT));\n";
+  let passed = min(1.0, sharpness * sf_planes(origin + direction * span.y) / max(span.y, 1e-6 * UNIT));
+  lit = select(select(passed, 1.0, span.x > span.y), 0.0, blocked);\n";
     let planes = if ways.planes { planes } else { "" };
     // The bound is the distance.
     let passage = if ways.one { passage.replace("sf_distance(", "sf_bound(") } else { passage };
@@ -60,6 +56,8 @@ pub fn text(ways: Ways) -> String {
         // Where it passes most narrowly is of no use.
         false => passage.split_inclusive('\n').filter(|line| !line.contains("nearest")).collect(),
     };
+    // What a plane hides ends at it.
+    let passage = passage.replace("BEGIN", if ways.planes { "select(span.x, plane, blocked)" } else { "span.x" });
     let quarters = match ways.loose {
         true => "max(seen, select(0.0, dot(vec4f(0.25), select(vec4f(0.0), vec4f(1.0), around > vec4f(0.0))), middle < 0.0))",
         false => "seen",
@@ -77,7 +75,7 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
   var deeper = 0.0;
   var hidden = softness <= 0.0;
   // The ray to the middle; a look behind what it meets; the others.
-  for (var turn = 0u; turn < 6u && middle <= 0.0 && (turn == 0u || !hidden); turn++) {{
+  for (var turn = 0u; (turn < 6u) & (middle <= 0.0) & ((turn == 0u) | !hidden); turn++) {{
     let longer = select(1.0, stretch, turn > 1u);
     let least = select({MET:?}, {MET_ASIDE:?}, turn > 1u);
     let most = select(select(288u, {MOST_ASIDE}u, turn > 1u), 1u, turn == 1u);
@@ -86,7 +84,7 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
     // What fills the cone hides all of the light.
     let wide = 1.1 * passed.t / sharpness;
     deeper = passed.t + wide;
-    hidden = hidden || (turn == 1u && passed.free <= -wide);
+    hidden = hidden | ((turn == 1u) & (passed.free <= -wide));
     around = vec4f(around.yzw, passed.lit);
     aside = select(select(cross(direction, aside), rim * sf_across(direction), turn == 1u), vec3f(0.0), turn == 0u);
   }}
@@ -99,7 +97,7 @@ fn sf_shadow(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, softness: 
   let edge = 0.5 * (more.x + more.y - sqrt(max({:?} - apart * apart, 0.0)));
   let best = select(max(more.x, more.y) - {RIM:?}, edge, min(more.x, more.y) > 0.0);
   let seen = sf_shares(vec4f(select(min(best, 0.0), middle, middle > 0.0))).x;
-{quarters_say}  let some = select(0.0, max({quarters}, min(max(sides.x + sides.z, sides.y + sides.w), 1.0)), max(more.x, more.y) > 0.0 && !hidden);
+{quarters_say}  let some = select(0.0, max({quarters}, min(max(sides.x + sides.z, sides.y + sides.w), 1.0)), (max(more.x, more.y) > 0.0) & !hidden);
   return select(some, seen, middle > 0.0);
 }}
 
@@ -146,14 +144,14 @@ fn sf_passage(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, sharpness
 fn passage_of_one(lamps: bool) -> String {
     let (behind, free, next) = (behind("    let ", lamps), farther("free", lamps), next("    ", lamps));
     format!(
-        "  var t = span.x;
+        "  var t = BEGIN;
   // The last sphere known to be empty, and the step from its centre.
   var radius = 1e18;
   var stride = 1.0;
   var seen = t;
   var free = 0.0;
   var nearest = -1.0;
-  for (var step = 0u; step < most && t <= span.y && lit >= least; step++) {{
+  for (var step = 0u; (step < most) & (t <= span.y) & (lit >= least); step++) {{
     let tolerance = 2e-6 * (size + t);
     free = sf_bound(origin + direction * t);
     // Out of looks it goes on by guesses, until one is inside.
@@ -161,7 +159,7 @@ fn passage_of_one(lamps: bool) -> String {
 {behind}    let share = sharpness * {free} / max(t, tolerance);
     nearest = select(nearest, t, share < lit);
     lit = select(min(lit, share), 0.0, free <= select(tolerance, 0.0, spent));
-{next}    let back = stride > radius && free < 0.75 * stride;
+{next}    let back = (stride > radius) & (free < 0.75 * stride);
     seen = t;
     t = select(select(next, t + radius - stride, back), t + max(free, 2e-3 * (size + t)), spent);
     stride = select(next - seen, radius, back);
@@ -177,7 +175,7 @@ fn passage(lamps: bool) -> String {
     let (declared, behind) = (if lamps { "    var behind = 0.0;\n" } else { "" }, behind("      ", lamps));
     let (distance, next) = (farther("distance", lamps), next("      ", lamps));
     format!(
-        "  var t = span.x;
+        "  var t = BEGIN;
   var step = 0u;
   // Where it was looked last, and what was found there.
   var seen = t;
@@ -187,13 +185,13 @@ fn passage(lamps: bool) -> String {
   var radius = 1e18;
   var stride = 1.0;
   var nearest = -1.0;
-  while step < most && t <= span.y && lit >= least {{
+  while (step < most) & (t <= span.y) & (lit >= least) {{
     var near = false;
-{declared}    while step < most && t <= span.y && !near {{
+{declared}    while (step < most) & (t <= span.y) & !near {{
       tolerance = 2e-6 * (size + t);
       free = sf_bound(origin + direction * t);
-{behind}      near = free <= tolerance || sharpness * free < lit * max(t, tolerance) || step >= 256u;
-{next}      let back = stride > radius && free < 0.75 * stride;
+{behind}      near = (free <= tolerance) | (sharpness * free < lit * max(t, tolerance)) | (step >= 256u);
+{next}      let back = (stride > radius) & (free < 0.75 * stride);
       seen = t;
       t = select(next, t + radius - stride, back);
       stride = select(next - seen, radius, back);
@@ -204,18 +202,13 @@ fn passage(lamps: bool) -> String {
       let distance = sf_distance(origin + direction * seen);
       let share = sharpness * {distance} / max(seen, tolerance);
       nearest = select(nearest, seen, share < lit);
-      if step > 256u {{
-        // Out of looks it goes on by guesses, until one is inside.
-        lit = select(min(lit, share), 0.0, free <= 0.0);
-        t = seen + max(distance, 2e-3 * (size + seen));
-      }} else {{
-        // Where the bound is much less, between two looks so near to each other it is hardly less.
-        if t > seen && share < 1.25 * lit && distance > 1.5 * free {{
-          stride = min(stride, max(0.4 * distance, tolerance));
-          t = seen + stride;
-        }}
-        lit = select(min(lit, share), 0.0, free <= tolerance);
-      }}
+      // Out of looks it goes on by guesses, until one is inside.
+      let spent = step > 256u;
+      // Where the bound is much less, between two looks so near to each other it is hardly less.
+      let nearer = !spent & (t > seen) & (share < 1.25 * lit) & (distance > 1.5 * free);
+      stride = select(stride, min(stride, max(0.4 * distance, tolerance)), nearer);
+      t = select(select(t, seen + stride, nearer), seen + max(distance, 2e-3 * (size + seen)), spent);
+      lit = select(min(lit, share), 0.0, free <= select(tolerance, 0.0, spent));
     }}
   }}
 "
@@ -250,7 +243,7 @@ fn next(indent: &str, lamps: bool) -> String {
 {indent}{on}
 {indent}let left = (t_max - t) * sharpness / t_max;
 {indent}let stop = t_max * (1.0 - 0.5 * clamp(ceil(2.0 * left - 0.01) - 1.0, 0.0, 2.0) / sharpness);
-{indent}let lamp = t < t_max && free * sharpness / t_max - left < lit;
+{indent}let lamp = (t < t_max) & (free * sharpness / t_max - left < lit);
 {indent}let next = max(select(t + free, min(t + free, stop), lamp), min(t + on, select(span.y, min(span.y, stop), lamp)));\n"
         ),
         false => format!("{indent}{by_slope}\n{indent}{on}\n{indent}let next = max(t + free, min(t + on, span.y));\n"),
@@ -259,23 +252,23 @@ fn next(indent: &str, lamps: bool) -> String {
 
 // What comes of a passage. Where it may be of a face that is not there: whether the surface is where the narrowest look says.
 fn end(ways: Ways) -> String {
-    let mut text = "  lit = select(lit, 0.0, lit < least || (most < 288u && t <= span.y));\n".to_owned();
+    let mut text = "  lit = select(lit, 0.0, (lit < least) | ((most < 288u) & (t <= span.y)));\n".to_owned();
     if ways.loose {
-        let plane = if ways.planes { " || sf_planes(at) <= lit * nearest / sharpness" } else { "" };
+        let plane = if ways.planes { " | (sf_planes(at) <= lit * nearest / sharpness)" } else { "" };
         text += &format!(
             "  let at = origin + direction * nearest;
-  var known = lit <= 0.0 || nearest < 0.0{plane};
+  var known = (lit <= 0.0) | (nearest < 0.0){plane};
   var beside = vec3f(0.0);
   var slope = vec3f(0.0);
   var distance = 0.0;
   // The estimate there, how it changes along each axis, and what is left of it at the place of which it tells.
-  for (var look = 0u; look < 5u && !known; look++) {{
+  for (var look = 0u; (look < 5u) & !known; look++) {{
     let found = sf_distance(at + beside);
     slope += select(vec3f(0.0), vec3f(found - distance), vec3u(1u, 2u, 3u) == vec3u(look));
     distance = select(distance, found, look == 0u);
     let foot = -slope * (distance / max(length(slope), 1e-12));
     let axis = select(vec3f(0.0), vec3f({STEP:?} * distance), vec3u(0u, 1u, 2u) == vec3u(look));
-    known = look == 4u && found <= {LEFT:?} * distance && dot(at + beside - origin, direction) > 0.0;
+    known = (look == 4u) & (found <= {LEFT:?} * distance) & (dot(at + beside - origin, direction) > 0.0);
     beside = select(axis, foot, look == 3u);
   }}
   lit = select(select(1.0, -1.0, most == 288u), lit, known);\n"

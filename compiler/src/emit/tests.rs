@@ -489,3 +489,20 @@ fn nothing_is_read_for_nothing() {
     assert!(!module.wgsl.contains("struct sf_Hit"));
     assert!(!module.wgsl.contains("fn sf_div"));
 }
+
+#[test]
+fn glsl_chooses_without_branches() {
+    let text = "// (a ? b : c)\nfloat f(bool c) {\n    return (c ? (((1.0 < x) ? y : f(2.0)) + 1.0) : 0.0);\n}\n";
+    let straight = super::straight::choices(text, "pick");
+    assert!(straight.starts_with("// (a ? b : c)\n") && straight.contains("return pick(0.0, (pick(f(2.0), y, (1.0 < x)) + 1.0), c);"), "{straight}");
+    assert_eq!(super::straight::choices("int a = (b + c);\n", "pick"), "int a = (b + c);\n");
+    // A module with a shadow, lights and reflections holds nothing that naga writes under a condition of its own.
+    let scene = "light { direction: (0, -1, 0) }\nrender { reflections: 2 }\nmaterial mirror { roughness: 0.1 }\nscene = plane(y) | box(1).twist(y, 0.3).material(mirror)\n";
+    let loader = crate::MemoryLoader::new().with("main.sdf", scene);
+    let options = Options { entry: crate::compiled::Entry::Draw, live_in_shader: true, ..Options::default() };
+    let outcome = crate::compile(&loader, "main.sdf", &options);
+    let module = outcome.compiled.unwrap_or_else(|| panic!("{:?}", outcome.diagnostics)).module;
+    let written = String::from_utf8(translate(&module, "sf_", Target::Glsl).unwrap()).unwrap();
+    let code: Vec<&str> = written.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+    assert!(code.iter().any(|line| line.contains("sf_pick(")) && !code.iter().any(|line| line.contains(" ? ") || line.contains("loop_init")), "{written}");
+}

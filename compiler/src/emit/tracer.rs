@@ -85,7 +85,7 @@ impl Tracer {
         let (aside, fine) = (Self::ASIDE, Self::FINE);
         let indented = |lines: &[String], by: &str| -> String { lines.iter().map(|l| format!("{by}{l}\n")).collect() };
         let (look, go_on) = (self.look(one), self.go_on());
-        let (mut state, mut near, mut hit) = ("", "sf_distance(origin + direction * t) <= tolerance", vec!["hit = true;".to_owned(), "break;".to_owned()]);
+        let (mut state, mut sure, mut hit) = ("", "false", vec!["hit = true;".to_owned(), "break;".to_owned()]);
         if leap > 0.0 {
             state = "  // How the bound changed over the step before, how far the surface seems to be, whether the last step was a leap to it, and whether
   // it was the last of all.
@@ -93,12 +93,12 @@ impl Tracer {
   var ahead = 0.0;
   var leapt = false;
   var last = false;\n";
-            near = "(last || sf_distance(origin + direction * t) <= tolerance)";
+            sure = "last";
             hit = vec![
                 format!("let most = select({aside:?} * pixel, abs(stride), last);"),
                 "let on = clamp(t + clamp(ahead, -min(most, abs(stride)), most), span.x, span.y) - t;".to_owned(),
                 "t += on;".to_owned(),
-                format!("if last || step >= {budget}u || abs(on) <= {fine:?} * pixel {{"),
+                format!("if last | (step >= {budget}u) | (abs(on) <= {fine:?} * pixel) {{"),
                 "  hit = true;".to_owned(),
                 "  break;".to_owned(),
                 "}".to_owned(),
@@ -111,10 +111,11 @@ impl Tracer {
         let (more, arrival) = if one {
             ("", "    if !arrived {\n      break;\n    }\n".to_owned() + &indented(&hit, "    "))
         } else {
-            let (hit, again) = (indented(&hit, "      "), if leap > 0.0 { "      continue;\n" } else { "" });
-            let end = format!("    if step >= {budget}u || (!gap && t >= span.y) {{\n      break;\n    }}\n");
+            let end = format!("      if (step >= {budget}u) | (!gap & (t >= span.y)) {{\n        break;\n      }}\n");
+            let asked = if leap > 0.0 { "arrived & !last" } else { "arrived" };
+            let near = format!("    var near = {sure};\n    if {asked} {{\n      near = sf_distance(origin + direction * t) <= tolerance;\n    }}\n");
             let more = "  var change = -1.0;\n  var fall = 1.0;\n  var gap = false;\n  var tolerance = 0.0;\n";
-            (more, format!("    if arrived && {near} {{\n{hit}{again}    }}\n{end}{}", indented(&go_on, "    ")))
+            (more, format!("{near}    if near {{\n{}    }} else {{\n{end}{}    }}\n", indented(&hit, "      "), indented(&go_on, "      ")))
         };
         let search = format!(
             "  // What the last look found.
@@ -124,7 +125,7 @@ impl Tracer {
 {more}  loop {{
     loop {{
 {}      // The end itself is looked at before it counts as a miss.
-      if step >= {budget}u || arrived || (!gap && t >= span.y) {{
+      if (step >= {budget}u) | arrived | (!gap & (t >= span.y)) {{
         break;
       }}
 {}    }}
@@ -132,23 +133,22 @@ impl Tracer {
             indented(&look, "      "),
             indented(&go_on, "      "),
         );
-        let miss = |of: &str| format!("  if {of}.x > {of}.y {{\n    return sf_Hit(t_max, false, 0u);\n  }}\n");
         let clip = "sf_clip(origin, direction, t_min, t_max)";
+        let missed = "  return sf_Hit(select(t, t_max, !hit & (t >= span.y)), hit, step);\n";
         let (head, end) = match (planes, region) {
-            (false, false) => (format!("  let span = {clip};\n{}", miss("span")), String::new()),
-            (false, true) => (format!("  let span = sf_within(origin, direction, {clip});\n{}", miss("span")), String::new()),
+            (false, false) => (format!("  let span = {clip};\n"), missed.to_owned()),
+            (false, true) => (format!("  let span = sf_within(origin, direction, {clip});\n"), missed.to_owned()),
             (true, _) => {
                 let span = "vec2f(whole.x, min(whole.y, plane))";
                 let span = if region { format!("sf_within(origin, direction, {span})") } else { span.to_owned() };
                 let head = format!(
-                    "  let whole = {clip};\n{}  // The first plane ends the search for everything else.
+                    "  let whole = {clip};\n  // The first plane ends the search for everything else.
   let plane = whole.x + sf_ahead(origin + direction * whole.x, direction);
   let flat = plane <= whole.y;
-  let span = {span};
-  if span.x > span.y {{\n    return sf_Hit(select(t_max, plane, flat), flat, 0u);\n  }}\n",
-                    miss("whole")
+  let span = {span};\n"
                 );
-                (head, "  if flat && !hit && t >= span.y {\n    return sf_Hit(plane, true, step);\n  }\n".to_owned())
+                let end = "  let passed = !hit & (t >= span.y);\n  return sf_Hit(select(t, select(t_max, plane, flat), passed), hit | (passed & flat), step);\n";
+                (head, end.to_owned())
             }
         };
         let text = format!(
@@ -165,9 +165,11 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
   var seen = 0.0;
   var stride = 0.0;
   var slope = -1.0;
-{state}{search}{end}  return sf_Hit(select(t, t_max, !hit && t >= span.y), hit, step);
-}}
-"
+{state}  if span.x <= span.y {{
+{}  }}
+{end}}}
+",
+            search.lines().map(|line| format!("  {line}\n")).collect::<String>()
         );
         match planes {
             true => text.replace("sf_bound(", "sf_rest_bound(").replace("sf_distance(", "sf_rest_distance("),
@@ -180,7 +182,7 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
     fn look(&self, one: bool) -> Vec<String> {
         let Self { factor, tolerance, leap, budget, .. } = *self;
         let flattest = Self::FLATTEST;
-        let (once, first) = if one { ("let ", "var ") } else { ("", "") };
+        let once = if one { "let " } else { "" };
         let times = if factor == 1.0 { String::new() } else { format!("{factor:?} * ") };
         let tired = Self::TIRED / f64::from(budget).powi(2);
         let mut lines = vec![
@@ -189,10 +191,7 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
             "pixel = footprint * t;".to_owned(),
             format!("{once}tolerance = max(({tolerance:?} + {tired:?} * f32(step) * f32(step)) * pixel, rounding);"),
             format!("free = {times}sf_bound(origin + direction * t);"),
-            format!("{first}change = -1.0;"),
-            "if stride != 0.0 {".to_owned(),
-            "  change = (free - seen) / stride;".to_owned(),
-            "}".to_owned(),
+            format!("{once}change = select(-1.0, (free - seen) / select(stride, 1.0, stride == 0.0), stride != 0.0);"),
             "// A gap between two spheres may hold a surface.".to_owned(),
             format!("{once}gap = stride > max(radius, radius + free);"),
         ];
@@ -201,10 +200,10 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
                 "// How far it is to where the bound is all but zero, if it goes on as it did: on the surface itself a gradient may vanish.".to_owned(),
                 format!("{once}fall = 1.0 / max(-change, {flattest:?});"),
                 "ahead = (free - rounding) * fall;".to_owned(),
-                "arrived = last || (free <= tolerance && (!gap || (leapt && free >= 0.0)));".to_owned(),
+                "arrived = last | ((free <= tolerance) & (!gap | (leapt & (free >= 0.0))));".to_owned(),
             ]);
         } else {
-            lines.push("arrived = free <= tolerance && !gap;".to_owned());
+            lines.push("arrived = (free <= tolerance) & !gap;".to_owned());
         }
         lines
     }
@@ -224,7 +223,7 @@ fn sf_trace(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, footprint: 
                 format!("let leap = ahead * (1.0 - {faster:?} * max(before - change, 0.0) * fall);"),
                 "// What a leap leaves unproven of the ray is no longer than this.".to_owned(),
                 format!("let close = ahead - free <= {leap:?} * pixel;"),
-                format!("leapt = !gap && leap > far && close && abs(change - before) * ahead <= {even:?} * tolerance;"),
+                format!("leapt = !gap & (leap > far) & close & (abs(change - before) * ahead <= {even:?} * tolerance);"),
                 "let on = min(select(far, leap, leapt), span.y - t);".to_owned(),
                 "before = select(change, before, gap);".to_owned(),
             ]);

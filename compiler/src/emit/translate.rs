@@ -1,6 +1,6 @@
 //! Modules checked, and in other languages, through naga.
 
-use super::{library, spirv, table};
+use super::{library, spirv, straight, table};
 use super::Module;
 use crate::interface::Export;
 use naga::back::{glsl, hlsl, msl, spv};
@@ -67,7 +67,13 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
     let (parsed, info) = validate(&text)?;
     match target {
         Target::Wgsl => Ok(text.into_bytes()),
-        Target::Glsl | Target::Glsl450 => glsl(module, (&parsed, &info), target, (naga::ShaderStage::Fragment, &format!("{prefix}fragment"))),
+        Target::Glsl | Target::Glsl450 => {
+            let fragment = (naga::ShaderStage::Fragment, &*format!("{prefix}fragment"));
+            let (parsed, info) = with_loops(parsed)?;
+            let text = glsl(module, (&parsed, &info), target, fragment)?;
+            // OpenGL ES 3.0 chooses between whole numbers by a branch alone.
+            Ok(if target == Target::Glsl { straight::choices(&text, &format!("{prefix}pick")) } else { text }.into_bytes())
+        }
         Target::Hlsl => {
             let options = hlsl::Options {
                 shader_model: hlsl::ShaderModel::V6_0,
@@ -82,7 +88,7 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
         }
         Target::Msl => {
             let pipeline = msl::PipelineOptions::default();
-            msl::write_string(&parsed, &info, &msl::Options::default(), &pipeline)
+            msl::write_string(&parsed, &info, &metal(&parsed), &pipeline)
                 .map(|(text, _)| (head(module) + &text).into_bytes())
                 .map_err(|e| e.to_string())
         }
@@ -100,14 +106,34 @@ pub fn translate(module: &Module, prefix: &str, target: Target) -> Result<Vec<u8
     }
 }
 
+/// How a module is written for Metal: what entry points bind are buffers by the numbers of their bindings. The sizes of tables follow them.
+fn metal(parsed: &naga::Module) -> msl::Options {
+    let bindings = || parsed.global_variables.iter().filter_map(|(_, variable)| variable.binding);
+    let slot = |number: u32| u8::try_from(number).ok();
+    let resources = msl::EntryPointResources {
+        resources: bindings().map(|binding| (binding, msl::BindTarget { buffer: slot(binding.binding), ..Default::default() })).collect(),
+        sizes_buffer: slot(bindings().map(|binding| binding.binding + 1).max().unwrap_or(0)),
+        ..Default::default()
+    };
+    let entries = parsed.entry_points.iter().map(|entry| (entry.name.clone(), resources.clone()));
+    msl::Options { per_entry_point_map: entries.collect(), ..msl::Options::default() }
+}
+
 /// The vertex shader of a module that draws, in GLSL for Vulkan.
 pub fn vertex_shader(module: &Module, prefix: &str) -> Result<Vec<u8>, String> {
     let (parsed, info) = validate(&table::text::with_constants(&module.wgsl, prefix))?;
-    glsl(module, (&parsed, &info), Target::Glsl450, (naga::ShaderStage::Vertex, &format!("{prefix}vertex")))
+    glsl(module, (&parsed, &info), Target::Glsl450, (naga::ShaderStage::Vertex, &format!("{prefix}vertex"))).map(String::into_bytes)
+}
+
+/// The module with loops that compile fast, and what naga's validator says of it.
+fn with_loops(mut module: naga::Module) -> Result<(naga::Module, ModuleInfo), String> {
+    straight::loops(&mut module);
+    let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).map_err(|e| e.to_string())?;
+    Ok((module, info))
 }
 
 /// A stage of a module in GLSL, by its entry point.
-fn glsl(module: &Module, (parsed, info): (&naga::Module, &ModuleInfo), target: Target, (stage, entry): (naga::ShaderStage, &str)) -> Result<Vec<u8>, String> {
+fn glsl(module: &Module, (parsed, info): (&naga::Module, &ModuleInfo), target: Target, (stage, entry): (naga::ShaderStage, &str)) -> Result<String, String> {
     let is_vulkan = target == Target::Glsl450;
     let bindings = parsed.global_variables.iter().filter_map(|(_, variable)| variable.binding).map(|binding| (binding, binding.binding as u8));
     let options = glsl::Options {
@@ -143,7 +169,7 @@ fn glsl(module: &Module, (parsed, info): (&naga::Module, &ModuleInfo), target: T
     };
     // Before the version nothing may stand.
     let (version, rest) = out.split_once('\n').unwrap_or((&out, ""));
-    Ok(format!("{version}\n{}{block}{rest}", head(module)).into_bytes())
+    Ok(format!("{version}\n{}{block}{rest}", head(module)))
 }
 
 /// What the module says of itself, for a language with the same comments.

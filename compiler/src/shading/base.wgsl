@@ -73,10 +73,7 @@ struct ScenePixel {
 fn scene_normal(p: vec3f, direction: vec3f) -> vec3f {
     let gradient = sf_gradient(p).xyz;
     let size = length(gradient);
-    if size > 1e-12 {
-        return gradient / size;
-    }
-    return -direction;
+    return select(-direction, gradient / max(size, 1e-12), size > 1e-12);
 }
 
 fn scene_smooth(low: f32, high: f32, x: f32) -> f32 {

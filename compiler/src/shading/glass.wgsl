@@ -10,35 +10,28 @@ fn scene_followed(roughness: f32, share: vec3f) -> f32 {
 fn scene_fresnel(cosine: f32, index: f32) -> f32 {
     let c = clamp(cosine, 0.0, 1.0);
     let squared = 1.0 - (1.0 - c * c) / (index * index);
-    if squared <= 0.0 {
-        return 1.0;
-    }
-    let beyond = sqrt(squared);
+    let beyond = sqrt(max(squared, 0.0));
     let across = (c - index * beyond) / (c + index * beyond);
     let along = (index * c - beyond) / (index * c + beyond);
-    return 0.5 * (across * across + along * along);
+    return select(0.5 * (across * across + along * along), 1.0, squared <= 0.0);
 }
 
 // How far it is from a place in the solid to where a ray leaves it; below 0: too far. `way` is how far the place is from the eye.
 fn scene_inside(origin: vec3f, direction: vec3f, way: f32) -> f32 {
     var t = 0.0;
-    for (var step = 0; step < 192; step += 1) {
+    var out = false;
+    for (var step = 0; (step < 192) & (t <= 2.0 * scene.extent) & !out; step += 1) {
         let p = origin + t * direction;
         let near = 0.25 * scene_off(p, way + t);
         let free = -sf_bound(p);
-        if free > near {
-            t += free;
-        } else if dot(scene_normal(p, -direction), direction) > 0.0 {
-            return t;
-        } else {
-            // It has only come in.
-            t += 2.0 * near;
+        let met = free <= near;
+        if met {
+            out = dot(scene_normal(p, -direction), direction) > 0.0;
         }
-        if t > 2.0 * scene.extent {
-            return -1.0;
-        }
+        // Where it meets the surface and goes on, it has only come in.
+        t += select(select(free, 2.0 * near, met), 0.0, out);
     }
-    return t;
+    return select(t, -1.0, t > 2.0 * scene.extent);
 }
 
 // A ray that has come through glass, or that has gone as often from surface to surface as it may.
@@ -89,31 +82,29 @@ fn scene_through(p: vec3f, n: vec3f, toward: vec3f, way: f32, index: f32, most: 
 
 // How much of a light arrives, with what comes straight through one body of glass.
 fn scene_lit_through(light: u32, p: vec3f, n: vec3f, l: vec3f, off: f32, far: f32) -> f32 {
-    let lit = scene_lit(light, p, n, l, off, far);
-    if lit >= 1.0 {
-        return lit;
+    var lit = scene_lit(light, p, n, l, off, far);
+    if lit < 1.0 {
+        let hit = sf_trace(p + off * n, l, off, far, scene.footprint);
+        let at = p + off * n + hit.t * l;
+        var normal = -l;
+        var glass = vec2f(0.0, 1.0);
+        if hit.hit {
+            normal = scene_normal(at, l);
+            glass = scene_glass(at, normal);
+        }
+        if glass.x > 0.0 {
+            let inner = at - scene_off(at, hit.t) * normal;
+            let t = scene_inside(inner, l, hit.t);
+            let place = inner + t * l;
+            let outward = scene_normal(place, -l);
+            let color = clamp(sf_surface(at, normal).color, vec3f(0.0), vec3f(1.0));
+            let passed = 1.0 - scene_fresnel(-dot(l, normal), glass.y);
+            // A ray of no length is free: what never leaves the glass lets nothing through.
+            let rest = scene_lit(light, place, outward, l, scene_off(place, hit.t + t), select(far - hit.t - t, -1.0, t < 0.0));
+            lit += select((1.0 - lit) * glass.x * passed * passed * dot(color, vec3f(1.0 / 3.0)) * rest, 0.0, t < 0.0);
+        }
     }
-    let hit = sf_trace(p + off * n, l, off, far, scene.footprint);
-    if !hit.hit {
-        return lit;
-    }
-    let at = p + off * n + hit.t * l;
-    let normal = scene_normal(at, l);
-    let glass = scene_glass(at, normal);
-    if glass.x <= 0.0 {
-        return lit;
-    }
-    let inner = at - scene_off(at, hit.t) * normal;
-    let t = scene_inside(inner, l, hit.t);
-    if t < 0.0 {
-        return lit;
-    }
-    let place = inner + t * l;
-    let outward = scene_normal(place, -l);
-    let color = clamp(sf_surface(at, normal).color, vec3f(0.0), vec3f(1.0));
-    let passed = 1.0 - scene_fresnel(-dot(l, normal), glass.y);
-    let rest = scene_lit(light, place, outward, l, scene_off(place, hit.t + t), far - hit.t - t);
-    return lit + (1.0 - lit) * glass.x * passed * passed * dot(color, vec3f(1.0 / 3.0)) * rest;
+    return lit;
 }
 
 // How much goes through a surface, 0 to 1, and the index of refraction of what is under it, at least 1.
@@ -143,7 +134,7 @@ fn scene_shade(p: vec3f, n: vec3f, direction: vec3f, t: f32, surface: sf_Surface
         let share = weight * mix(here.share, vec3f(fresnel), glass.x);
         let more = used < scene.reflections;
         let clear = glass.x > 0.0;
-        let followed = select(0.0, scene_followed(answer.roughness, share), more && !clear);
+        let followed = select(0.0, scene_followed(answer.roughness, share), more & !clear);
         light += weight * here.light;
         if followed < 1.0 {
             let mirrored = scene_fogged(scene_mirror(mirror, answer.roughness), scene.max_distance - way);

@@ -55,8 +55,10 @@ pub struct Args {
     /// What a module that draws makes of light: a screen's colours, the same for a target that encodes them as sRGB itself, or light without a tone curve.
     #[arg(long, default_value = SCREEN, value_parser = PossibleValuesParser::new(COLORS.map(|(name, _)| name)), value_name = "FORM")]
     colors: String,
-    /// Write the scene for a host, so that the file shows it: `html`, a page that draws by WebGPU, as one file that loads nothing; `shadertoy`, a
-    /// fragment shader for shadertoy.com; or `vulkan`, both shaders as SPIR-V (.spv), or one in GLSL 4.50 (.frag, .vert).
+    /// Write the scene for a host, so that the file shows it: `html`, a page that draws by WebGPU, as one file that loads nothing;
+    /// `three` and `three-webgl`, `babylon` and `playcanvas`, modules whose object a page adds to its scene; `godot`, a shader for Godot 4;
+    /// `bevy`, a shader for Bevy 0.19, with its plugin in OUT.rs; `shadertoy`, a fragment shader for shadertoy.com; `vulkan`, both shaders as
+    /// SPIR-V (.spv), or one in GLSL 4.50 (.frag, .vert); `hlsl` and `msl`, both shaders as text for Direct3D and Metal.
     #[arg(long = "for", value_name = "HOST", value_parser = PossibleValuesParser::new(Host::ALL.map(Host::name)),
           conflicts_with_all = ["functions", "prefix", "group", "binding", "uniforms", "entry", "colors", "target", "tables", "layout", "live_in_shader"])]
     host: Option<String>,
@@ -229,6 +231,12 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     Ok(Exit::Fine)
 }
 
+/// What a host shows of a scene beside its picture: its name, and its parameters as data.
+pub fn shown(scene: &str, compiled: &Compiled) -> (String, Vec<Value>) {
+    let title = Path::new(scene).file_stem().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    (title, compiled.parameters.iter().filter(|p| p.choices.is_empty()).map(parameter_json).collect())
+}
+
 /// Writes the file of a host.
 fn for_host(args: &Args, host: Host) -> Result<Exit, Failure> {
     let file = args.output.as_deref().filter(|file| *file != "-").map(Path::new);
@@ -239,29 +247,38 @@ fn for_host(args: &Args, host: Host) -> Result<Exit, Failure> {
         return Ok(Exit::Errors);
     }
     if compiled.module.grids && !host.has_buffers() {
-        return Err(Failure::usage(format!("{} has no storage buffers, from which `mesh_field` and `baked` are read", host.name())));
+        return Err(Failure::usage(format!("what is written for {} reads no storage buffers, where `mesh_field` and `baked` have their grids: write --for html, or a module with --entry draw", host.name())));
     }
-    if let Some(file) = file {
-        spare(file, &outcome)?;
-        if let Some(words) = ends_wrong(file, host.endings()) {
-            return Err(Failure::usage(words));
-        }
+    let beside = file.zip(host.beside()).map(|(file, ending)| file.with_extension(ending));
+    for path in file.into_iter().chain(beside.as_deref()) {
+        spare(path, &outcome)?;
+    }
+    if let Some(words) = file.and_then(|file| ends_wrong(file, host.endings())) {
+        return Err(Failure::usage(words));
+    }
+    if let Some((first, second)) = file.zip(beside.as_deref()).filter(|(first, second)| first == second) {
+        let ending = host.endings().first().copied().unwrap_or_default();
+        return Err(Failure::usage(format!("{} is the second file that is written: say -o {}", second.display(), first.with_extension(ending).display())));
     }
     left_out(compiled, &compiled.module);
-    let title = Path::new(&args.scene).file_stem().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    let parameters: Vec<Value> = compiled.parameters.iter().filter(|p| p.choices.is_empty()).map(parameter_json).collect();
+    let (title, parameters) = shown(&args.scene, compiled);
     let invalid = |why| Failure { exit: Exit::Errors, words: format!("{}: nothing is written: {why}", args.scene) };
     let ending = file.and_then(|file| file.extension()).map_or(String::new(), |ending| ending.to_string_lossy().to_lowercase());
     let bytes = validate(&compiled.module.wgsl).and_then(|_| host.write(compiled, &parameters, &title, &ending)).map_err(invalid)?;
-    match file {
-        Some(file) => files::write(file, &bytes).map_err(|why| Failure::usage(format!("can't write {}: {why}", file.display())))?,
-        None => print(&bytes)?,
+    let Some(file) = file else {
+        print(&bytes)?;
+        return Ok(Exit::Fine);
+    };
+    let called = file.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+    let second = beside.zip(host.write_beside(compiled, &title, &called));
+    for (path, bytes) in second.iter().map(|(path, bytes)| (path.as_path(), bytes)).chain([(file, &bytes)]) {
+        files::write(path, bytes).map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
     }
     Ok(Exit::Fine)
 }
 
 /// Says what of the scene a module does not hold.
-fn left_out(compiled: &Compiled, module: &Module) {
+pub fn left_out(compiled: &Compiled, module: &Module) {
     for (count, what) in [(compiled.blocks.meshes.len(), "meshes"), (compiled.blocks.balls.len(), "balls")] {
         if count > 0 {
             eprintln!("note: left out: {what}; the module holds the field alone");
@@ -279,6 +296,9 @@ fn left_out(compiled: &Compiled, module: &Module) {
 const TYPES: [&str; 4] = ["f32", "vec2f", "vec3f", "vec4f"];
 /// Those of the two buffers with tables.
 const BUFFER_TYPES: [&str; 2] = ["array<vec4f>", "array<u32>"];
+
+/// The version of what `--layout` writes, which docs/layout.schema.json describes.
+const LAYOUT_VERSION: u32 = 1;
 
 /// What a host must know of a module.
 fn layout_json(args: &Args, options: &Options, compiled: &Compiled, module: &Module, tables: &[(PathBuf, &Vec<u8>)]) -> Value {
@@ -321,6 +341,7 @@ fn layout_json(args: &Args, options: &Options, compiled: &Compiled, module: &Mod
         (p.name.clone(), json!(set.or_else(|| p.choice().map(str::to_owned))))
     });
     json!({
+        "version": LAYOUT_VERSION,
         "functions": module.exports.iter().map(signature).collect::<Vec<_>>(),
         "entries": if module.draws { vec![format!("{}vertex", args.prefix), format!("{}fragment", args.prefix)] } else { Vec::new() },
         "form": args.uniforms,

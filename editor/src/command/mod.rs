@@ -8,6 +8,7 @@ mod check;
 mod compile;
 mod console;
 mod explain;
+mod export;
 mod fmt;
 mod measure;
 mod mesh;
@@ -53,6 +54,8 @@ enum Command {
     Verify(verify::Args),
     /// Write the functions of a scene as shader text.
     Compile(compile::Args),
+    /// Write a scene as one page to show.
+    Export(export::Args),
     /// Format the text of scenes.
     Fmt(fmt::Args),
     /// Draw pictures of a scene into files.
@@ -97,6 +100,7 @@ pub fn run() -> ExitCode {
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Verify(args)) => verify::run(&args),
         Some(Command::Compile(args)) => compile::run(&args),
+        Some(Command::Export(args)) => export::run(&args),
         Some(Command::Fmt(args)) => fmt::run(&args),
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Mesh(args)) => mesh::run(&args),

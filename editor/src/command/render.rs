@@ -222,7 +222,8 @@ fn film(args: &Args, count: usize) -> Result<Option<(Format, f64)>, Failure> {
     Ok(None)
 }
 
-fn camera(frame: &Frame, name: Option<&str>) -> Result<Camera, Failure> {
+/// One of the frame's cameras: that with this name, or the first.
+pub fn camera(frame: &Frame, name: Option<&str>) -> Result<Camera, Failure> {
     let found = match name {
         None => frame.cameras.first(),
         Some(name) => frame.cameras.iter().find(|(known, _)| known == name),

@@ -1,7 +1,6 @@
 
 'use strict';
 const scene = JSON.parse(document.getElementById('scene').textContent);
-const code = document.getElementById('module').textContent;
 const canvas = document.querySelector('canvas');
 const says = document.getElementById('says');
 
@@ -13,26 +12,33 @@ const set = (name, values) => {
 };
 const three = (name) => Array.from(block.subarray(at(name), at(name) + 3));
 
-const DEPTH = 'depth24plus';
 // A picture while something moves takes no longer than this, in milliseconds; else it has fewer pixels.
 const LONGEST = 40;
 
-async function start() {
+// What is packed in a text: zlib's form, in base 64.
+const unpacked = (text) => {
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate')));
+};
+
+// Each of the two ways to draw gives how to draw a picture of so many pixels, which ends when it is drawn, and how wide or high one may be.
+
+async function webgpu() {
   const adapter = await navigator.gpu?.requestAdapter();
   if (!adapter) throw new Error('This browser offers no WebGPU. Chrome, Edge, Safari 26 and Firefox 141 do on most devices.');
   const device = await adapter.requestDevice();
   device.lost.then((why) => { says.textContent = `The graphics device is gone: ${why.message}`; });
+  const code = document.getElementById('module').textContent;
   const module = device.createShaderModule({ code });
   const errors = (await module.getCompilationInfo()).messages.filter((m) => m.type === 'error');
   if (errors.length) throw new Error(errors.map((m) => `${m.lineNum}: ${m.message}`).join('\n'));
-  const context = canvas.getContext('webgpu');
   const format = navigator.gpu.getPreferredCanvasFormat();
-  context.configure({ device, format });
+  const depthFormat = 'depth24plus';
   const pipeline = await device.createRenderPipelineAsync({
     layout: 'auto',
     vertex: { module, entryPoint: 'sf_vertex' },
     fragment: { module, entryPoint: 'sf_fragment', targets: [{ format }] },
-    depthStencil: { format: DEPTH, depthWriteEnabled: true, depthCompare: 'always' },
+    depthStencil: { format: depthFormat, depthWriteEnabled: true, depthCompare: 'always' },
   });
   const buffer = (bytes, usage) => {
     const made = device.createBuffer({ size: bytes.byteLength, usage: usage | GPUBufferUsage.COPY_DST });
@@ -40,24 +46,20 @@ async function start() {
     return made;
   };
   const uniforms = buffer(block, GPUBufferUsage.UNIFORM);
-  const tables = scene.buffers.map((text) => buffer(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)), GPUBufferUsage.STORAGE));
+  const numbers = await Promise.all(scene.buffers.map((text) => unpacked(text).arrayBuffer()));
+  const tables = numbers.map((bytes) => buffer(bytes, GPUBufferUsage.STORAGE));
   const group = device.createBindGroup({
     layout: pipeline.getBindGroupLayout(0),
     entries: [uniforms, ...tables].map((made, binding) => ({ binding, resource: { buffer: made } })),
   });
-
+  const context = canvas.getContext('webgpu');
+  context.configure({ device, format });
   let depth = null;
-  async function draw(scale) {
-    const pixels = devicePixelRatio * scale;
-    const most = device.limits.maxTextureDimension2D;
-    const width = Math.min(Math.max(1, Math.round(canvas.clientWidth * pixels)), most);
-    const height = Math.min(Math.max(1, Math.round(canvas.clientHeight * pixels)), most);
-    if (canvas.width !== width || canvas.height !== height || !depth) {
-      Object.assign(canvas, { width, height });
+  async function draw(width, height) {
+    if (depth?.width !== width || depth?.height !== height) {
       depth?.destroy();
-      depth = device.createTexture({ size: [width, height], format: DEPTH, usage: GPUTextureUsage.RENDER_ATTACHMENT });
+      depth = device.createTexture({ size: [width, height], format: depthFormat, usage: GPUTextureUsage.RENDER_ATTACHMENT });
     }
-    set('view_size', [width, height]);
     device.queue.writeBuffer(uniforms, 0, block);
     const encoder = device.createCommandEncoder();
     const pass = encoder.beginRenderPass({
@@ -68,16 +70,85 @@ async function start() {
     pass.setBindGroup(0, group);
     pass.draw(3);
     pass.end();
-    const began = performance.now();
     device.queue.submit([encoder.finish()]);
     await device.queue.onSubmittedWorkDone();
+  }
+  return { draw, most: device.limits.maxTextureDimension2D };
+}
+
+const next = () => new Promise((go) => { setTimeout(go, 1); });
+
+async function webgl() {
+  const packed = document.getElementById('glsl')?.textContent;
+  if (!packed) throw new Error('This scene is drawn by WebGPU alone.');
+  const text = await unpacked(packed).text();
+  const gl = canvas.getContext('webgl2', { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true });
+  if (!gl) throw new Error('This browser offers no WebGL 2 either.');
+  canvas.addEventListener('webglcontextlost', () => { says.textContent = 'The graphics device is gone. Load the page again.'; });
+  const parallel = gl.getExtension('KHR_parallel_shader_compile');
+  const program = gl.createProgram();
+  const vertex = '#version 300 es\nvoid main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0); }';
+  const shaders = [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, text]].map(([type, source]) => {
+    const shader = gl.createShader(type);
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    gl.attachShader(program, shader);
+    return shader;
+  });
+  gl.linkProgram(program);
+  while (parallel && !gl.getProgramParameter(program, parallel.COMPLETION_STATUS_KHR)) await next();
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
+    throw new Error([...shaders.map((shader) => gl.getShaderInfoLog(shader)), gl.getProgramInfoLog(program)].filter(Boolean).join('\n'));
+  }
+  gl.useProgram(program);
+  gl.bindBuffer(gl.UNIFORM_BUFFER, gl.createBuffer());
+  gl.bindBufferBase(gl.UNIFORM_BUFFER, 0, gl.getParameter(gl.UNIFORM_BUFFER_BINDING));
+  gl.uniformBlockBinding(program, 0, 0);
+  async function draw(width, height) {
+    gl.viewport(0, 0, width, height);
+    gl.bufferData(gl.UNIFORM_BUFFER, block, gl.DYNAMIC_DRAW);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    const drawn = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    while (gl.clientWaitSync(drawn, 0, 0) === gl.TIMEOUT_EXPIRED) await next();
+    gl.deleteSync(drawn);
+  }
+  return { draw, most: gl.getParameter(gl.MAX_RENDERBUFFER_SIZE) };
+}
+
+// Draws by what the browser offers.
+async function device() {
+  const failed = [];
+  for (const [name, make] of [['webgpu', webgpu], ['webgl', webgl]]) {
+    try {
+      const made = await make();
+      document.body.dataset.by = name;
+      return made;
+    } catch (error) {
+      failed.push(error.message);
+    }
+  }
+  throw new Error(failed.join('\n'));
+}
+
+async function start() {
+  const by = await device();
+  async function draw(scale) {
+    const pixels = devicePixelRatio * scale;
+    const side = (length) => Math.min(Math.max(1, Math.round(length * pixels)), by.most);
+    const [width, height] = [side(canvas.clientWidth), side(canvas.clientHeight)];
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    set('view_size', [width, height]);
+    const began = performance.now();
+    await by.draw(width, height);
     return performance.now() - began;
   }
 
   // What changed is drawn at once, with fewer pixels where that takes long, and once more with all of them when it rests.
-  let due = false, moved = 0, scale = 1, busy = false, sharp = false, running = scene.moves, before = null;
+  let due = false, moved = 0, changes = 0, scale = 0.5, busy = true, sharp = false, running = scene.moves, before = null;
   const change = () => {
     moved = performance.now();
+    changes += 1;
     sharp = false;
     if (!due) requestAnimationFrame(turn);
     due = true;
@@ -88,29 +159,44 @@ async function start() {
     busy = true;
     if (running && before !== null) set('time', [block[at('time')] + (now - before) / 1000]);
     before = running ? now : null;
+    const known = changes;
     const rests = !running && performance.now() - moved > 150;
     const took = await draw(rests ? 1 : scale);
     if (!rests) scale = Math.min(1, Math.max(0.2, scale * Math.min(1.2, Math.max(0.5, Math.sqrt(LONGEST / Math.max(took, 1))))));
-    sharp = rests || scale === 1;
+    // What changed while this was drawn is drawn next.
+    sharp = known === changes && (rests || scale === 1);
     busy = false;
     if ((running || !sharp) && !due) {
       due = true;
       requestAnimationFrame(turn);
     }
   }
+  const pause = document.getElementById('pause');
+  const play = () => {
+    running = !running;
+    before = null;
+    if (pause) pause.textContent = running ? 'Pause' : 'Play';
+    change();
+  };
+  if (at('time') !== undefined) {
+    pause?.addEventListener('click', play);
+    canvas.addEventListener('keydown', (event) => {
+      if (event.key !== ' ') return;
+      play();
+      event.preventDefault();
+    });
+  } else {
+    pause?.remove();
+  }
   parameters(change);
   orbit(change);
   new ResizeObserver(change).observe(canvas);
-  canvas.addEventListener('keydown', (event) => {
-    if (event.key === ' ' && at('time') !== undefined) {
-      running = !running;
-      before = null;
-      change();
-      event.preventDefault();
-    }
-  });
-  await draw(1);
+  // The first picture is small, so that it is there at once; the next one is not.
+  await draw(0.25);
+  document.body.dataset.first = Math.round(performance.now());
+  busy = false;
   change();
+  while (!sharp && !running) await new Promise((go) => { setTimeout(go, 20); });
 }
 
 // The eye goes around what it looks at: drag, or two fingers or the wheel to go nearer; a double click goes back.
@@ -166,11 +252,27 @@ function orbit(change) {
     zoom(Math.exp(event.deltaY * (event.deltaMode ? 0.05 : 0.0015)));
   }, { passive: false });
   canvas.addEventListener('dblclick', () => { reset(); place(); });
+  const keys = {
+    ArrowLeft: () => { turn -= 0.1; },
+    ArrowRight: () => { turn += 0.1; },
+    ArrowUp: () => { rise = Math.min(1.55, rise + 0.1); },
+    ArrowDown: () => { rise = Math.max(-1.55, rise - 0.1); },
+    '+': () => { nearer = Math.max(0.05, nearer / 1.1); },
+    '-': () => { nearer = Math.min(20, nearer * 1.1); },
+    Home: reset,
+  };
+  canvas.addEventListener('keydown', (event) => {
+    if (!keys[event.key] || event.ctrlKey || event.metaKey) return;
+    keys[event.key]();
+    place();
+    event.preventDefault();
+  });
 }
 
 // A slider, a box or a colour for each parameter that the module reads.
 function parameters(change) {
   const form = document.querySelector('form');
+  if (!form) return;
   form.addEventListener('submit', (event) => event.preventDefault());
   const encode = (c) => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
   const decode = (c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
