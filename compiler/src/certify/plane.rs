@@ -88,6 +88,18 @@ impl Prover<'_> {
         Place { range, code, guards: Vec::new() }
     }
 
+    /// A box within a place, with a shorter code for it.
+    pub fn place_in(&mut self, place: &Place, range: Box3) -> Place {
+        let (_, code) = self.narrowed(place.code.clone(), &range);
+        Place { range, code, guards: place.guards.clone() }
+    }
+
+    /// The field at a point of a place in 64 bits, not rounded outward.
+    pub fn value_in(&mut self, place: &Place, at: [f64; 3]) -> f64 {
+        self.work += place.code.steps.len() as u64;
+        place.code.value(&at, &mut self.values)
+    }
+
     /// Where in a box the field can have a value of `target`. With `part` a field that jumps is looked at piece by piece.
     pub fn look(&mut self, place: Place, target: Interval, part: bool) -> Look {
         self.boxes += 1;
