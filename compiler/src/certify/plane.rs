@@ -56,6 +56,13 @@ pub struct Slab {
     pub heights: [f64; 2],
 }
 
+impl Slab {
+    /// How far the planes are from each other.
+    pub fn thickness(&self) -> f64 {
+        self.heights[1] - self.heights[0]
+    }
+}
+
 /// What is known of a box.
 #[derive(Clone, Debug)]
 pub enum Look {
