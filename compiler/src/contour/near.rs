@@ -163,7 +163,7 @@ impl Looks<'_> {
         if self.outside(&corners) {
             return 1;
         }
-        let place = if self.asked.holds(&self.place, &corners) { &self.place } else { &self.whole };
+        let place = if self.asked.holds(&self.place, &corners) { &self.place } else { self.whole };
         match prover.side_of_triangle(place, corners) {
             -1 if !self.asked.inside(&corners) => 0,
             side => side,
