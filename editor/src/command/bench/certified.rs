@@ -71,7 +71,7 @@ pub fn run(scenes: &[String], cells: u32, page: Option<&Path>) -> Result<Exit, F
 
 fn on_page(file: &Path, scenes: &[String], table: &str, refused: &str, cells: u32) -> String {
     let without = if refused.is_empty() { String::new() } else { format!("\nScenes without a mesh:\n\n{refused}") };
-    let slow = if cfg!(debug_assertions) { " Times are those of a debug build, which is several times slower than a release build." } else { "" };
+    let slow = if cfg!(debug_assertions) { " Times are those of a debug build." } else { "" };
     format!(
         "# What is proven of meshes\n\n\
          Written by `surefoot bench --certified {} --cells {cells} --page {}` on a machine with {} threads.{slow}\n\n\
@@ -79,8 +79,8 @@ fn on_page(file: &Path, scenes: &[String], table: &str, refused: &str, cells: u3
          from the surface. Each mesh here has {cells} cells along its longest side. The tolerance is half a cell. *Surface to mesh* and *mesh to\n\
          surface* are the proven distances: no point is farther. They include undecided cells and triangles, and those that are proven to be\n\
          farther than the tolerance.\n\n\
-         A part that is *farther* is no failure of the proof: the mesh is too coarse there. Details smaller than a cell are missed, and so is the crack\n\
-         between two solids of a union whose faces are flush but for rounding.\n\n{table}{without}",
+         A part that is *farther* is no failure of the proof: the mesh misses something there. It can be a detail smaller than a cell, or a crack between\n\
+         two solids of a union whose faces are flush but for rounding.\n\n{table}{without}",
         scenes.join(" "),
         file.display(),
         std::thread::available_parallelism().map_or(1, usize::from),
