@@ -56,6 +56,13 @@ pub struct Slab {
     pub heights: [f64; 2],
 }
 
+impl Slab {
+    /// How far the planes are from each other.
+    pub fn thickness(&self) -> f64 {
+        self.heights[1] - self.heights[0]
+    }
+}
+
 /// What is known of a box.
 #[derive(Clone, Debug)]
 pub enum Look {
@@ -86,6 +93,18 @@ impl Prover<'_> {
         let code = self.truth.point.clone();
         let (_, code) = self.narrowed(code, &range);
         Place { range, code, guards: Vec::new() }
+    }
+
+    /// A box within a place, with a shorter code for it.
+    pub fn place_in(&mut self, place: &Place, range: Box3) -> Place {
+        let (_, code) = self.narrowed(place.code.clone(), &range);
+        Place { range, code, guards: place.guards.clone() }
+    }
+
+    /// The field at a point of a place in 64 bits, not rounded outward.
+    pub fn value_in(&mut self, place: &Place, at: [f64; 3]) -> f64 {
+        self.work += place.code.steps.len() as u64;
+        place.code.value(&at, &mut self.values)
     }
 
     /// Where in a box the field can have a value of `target`. With `part` a field that jumps is looked at piece by piece.

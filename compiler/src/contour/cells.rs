@@ -16,6 +16,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Bricks that one task looks into.
 const SHARE: usize = 64;
+/// No farther from its bricks is asked what the field is, in cells: see [`reach`].
+const ASKED: f64 = 2.0;
 /// Corners along each axis of a brick.
 const SIDE: usize = BRICK as usize + 1;
 /// Steps by which a crossing is looked for; every second one halves what is left.
@@ -156,11 +158,15 @@ pub(super) fn patches(field: &Field, grid: &Grid, bricks: Vec<[u32; 3]>, sharp: 
     while !next.is_empty() {
         let shares: Vec<&[[u32; 3]]> = next.chunks(SHARE).collect();
         let done = AtomicUsize::new(0);
-        let found = spread(shares.len(), &|| field.eyes(), &|eyes, i| {
+        let found = spread(shares.len(), &|| (), &|(), i| {
             if vertices.load(Ordering::Relaxed) > MOST_VERTICES {
                 return Vec::new();
             }
-            let patches: Vec<Patch> = shares.get(i).iter().flat_map(|share| share.iter()).filter_map(|at| patch(eyes, grid, *at, sharp)).collect();
+            let share = shares.get(i).copied().unwrap_or_default();
+            let ends = share.iter().flat_map(|at| [*at, at.map(|c| c + 1)]).map(|at| grid.corner(at.map(|c| c * BRICK)));
+            let near = field.near(ends, ASKED * grid.cell);
+            let mut eyes = near.eyes();
+            let patches: Vec<Patch> = share.iter().filter_map(|at| patch(&mut eyes, grid, *at, sharp)).collect();
             vertices.fetch_add(patches.iter().map(|p| p.vertices.len()).sum(), Ordering::Relaxed);
             progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / shares.len() as f64);
             patches

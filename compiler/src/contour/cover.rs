@@ -5,20 +5,20 @@
 
 use super::asked::{Asked, Way};
 use super::prism::{Prism, ROUNDED};
-use crate::certify::{Box3, Held, Look, Place, Prover};
+use crate::certify::{Box3, Held, Look, Place, Prover, Slab};
 use crate::graph::interval::Interval;
 use crate::spread::spread;
-use crate::vector::{Vec3, length, sub};
+use crate::vector::{Vec3, along, dot, length, sub};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Boxes that are looked at in a cell that is within the tolerance, to know it better.
-const FEW: usize = 96;
+const FEW: usize = 24;
 /// The same in another.
-const MANY: usize = 400;
+const MANY: usize = 600;
 /// After so many boxes of a cell the worst part is asked first whether it is proven to be farther.
-const EARLY: usize = 24;
+const EARLY: usize = 12;
 /// A part that is no thicker than this part of its distance, and has a corner almost as far away, is known well enough.
 const THIN: f64 = 0.3;
 /// Parts of a cell that are asked whether they are proven to be farther.
@@ -49,6 +49,8 @@ struct Open {
     place: Place,
     halves: [Box3; 2],
     kink: bool,
+    /// The thinnest of those that hold the surface.
+    slab: Option<Slab>,
 }
 
 impl PartialEq for Open {
@@ -181,8 +183,8 @@ impl<'a> Cell<'a> {
             let far = worst.far > asked.tolerance;
             // Some points are found to be too far away before all of a cell is looked at.
             if far && self.looked >= self.next {
-                self.next *= 3;
-                if let Some((least, at)) = self.at_least(prover, &worst.place.range, hint).filter(|found| found.0 > asked.tolerance) {
+                self.next = self.next * 3 / 2;
+                if let Some((least, at)) = self.at_least(prover, worst, hint).filter(|found| found.0 > asked.tolerance) {
                     (way.at_least, way.wrong) = (least, Some(at));
                     break;
                 }
@@ -190,7 +192,7 @@ impl<'a> Cell<'a> {
             if self.looked >= if far { MANY } else { FEW } {
                 break;
             }
-            let Some(Open { far, place, halves, kink }) = self.open.pop() else { break };
+            let Some(Open { far, place, halves, kink, .. }) = self.open.pop() else { break };
             if kink && let Some(sides) = prover.sides(&place) {
                 sides.into_iter().for_each(|side| self.look(prover, side, hint));
                 continue;
@@ -210,9 +212,9 @@ impl<'a> Cell<'a> {
         }
         (way.proven, way.at) = self.done;
         if way.proven > asked.tolerance {
-            for Open { far, place, .. } in open.iter().rev().take(ASKED).filter(|open| open.far > asked.tolerance) {
-                if *far > way.at_least
-                    && let Some((least, at)) = self.at_least(prover, &place.range, hint)
+            for part in open.iter().rev().take(ASKED).filter(|open| open.far > asked.tolerance) {
+                if part.far > way.at_least
+                    && let Some((least, at)) = self.at_least(prover, part, hint)
                     && least > way.at_least
                 {
                     (way.at_least, way.wrong) = (least, Some(at));
@@ -240,7 +242,7 @@ impl<'a> Cell<'a> {
         let mut places = vec![place];
         while let Some(place) = places.pop() {
             self.looked += 1;
-            match prover.look(place, self.part.target, self.looked < FEW) {
+            match prover.look(place, self.part.target, self.looked < MANY) {
                 Look::Nothing => {}
                 Look::Parted(pieces) => places.extend(pieces),
                 Look::Held(held) => {
@@ -253,15 +255,17 @@ impl<'a> Cell<'a> {
                     if far <= asked.fine || far <= asked.tolerance && told {
                         self.done(far, &place);
                     } else {
-                        self.open.push(Open { far, place, halves, kink });
+                        let slab = slabs.iter().min_by(|a, b| a.thickness().total_cmp(&b.thickness())).copied();
+                        self.open.push(Open { far, place, halves, kink, slab });
                     }
                 }
             }
         }
     }
 
-    /// How far the surface in a box surely is from the mesh, and where; none where it is not sure that there is some.
-    fn at_least(&self, prover: &mut Prover<'_>, range: &Box3, hint: &mut u32) -> Option<(f64, Vec3)> {
+    /// How far the surface in a part surely is from the mesh, and where; none where it is not sure that there is some.
+    fn at_least(&self, prover: &mut Prover<'_>, part: &Open, hint: &mut u32) -> Option<(f64, Vec3)> {
+        let range = &part.place.range;
         let middle = range.map(Interval::middle);
         let corners = (0..8).map(|i| {
             let mut axis = 0;
@@ -271,16 +275,34 @@ impl<'a> Cell<'a> {
             })
         });
         let corners: Vec<Vec3> = corners.chain([middle]).collect();
-        let sides: Vec<i8> = corners.iter().map(|at| prover.side_of_point(&self.base, *at)).collect();
-        // On a wall at which the solid is cut off all that is solid is surface.
-        let surface = sides.contains(&-1) && (sides.contains(&1) || self.part.target.lo < 0.0);
-        if !surface {
-            return None;
+        if self.crossed(prover, &corners) {
+            return Some(self.away(middle, &corners, hint));
         }
-        let reach = corners.iter().map(|at| length(sub(*at, middle))).fold(0.0, f64::max);
+        // Across the planes that hold the surface, on both sides of them.
+        let slab = part.slab.filter(|slab| slab.thickness().is_finite())?;
+        let height = dot(sub(middle, slab.from), slab.normal);
+        let on = along(middle, slab.normal, 0.5 * (slab.heights[0] + slab.heights[1]) - height);
+        [0.51, 2.0, 8.0].into_iter().find_map(|times| {
+            let by = times * slab.thickness();
+            let ends = [along(on, slab.normal, by), along(on, slab.normal, -by)];
+            let inside = ends.iter().all(|end| self.base.range.iter().zip(end).all(|(side, x)| side.contains(*x)));
+            (inside && self.crossed(prover, &ends)).then(|| self.away(on, &ends, hint))
+        })
+    }
+
+    /// Whether there surely is surface between points.
+    fn crossed(&self, prover: &mut Prover<'_>, points: &[Vec3]) -> bool {
+        let sides: Vec<i8> = points.iter().map(|at| prover.side_of_point(&self.base, *at)).collect();
+        // On a wall at which the solid is cut off all that is solid is surface.
+        sides.contains(&-1) && (sides.contains(&1) || self.part.target.lo < 0.0)
+    }
+
+    /// How far all that is between some points and another is from the mesh at least, and that.
+    fn away(&self, middle: Vec3, points: &[Vec3], hint: &mut u32) -> (f64, Vec3) {
+        let reach = points.iter().map(|at| length(sub(*at, middle))).fold(0.0, f64::max);
         let near = self.asked.boxes.closest(middle, *hint);
         let scale = middle.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
         // Less what these lines may lose.
-        Some((near.squared.sqrt() * (1.0 - 1e-6) - reach - ROUNDED * scale, middle))
+        (near.squared.sqrt() * (1.0 - 1e-6) - reach - ROUNDED * scale, middle)
     }
 }

@@ -9,9 +9,11 @@ use crate::vector::{Vec3, add, along, dot, length, scale, sub, unit};
 use crate::spread::spread;
 
 /// Triangles that one task asks for.
-const SHARE: usize = 1024;
+const SHARE: usize = 256;
 /// Newton's steps; none is longer than a cell.
 const TOWARD: usize = 4;
+/// No farther from the triangles is asked what the field is, in cells: after all steps, twice a cell.
+const ASKED: f64 = TOWARD as f64 + 3.0;
 /// Steps by which a sign change is enclosed, each twice as wide as the one before; the last is twice a cell.
 const WIDER: i32 = 16;
 /// Halves by which it is found then.
@@ -21,9 +23,10 @@ const HALVES: usize = 12;
 pub(super) fn deviation(field: &Field, mesh: &Mesh, every: usize) -> f64 {
     let asked: Vec<&[u32; 3]> = mesh.triangles.iter().step_by(every).collect();
     let shares: Vec<&[&[u32; 3]]> = asked.chunks(SHARE).collect();
-    let found = spread(shares.len(), &|| field.eyes(), &|eyes, i| {
+    let found = spread(shares.len(), &|| (), &|(), i| {
         let points: Vec<Vec3> = shares.get(i).iter().flat_map(|share| share.iter()).flat_map(|t| places(mesh.corners(t))).collect();
-        farthest(eyes, &points, mesh.cell)
+        let near = field.near(points.iter().copied(), ASKED * mesh.cell);
+        farthest(&mut near.eyes(), &points, mesh.cell)
     });
     found.into_iter().fold(0.0, f64::max)
 }

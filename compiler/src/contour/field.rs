@@ -3,6 +3,7 @@
 use super::{Mesh, at};
 use crate::compiled::{Compiled, Live};
 use crate::evaluate::{Evaluator, Tape, TooLarge};
+use crate::graph::interval::Interval;
 use crate::graph::{Function, NodeId};
 use crate::vector::{Vec3, length};
 use crate::spread::spread;
@@ -38,6 +39,18 @@ impl Field {
         let slopes: Option<Vec<NodeId>> = (0..3).map(|i| own(Function::Gradient(i))).collect();
         let gradient = slopes.map(|slopes| tape(&slopes)).transpose()?;
         Ok(Self { field: tape(&[field])?, bound: tape(&[bound])?, gradient, cut })
+    }
+
+    /// The same for what is no farther than `farther` from the box about some points, along each axis: what can't matter there is left out, and the values
+    /// stay as they are.
+    pub fn near(&self, points: impl Iterator<Item = Vec3>, farther: f64) -> Self {
+        let mut region = [Interval::EMPTY; 3];
+        for point in points {
+            region.iter_mut().zip(point).for_each(|(side, c)| *side = side.hull(Interval::point(c)));
+        }
+        let region = region.map(|side| side.grow(farther));
+        let gradient = self.gradient.as_ref().map(|gradient| gradient.narrow(region));
+        Self { field: self.field.narrow(region), bound: self.bound.clone(), gradient, cut: self.cut }
     }
 
     pub fn eyes(&self) -> Eyes<'_> {

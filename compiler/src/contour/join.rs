@@ -2,7 +2,7 @@
 
 use super::Grid;
 use super::cells::{Edge, Patches};
-use super::field::{Eyes, Field};
+use super::field::Field;
 use crate::vector::{Vec3, cross, dot, length, mix, sub, unit};
 use crate::spread::spread;
 use rustc_hash::FxHashMap;
@@ -49,9 +49,9 @@ pub(super) fn join(field: &Field, grid: &Grid, patches: &Patches, progress: &(dy
     }).collect();
     let tasks = patches.all.len().div_ceil(SHARE);
     let done = AtomicUsize::new(0);
-    let parts = spread(tasks, &|| field.eyes(), &|eyes, i| {
+    let parts = spread(tasks, &|| (), &|(), i| {
         let edges = patches.all.iter().skip(i * SHARE).take(SHARE).flat_map(|patch| &patch.edges);
-        let part = joined(eyes, edges, patches, &firsts, &points);
+        let part = joined(field, edges, patches, &firsts, &points);
         progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / tasks as f64);
         part
     });
@@ -86,7 +86,7 @@ pub(super) fn join(field: &Field, grid: &Grid, patches: &Patches, progress: &(dy
 }
 
 /// The polygons about some edges.
-fn joined<'a>(eyes: &mut Eyes<'_>, edges: impl Iterator<Item = &'a Edge>, patches: &Patches, firsts: &[u32], points: &[Vec3]) -> Part {
+fn joined<'a>(field: &Field, edges: impl Iterator<Item = &'a Edge>, patches: &Patches, firsts: &[u32], points: &[Vec3]) -> Part {
     let mut part = Part::default();
     let mut quads: Vec<([u32; 4], f64)> = Vec::new();
     for edge in edges {
@@ -98,7 +98,10 @@ fn joined<'a>(eyes: &mut Eyes<'_>, edges: impl Iterator<Item = &'a Edge>, patche
     }
     let point = |v: u32| points.get(v as usize).copied().unwrap_or_default();
     let middles: Vec<Vec3> = quads.iter().flat_map(|([a, b, c, d], _)| [mix(point(*a), point(*c), 0.5), mix(point(*b), point(*d), 0.5)]).collect();
-    let far = eyes.values(&middles);
+    if middles.is_empty() {
+        return part;
+    }
+    let far = field.near(middles.iter().copied(), 0.0).eyes().values(&middles);
     for (([a, b, c, d], rise), far) in quads.iter().zip(far.chunks(2)) {
         let off = |i: usize| far.get(i).map_or(0.0, |f| f.abs()) / rise.max(1e-300);
         let ways = [[[*a, *b, *c], [*a, *c, *d]], [[*b, *c, *d], [*b, *d, *a]]];

@@ -6,7 +6,7 @@
 
 use super::asked::{Asked, Way};
 use super::prism::ROUNDED;
-use crate::certify::{Ball, Place, Prover};
+use crate::certify::{Distance, Place, Prover};
 use crate::graph::interval::Interval;
 use crate::spread::spread;
 use crate::vector::{Vec3, add, along, length, scale, sub};
@@ -16,15 +16,19 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 const SHARE: usize = 64;
 /// How often a triangle is cut in four.
 const DEEPEST: u32 = 5;
-/// A patch that was cut so often is asked whether it is proven to be farther, before it is cut again.
-const FIRST: u32 = 1;
+/// Of a patch that was cut so often, and is within the tolerance by the signs about its middle, no more is asked.
+const SMALL: u32 = 3;
 /// So many times as far it may be each time it is cut.
 const WIDER: f64 = 1.5;
 /// Times that the sign is asked for all over some part of a triangle.
 const TRIES: usize = 300;
-/// Boxes for a proof that no surface is near.
-const BOXES: usize = 500;
-/// Parts of a triangle of which that is asked.
+/// Boxes by which the distance of a part's middle is told, while it can still be cut.
+const SOON: usize = 100;
+/// The same at the end.
+const BOXES: usize = 1000;
+/// How close that distance is told, relative.
+const CLOSE: f64 = 0.02;
+/// Parts of a triangle of which neither is proven, before all of it is given up.
 const ASKED: usize = 4;
 /// Times the tolerance, and cells, at which is looked for a surface that is not within the tolerance.
 const FARTHEST: f64 = 64.0;
@@ -46,12 +50,16 @@ pub(super) fn near(asked: &Asked, progress: &(dyn Fn(f64) + Sync)) -> Way {
     let done = AtomicUsize::new(0);
     let found = spread(shares.len(), &|| asked.truth.prover(), &|prover, i| {
         let patches: Vec<Patch> = shares.get(i).iter().flat_map(|share| share.iter()).filter_map(|t| patch(asked, *t)).collect();
-        let sides: [Interval; 3] = std::array::from_fn(|axis| {
-            let corners = patches.iter().flat_map(|patch| patch.corners).map(|p| p.get(axis).copied().unwrap_or(0.0));
-            corners.fold(Interval::EMPTY, |all, x| all.hull(Interval::point(x))).grow(2.0 * asked.tolerance)
+        let sides = patches.iter().map(|patch| patch.sides(2.0 * asked.tolerance)).fold([Interval::EMPTY; 3], |mut all, sides| {
+            all.iter_mut().zip(sides).for_each(|(all, side)| *all = all.hull(side));
+            all
         });
-        let looks = Looks { asked, place: prover.place(sides), whole: Place::clone(&prover.place([Interval::ALL; 3])) };
-        let way = patches.into_iter().map(|patch| looks.settled(prover, patch)).fold(Way::NOTHING, Way::and);
+        let (place, whole) = (prover.place(sides), prover.place([Interval::ALL; 3]));
+        let way = patches.into_iter().map(|patch| {
+            let sides = patch.sides(2.0 * asked.tolerance);
+            Looks { asked, place: prover.place_in(&place, sides), whole: &whole }.settled(prover, patch)
+        });
+        let way = way.fold(Way::NOTHING, Way::and);
         progress((done.fetch_add(1, Relaxed) + 1) as f64 / shares.len() as f64);
         way
     });
@@ -75,9 +83,9 @@ fn patch(asked: &Asked, triangle: u32) -> Option<Patch> {
 
 struct Looks<'a> {
     asked: &'a Asked<'a>,
-    /// About the triangles and what is within twice the tolerance.
+    /// About the triangle and what is within twice the tolerance.
     place: Place,
-    whole: Place,
+    whole: &'a Place,
 }
 
 impl Looks<'_> {
@@ -89,55 +97,60 @@ impl Looks<'_> {
         let most = asked.tolerance - rounding;
         let mut open = vec![triangle];
         let mut way = Way { parts: 1, at: middle, ..Way::NOTHING };
-        let (mut tries, mut far) = (0, 0);
+        // Tries so far, and parts of which neither is proven.
+        let (mut tries, mut failed) = (0, 0);
         while let Some(patch) = open.pop() {
-            let last = patch.depth == DEEPEST || tries >= TRIES;
             // What is cut often is hard to tell, and is allowed to be farther.
-            let mut shift = (asked.fine * WIDER.powi(patch.depth as i32)).min(most);
-            let found = loop {
-                tries += 1;
-                if self.between(prover, &patch, shift) {
-                    break Some(shift);
+            let shift = (asked.fine * WIDER.powi(patch.depth as i32)).min(most);
+            tries += 1;
+            let last = patch.depth == DEEPEST || tries >= TRIES;
+            let found = if self.between(prover, &patch, shift) {
+                shift + rounding
+            } else {
+                let mut found = if patch.depth > 0 { self.about(prover, &patch, asked.tolerance) } else { f64::INFINITY };
+                // Less of what is small tells no more than is known of the whole.
+                let enough = if patch.depth >= SMALL { asked.tolerance } else { way.proven };
+                if found > asked.tolerance && (patch.depth == SMALL || last) {
+                    found = found.min(self.distance(prover, &patch, if last { BOXES } else { SOON }, &mut way));
                 }
-                if !last || shift >= most {
-                    break None;
-                }
-                shift = (2.0 * shift).min(most);
-            };
-            let found = match found {
-                None if !(last || patch.depth == FIRST && self.is_farther(prover, &patch, &mut way)) => {
+                if found > enough && !last && way.wrong.is_none() {
                     open.extend(patch.quarters());
                     continue;
                 }
-                None => self.about(prover, &patch),
-                Some(shift) => shift + rounding,
+                found
             };
             if found > way.proven {
                 (way.proven, way.at) = (found, patch.middle());
             }
-            if found > asked.tolerance && far < ASKED && way.wrong.is_none() {
-                far += 1;
-                self.is_farther(prover, &patch, &mut way);
+            failed += usize::from(found > asked.tolerance);
+            if way.wrong.is_some() || failed >= ASKED {
+                break;
             }
         }
         if way.proven > asked.tolerance {
+            // What is known of the whole is all that is known, then.
+            way.proven = self.about(prover, &triangle, FARTHEST * asked.tolerance.max(asked.mesh.cell));
             if way.wrong.is_some() {
                 way.farther = 1;
-            } else {
+            } else if way.proven > asked.tolerance {
                 (way.undecided, way.wrong) = (1, Some(way.at));
             }
         }
         way
     }
 
-    /// Whether the middle of a patch is proven to be farther from the surface than the tolerance.
-    fn is_farther(&self, prover: &mut Prover<'_>, patch: &Patch, way: &mut Way) -> bool {
+    /// A number that no point of a patch is farther from the surface than, infinite if there is none. Keeps it where the middle is proven to be farther
+    /// than the tolerance.
+    fn distance(&self, prover: &mut Prover<'_>, patch: &Patch, boxes: usize, way: &mut Way) -> f64 {
         let middle = patch.middle();
-        let farther = !self.asked.near_wall(middle) && prover.empty_ball(middle, self.asked.tolerance, BOXES) == Ball::Empty;
-        if farther {
+        if self.asked.near_wall(middle) {
+            return f64::INFINITY;
+        }
+        let Distance { at_least, at_most, .. } = prover.distance(middle, self.asked.tolerance, CLOSE, boxes);
+        if at_least >= self.asked.tolerance {
             (way.at_least, way.wrong) = (self.asked.tolerance, Some(middle));
         }
-        farther
+        patch.all(at_most)
     }
 
     /// Whether the field is surely above zero all over a patch that is moved out, and below where it is moved in.
@@ -150,7 +163,7 @@ impl Looks<'_> {
         if self.outside(&corners) {
             return 1;
         }
-        let place = if self.asked.holds(&self.place, &corners) { &self.place } else { &self.whole };
+        let place = if self.asked.holds(&self.place, &corners) { &self.place } else { self.whole };
         match prover.side_of_triangle(place, corners) {
             -1 if !self.asked.inside(&corners) => 0,
             side => side,
@@ -162,34 +175,40 @@ impl Looks<'_> {
         self.asked.cut && self.asked.beyond_a_wall(points)
     }
 
-    /// A number that no point of a patch is farther from the surface than, found by the signs at places about its middle; infinite if there is none.
-    fn about(&self, prover: &mut Prover<'_>, patch: &Patch) -> f64 {
+    /// A number that no point of a patch is farther from the surface than, by the signs at a few places about its middle; infinite if it would be more than
+    /// `most`.
+    fn about(&self, prover: &mut Prover<'_>, patch: &Patch, most: f64) -> f64 {
         let middle = patch.middle();
-        let reach = patch.corners.iter().map(|p| length(sub(*p, middle))).fold(0.0, f64::max);
-        let most = FARTHEST * self.asked.tolerance.max(self.asked.mesh.cell);
-        let mut radius = 0.5 * self.asked.fine;
-        let mut seen = [false; 2];
         let own = crate::vector::unit(add(patch.ways[0], add(patch.ways[1], patch.ways[2]))).unwrap_or([0.0; 3]);
-        while radius <= most {
-            for way in [[0.0; 3], own, scale(own, -1.0)].into_iter().chain(AROUND) {
-                let at = along(middle, way, radius);
-                let side = if self.outside(&[at]) { 1 } else { self.point(prover, at) };
-                match side {
+        let least = (0.25 * patch.reach()).max(0.5 * self.asked.fine);
+        let mut seen = [false; 2];
+        let mut radius = 0.0;
+        while patch.all(radius) <= most {
+            for way in [own, scale(own, -1.0)].into_iter().chain(AROUND).take(if radius == 0.0 { 1 } else { 2 + AROUND.len() }) {
+                match self.point(prover, along(middle, way, radius), seen) {
                     1 => seen[0] = true,
                     -1 => seen[1] = true,
                     _ => {}
                 }
                 if seen == [true; 2] {
-                    return (radius + reach) * (1.0 + 1e-9) + ROUNDED * size(middle);
+                    return patch.all(radius);
                 }
             }
-            radius *= 1.25;
+            radius = (1.25 * radius).max(least);
         }
         f64::INFINITY
     }
 
-    fn point(&self, prover: &mut Prover<'_>, at: Vec3) -> i8 {
-        let place = if self.asked.holds(&self.place, &[at]) { &self.place } else { &self.whole };
+    /// The sign of the field, cut off at the room, at a point; 0 if it is not sure, or was seen before.
+    fn point(&self, prover: &mut Prover<'_>, at: Vec3, seen: [bool; 2]) -> i8 {
+        if self.outside(&[at]) {
+            return 1;
+        }
+        let place = if self.asked.holds(&self.place, &[at]) { &self.place } else { self.whole };
+        let about = prover.value_in(place, at);
+        if if about > 0.0 { seen[0] } else { seen[1] } {
+            return 0;
+        }
         match prover.side_of_point(place, at) {
             -1 if !self.asked.inside(&[at]) => 0,
             side => side,
@@ -226,6 +245,25 @@ impl Patch {
     fn middle(&self) -> Vec3 {
         let [a, b, c] = self.corners;
         scale(add(a, add(b, c)), 1.0 / 3.0)
+    }
+
+    /// The box about it and what is no farther from it.
+    fn sides(&self, farther: f64) -> [Interval; 3] {
+        std::array::from_fn(|axis| {
+            let corners = self.corners.iter().map(|p| p.get(axis).copied().unwrap_or(0.0));
+            corners.fold(Interval::EMPTY, |all, x| all.hull(Interval::point(x))).grow(farther)
+        })
+    }
+
+    /// How far its points are from the middle at most.
+    fn reach(&self) -> f64 {
+        let middle = self.middle();
+        self.corners.iter().map(|p| length(sub(*p, middle))).fold(0.0, f64::max)
+    }
+
+    /// A number that no point is farther from the surface than, if the middle is no farther than `alone`.
+    fn all(&self, alone: f64) -> f64 {
+        (alone + self.reach()) * (1.0 + 1e-9) + ROUNDED * size(self.middle())
     }
 
     fn moved(&self, by: f64) -> [Vec3; 3] {

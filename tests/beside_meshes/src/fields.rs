@@ -15,9 +15,9 @@ use surefoot_compiler::{MemoryLoader, Options, compile};
 const HALF: f32 = 1.6;
 /// Rounds, ours and theirs in turn.
 const ROUNDS: usize = 3;
-const DEPTHS: [u8; 3] = [6, 7, 8];
+const DEPTHS: [u8; 2] = [6, 7];
 /// Cells along the longest side, of which ours takes the first that is no worse.
-const CELLS: [u32; 16] = [24, 32, 40, 48, 56, 64, 80, 96, 112, 128, 160, 192, 256, 320, 384, 512];
+const CELLS: [u32; 9] = [24, 32, 48, 64, 96, 128, 192, 256, 384];
 
 const PART: &str = "scene = (box(2.2, 0.6, 1.4) | cylinder(0.5, 1.6)) - cylinder(0.3, 4) - box(0.5).rotate(y, 45deg).translate(0.8, 0.3, 0)";
 

@@ -8,8 +8,8 @@ use surefoot_compiler::sampled::{Grid, Settings, Sign, Surface, bake};
 /// Rounds, ours and theirs in turn.
 const ROUNDS: usize = 3;
 /// Rings of a torus, and corners of each; twice as many triangles as corners.
-const MODELS: [[u32; 2]; 4] = [[32, 16], [100, 50], [400, 200], [1000, 500]];
-const RESOLUTIONS: [usize; 4] = [32, 64, 128, 256];
+const MODELS: [[u32; 2]; 3] = [[32, 16], [100, 50], [400, 200]];
+const RESOLUTIONS: [usize; 3] = [32, 64, 128];
 /// What theirs takes beyond is minutes.
 const MOST_OF_THEIRS: usize = 128;
 /// Every so many samples are compared with the plain search through all triangles.

@@ -64,20 +64,25 @@ pub fn run(scenes: &[String], cells: u32, page: Option<&Path>) -> Result<Exit, F
     }
     print(refused.as_bytes())?;
     if let Some(file) = page {
-        page::put(file, "certified", &on_page(file, &table, &refused, cells))?;
+        page::put(file, "certified", &on_page(file, scenes, &table, &refused, cells))?;
     }
     Ok(Exit::Fine)
 }
 
-fn on_page(file: &Path, table: &str, refused: &str, cells: u32) -> String {
+fn on_page(file: &Path, scenes: &[String], table: &str, refused: &str, cells: u32) -> String {
     let without = if refused.is_empty() { String::new() } else { format!("\nScenes without a mesh:\n\n{refused}") };
+    let slow = if cfg!(debug_assertions) { " Times are those of a debug build." } else { "" };
     format!(
         "# What is proven of meshes\n\n\
-         Written by `surefoot bench --certified examples/*.sdf --cells {cells} --page {}`.\n\n\
+         Written by `surefoot bench --certified {} --cells {cells} --page {}` on a machine with {} threads.{slow}\n\n\
          `surefoot mesh SCENE.sdf -o OUT.stl --certify` proves by interval arithmetic how far the surface is from the mesh at most, and the mesh\n\
          from the surface. Each mesh here has {cells} cells along its longest side. The tolerance is half a cell. *Surface to mesh* and *mesh to\n\
          surface* are the proven distances: no point is farther. They include undecided cells and triangles, and those that are proven to be\n\
-         farther than the tolerance.\n\n{table}{without}",
+         farther than the tolerance.\n\n\
+         A part that is *farther* is no failure of the proof: the mesh misses something there. It can be a detail smaller than a cell, or a crack between\n\
+         two solids of a union whose faces are flush but for rounding.\n\n{table}{without}",
+        scenes.join(" "),
         file.display(),
+        std::thread::available_parallelism().map_or(1, usize::from),
     )
 }

@@ -85,6 +85,9 @@ pub struct Args {
     /// Cells along the longest side of a mesh.
     #[arg(long, default_value_t = 64, value_name = "N", requires = "certified")]
     cells: u32,
+    /// Write the tables to this file, as a section of a page; of scenes, the curves beside it, and for a subset of the methods only the errors.
+    #[arg(long, value_name = "FILE")]
+    page: Option<std::path::PathBuf>,
     /// The largest number of balls.
     #[arg(long, default_value_t = 1_000_000, value_name = "N", requires = "balls")]
     most: u32,
@@ -127,7 +130,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         return in_window(path);
     }
     if !args.certified.is_empty() {
-        return certified::run(&args.certified, args.cells, page_of(args));
+        return certified::run(&args.certified, args.cells, args.page.as_deref());
     }
     let Some(path) = &args.compile else { return drawn(args) };
     let first = compile_file(path, &Options::default())?;
@@ -152,20 +155,9 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     Ok(Exit::Fine)
 }
 
-/// The page to write into, where one is asked for.
-#[cfg(feature = "gpu")]
-fn page_of(args: &Args) -> Option<&std::path::Path> {
-    args.error.page.as_deref()
-}
-
-#[cfg(not(feature = "gpu"))]
-fn page_of(_: &Args) -> Option<&std::path::Path> {
-    None
-}
-
 /// Writes the table of operands into a page, where one is asked for.
 fn keep(args: &Args, table: &str) -> Result<Exit, Failure> {
-    if let Some(file) = page_of(args) {
+    if let Some(file) = &args.page {
         let words = format!("## Many operands\n\nWritten by `surefoot bench --operands --page {}`.\n\n{table}", file.display());
         super::page::put(file, "operands", &words)?;
     }
@@ -175,7 +167,7 @@ fn keep(args: &Args, table: &str) -> Result<Exit, Failure> {
 /// What a graphics adapter is measured with.
 #[cfg(feature = "gpu")]
 fn drawn(args: &Args) -> Result<Exit, Failure> {
-    let page = page_of(args);
+    let page = args.page.as_deref();
     if !args.light.is_empty() {
         light::run(&args.light, page)
     } else if !args.ablation.is_empty() {
@@ -189,7 +181,7 @@ fn drawn(args: &Args) -> Result<Exit, Failure> {
     } else if !args.hand.is_empty() {
         hand::run(&args.hand, args.error.rounds.unwrap_or(20), page)
     } else {
-        error::run(&args.scenes, &args.error, args.json.as_deref())
+        error::run(&args.scenes, &args.error, args.json.as_deref(), page)
     }
 }
 

@@ -25,7 +25,7 @@ use surefoot_runtime::passes::rays::{FUNCTIONS, Follower, Rays};
 use truth::{Answer, BOXES, Errors, View};
 
 /// Measures scenes, prints tables, writes numbers and curves.
-pub fn run(paths: &[String], args: &Args, json: Option<&Path>) -> Result<Exit, Failure> {
+pub fn run(paths: &[String], args: &Args, json: Option<&Path>, page: Option<&Path>) -> Result<Exit, Failure> {
     if !args.size.0.is_multiple_of(8) {
         return Err(Failure::usage("the width of --size must be a multiple of 8".to_owned()));
     }
@@ -53,9 +53,9 @@ pub fn run(paths: &[String], args: &Args, json: Option<&Path>) -> Result<Exit, F
     if let Some(file) = &args.plot {
         plot::write(file, gpu.name(), &scenes)?;
     }
-    if let Some(file) = args.page.as_ref().filter(|_| !args.methods.is_empty()) {
+    if let Some(file) = page.filter(|_| !args.methods.is_empty()) {
         report::write_errors(file, gpu.name(), args, &scenes)?;
-    } else if let Some(file) = &args.page {
+    } else if let Some(file) = page {
         let curves = file.with_extension("svg");
         plot::write(&curves, gpu.name(), &scenes)?;
         report::write_page(file, &curves, &gpu, args, &scenes)?;

@@ -28,9 +28,6 @@ pub struct Args {
     /// Write curves of time against error to this file as SVG.
     #[arg(long, value_name = "FILE")]
     pub(super) plot: Option<PathBuf>,
-    /// Write the tables to this file, as a section of a page, and the curves beside it; for a subset of the methods only the errors.
-    #[arg(long, value_name = "FILE")]
-    pub page: Option<PathBuf>,
 }
 
 impl Args {
