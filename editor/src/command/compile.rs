@@ -290,6 +290,9 @@ pub fn left_out(compiled: &Compiled, module: &Module) {
     if module.draws && (compiled.blocks.environment.is_some() || compiled.blocks.capture.is_some()) {
         eprintln!("note: left out: images of the sky; the module draws the sky of a scene that names none");
     }
+    if module.draws && compiled.blocks.bloom.is_some() {
+        eprintln!("note: left out: bloom; bright places have no glow");
+    }
 }
 
 /// WGSL's types of one to four numbers.

@@ -28,7 +28,7 @@ async function webgpu() {
   if (!adapter) throw new Error('This browser offers no WebGPU. Chrome, Edge, Safari 26 and Firefox 141 do on most devices.');
   const device = await adapter.requestDevice();
   device.lost.then((why) => { says.textContent = `The graphics device is gone: ${why.message}`; });
-  const code = document.getElementById('module').textContent;
+  const code = await unpacked(document.getElementById('module').textContent).text();
   const module = device.createShaderModule({ code });
   const errors = (await module.getCompilationInfo()).messages.filter((m) => m.type === 'error');
   if (errors.length) throw new Error(errors.map((m) => `${m.lineNum}: ${m.message}`).join('\n'));

@@ -69,7 +69,7 @@ pub fn write(compiled: &Compiled, live: &Live, parameters: &[Value], title: &str
         ("POSTER", &poster),
         ("PANEL", panel),
         ("SCENE", &harmless(&scene)),
-        ("MODULE", &module.code().replace("</", "< /")),
+        ("MODULE", &packed(module.code().as_bytes())),
         ("GLSL", &glsl),
         ("SCRIPT", SCRIPT),
     ];
