@@ -14,23 +14,13 @@ mod three;
 
 use engine::Engine;
 use fields::PREFIX;
+pub use page::Showing;
 use serde_json::Value;
 use surefoot_compiler::Options;
 use surefoot_compiler::compiled::{Colors, Compiled, Entry, Live, Uniforms};
 use surefoot_compiler::emit::{Target, translate, vertex_shader};
 
 const UNDRAWN: &str = "the scene can't be drawn";
-
-/// How a page shows a scene.
-#[derive(Clone, Debug, Default)]
-pub struct Showing {
-    /// Width and height in CSS pixels; else it fills the window.
-    pub size: Option<(u32, u32)>,
-    /// Whether there is nothing beside the picture.
-    pub bare: bool,
-    /// What is seen before the first picture, and where nothing can draw one: a JPEG.
-    pub poster: Option<Vec<u8>>,
-}
 
 /// A host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 //! style by their digests, and forbids all else.
 
 use super::digest::{base64, sha256};
+use super::fields::PREFIX;
 use super::fill::fill;
-use super::{PREFIX, Showing};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use serde_json::{Value, json};
@@ -20,6 +20,17 @@ const SCRIPT: &str = include_str!("page.js");
 const MOST_ROWS: usize = 256;
 
 const PANEL: &str = "<details open><summary>Parameters</summary><form></form><button id=\"pause\" type=\"button\">Pause</button></details>\n";
+
+/// How a page shows a scene.
+#[derive(Clone, Debug, Default)]
+pub struct Showing {
+    /// Width and height in CSS pixels; else it fills the window.
+    pub size: Option<(u32, u32)>,
+    /// Whether there is nothing beside the picture.
+    pub bare: bool,
+    /// What is seen before the first picture, and where nothing can draw one: a JPEG.
+    pub poster: Option<Vec<u8>>,
+}
 
 /// The page.
 pub fn write(compiled: &Compiled, live: &Live, parameters: &[Value], title: &str, showing: &Showing) -> String {
