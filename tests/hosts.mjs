@@ -82,8 +82,9 @@ try {
   const by = await tab.evaluate(() => document.body.dataset.by);
   if (by) console.log(`first picture after ${((await tab.evaluate(() => Number(document.body.dataset.first))) / 1000).toFixed(1)} s, by ${by}`);
   if (by && (by === 'webgl') !== (how === 'webgl')) failed.push(`it is drawn by ${by}`);
-  // A page whose time goes on draws again and again; the space bar stops it. Parameters stand over its picture.
-  await tab.evaluate(() => document.querySelector('canvas').dispatchEvent(new KeyboardEvent('keydown', { key: ' ' })));
+  // A page whose time goes on draws again and again, with fewer pixels; the space bar stops it, and Home puts it back. Parameters stand over its picture.
+  for (const key of [' ', 'Home']) await tab.evaluate((key) => document.querySelector('canvas').dispatchEvent(new KeyboardEvent('keydown', { key })), key);
+  if (by) await tab.waitForSelector('canvas[data-sharp=true]', { timeout: 240_000 });
   await tab.evaluate(() => document.querySelector('details')?.remove());
   await tab.locator('canvas').screenshot({ path: picture, timeout: 240_000 });
 } catch (error) {

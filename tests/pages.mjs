@@ -42,8 +42,8 @@ writeFileSync(join(tests, '..', 'docs', 'pages.md'), `# Pages of the examples
 
 \`surefoot export SCENE.sdf -o PAGE.html\` writes one page. These were opened in Chromium without a screen and without WebGPU: WebGL 2 by
 SwiftShader, a program, on ${cpus().length} cores, with whatever else the machine did. The first picture stands there once the shader is
-compiled. A pixel differs if a colour is more than 12 of 255 levels from the picture of \`surefoot render --samples 1\`. Pages with a poster
-are larger by its 20 to 60 KB.
+compiled; it is small, and the next one is not. A pixel differs if a colour is more than 12 of 255 levels from the picture of \`surefoot render --samples 1\`. Where
+something is left out, that is what differs. Pages with a poster are larger by its 20 to 60 KB.
 
 \`node tests/pages.mjs target/debug/surefoot FOLDER\` writes this page.
 

@@ -149,7 +149,7 @@ async function start() {
   const change = () => {
     moved = performance.now();
     changes += 1;
-    sharp = false;
+    canvas.dataset.sharp = sharp = false;
     if (!due) requestAnimationFrame(turn);
     due = true;
   };
@@ -164,7 +164,7 @@ async function start() {
     const took = await draw(rests ? 1 : scale);
     if (!rests) scale = Math.min(1, Math.max(0.2, scale * Math.min(1.2, Math.max(0.5, Math.sqrt(LONGEST / Math.max(took, 1))))));
     // What changed while this was drawn is drawn next.
-    sharp = known === changes && (rests || scale === 1);
+    canvas.dataset.sharp = sharp = known === changes && (rests || scale === 1);
     busy = false;
     if ((running || !sharp) && !due) {
       due = true;
@@ -199,9 +199,11 @@ async function start() {
   while (!sharp && !running) await new Promise((go) => { setTimeout(go, 20); });
 }
 
-// The eye goes around what it looks at: drag, or two fingers or the wheel to go nearer; a double click goes back.
+// The eye goes around what it looks at: drag, or two fingers or the wheel to go nearer; a double click goes back. The key Home does so, and puts the time
+// back, too.
 function orbit(change) {
   const home = { eye: three('view_eye'), aim: three('view_look_at'), height: at('view_height') === undefined ? 0 : block[at('view_height')] };
+  const began = at('time') === undefined ? 0 : block[at('time')];
   const way = home.eye.map((c, i) => c - home.aim[i]);
   let turn, rise, far, nearer;
   const reset = () => {
@@ -259,7 +261,10 @@ function orbit(change) {
     ArrowDown: () => { rise = Math.max(-1.55, rise - 0.1); },
     '+': () => { nearer = Math.max(0.05, nearer / 1.1); },
     '-': () => { nearer = Math.min(20, nearer * 1.1); },
-    Home: reset,
+    Home: () => {
+      reset();
+      set('time', [began]);
+    },
   };
   canvas.addEventListener('keydown', (event) => {
     if (!keys[event.key] || event.ctrlKey || event.metaKey) return;
