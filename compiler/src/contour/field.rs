@@ -41,8 +41,8 @@ impl Field {
         Ok(Self { field: tape(&[field])?, bound: tape(&[bound])?, gradient, cut })
     }
 
-    /// The same for what is no farther than `farther` from the box about some points, along each axis: what can't matter there is left out, and the values
-    /// stay as they are.
+    /// The same field with shorter formulas, for the box about some points and `farther` around it. What can't matter there is left out.
+    /// Values there stay as they are.
     pub fn near(&self, points: impl Iterator<Item = Vec3>, farther: f64) -> Self {
         let mut region = [Interval::EMPTY; 3];
         for point in points {

@@ -139,8 +139,8 @@ impl Looks<'_> {
         way
     }
 
-    /// A number that no point of a patch is farther from the surface than, infinite if there is none. Keeps it where the middle is proven to be farther
-    /// than the tolerance.
+    /// The most that any point of a patch is away from the surface; infinite if that is not known. Keeps the middle where it is proven to be
+    /// farther than the tolerance.
     fn distance(&self, prover: &mut Prover<'_>, patch: &Patch, boxes: usize, way: &mut Way) -> f64 {
         let middle = patch.middle();
         if self.asked.near_wall(middle) {
@@ -175,8 +175,7 @@ impl Looks<'_> {
         self.asked.cut && self.asked.beyond_a_wall(points)
     }
 
-    /// A number that no point of a patch is farther from the surface than, by the signs at a few places about its middle; infinite if it would be more than
-    /// `most`.
+    /// The same by the signs of the field at a few places about the middle. Infinite if it would be more than `most`.
     fn about(&self, prover: &mut Prover<'_>, patch: &Patch, most: f64) -> f64 {
         let middle = patch.middle();
         let own = crate::vector::unit(add(patch.ways[0], add(patch.ways[1], patch.ways[2]))).unwrap_or([0.0; 3]);
@@ -206,7 +205,8 @@ impl Looks<'_> {
         }
         let place = if self.asked.holds(&self.place, &[at]) { &self.place } else { self.whole };
         let about = prover.value_in(place, at);
-        if if about > 0.0 { seen[0] } else { seen[1] } {
+        let [above, below] = seen;
+        if (about > 0.0 && above) || (about <= 0.0 && below) {
             return 0;
         }
         match prover.side_of_point(place, at) {

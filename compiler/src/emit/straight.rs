@@ -1,5 +1,7 @@
-//! GLSL with few branches. A branch that meets again costs time to compile: SwiftShader, by which browsers draw without a graphics card, follows all ways
-//! through a loop, and they are twice as many for each such branch. So nothing that is only chosen is branched for.
+//! GLSL with few branches.
+//!
+//! A branch whose ways meet again costs time to compile. SwiftShader draws in browsers without a graphics card. It follows all ways through
+//! a loop, and each such branch doubles their number. So a value that is only chosen gets no branch.
 
 use naga::{Block, Module, Statement};
 
@@ -57,9 +59,13 @@ bool NAME(bool no, bool yes, bool c) { return (c && yes) || (!c && no); }
 
 ";
 
-/// The text with each `(condition ? chosen : otherwise)`, as naga writes it, without a branch. `name` is that of the functions that choose; they stand
-/// before the first function.
+/// The text with a call for each `(condition ? chosen : otherwise)` that naga wrote. The functions that are called choose without a branch.
+/// They stand before the first function. Their name is `name`, longer where the text has that already.
 pub fn choices(text: &str, name: &str) -> String {
+    let mut name = name.to_owned();
+    while text.contains(&name) {
+        name.push_str("ed");
+    }
     let mut out = String::with_capacity(text.len() + PICK.len());
     // For each parenthesis that is open: where it is in `out`, and where its condition and what it chooses end there.
     let mut open: Vec<(usize, Option<usize>, Option<usize>)> = Vec::new();
@@ -92,7 +98,7 @@ pub fn choices(text: &str, name: &str) -> String {
         }
         out.push_str(before);
     }
-    if picks { with_picks(&out, name) } else { out }
+    if picks { with_picks(&out, &name) } else { out }
 }
 
 /// The text with the functions that choose before its first function.

@@ -496,6 +496,8 @@ fn glsl_chooses_without_branches() {
     let straight = super::straight::choices(text, "pick");
     assert!(straight.starts_with("// (a ? b : c)\n") && straight.contains("return pick(0.0, (pick(f(2.0), y, (1.0 < x)) + 1.0), c);"), "{straight}");
     assert_eq!(super::straight::choices("int a = (b + c);\n", "pick"), "int a = (b + c);\n");
+    // A name that the text has is not taken again.
+    assert!(super::straight::choices("float pick(float a) {\n    return (a < 0.0 ? a : pick(1.0));\n}\n", "pick").contains("return picked(pick(1.0), a, a < 0.0);"));
     // A module with a shadow, lights and reflections holds nothing that naga writes under a condition of its own.
     let scene = "light { direction: (0, -1, 0) }\nrender { reflections: 2 }\nmaterial mirror { roughness: 0.1 }\nscene = plane(y) | box(1).twist(y, 0.3).material(mirror)\n";
     let loader = crate::MemoryLoader::new().with("main.sdf", scene);

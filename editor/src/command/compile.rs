@@ -148,10 +148,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     };
     let (outcome, _) = values::read(&args.scene, &args.set, &options)?;
     let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
-    if let Some(live) = compiled.parameters.iter().find(|p| p.first.is_some() && args.set.iter().any(|s| s.name == p.name)) {
-        let name = &live.name;
-        return Err(Failure::usage(format!("--set {name}=…: only choices are set here; a module's host writes `{name}` into the uniform block")));
-    }
+    only_choices(args, compiled)?;
     if show_broken(&outcome, &crate::picture::broken_meshes(compiled)) == Exit::Errors {
         return Ok(Exit::Errors);
     }
@@ -231,6 +228,18 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     Ok(Exit::Fine)
 }
 
+/// Refuses values at the start of what a host sets by itself.
+fn only_choices(args: &Args, compiled: &Compiled) -> Result<(), Failure> {
+    let set = |name: &str| args.set.iter().any(|setting| setting.name == name);
+    match compiled.parameters.iter().find(|p| p.first.is_some() && set(&p.name)) {
+        None => Ok(()),
+        Some(live) => {
+            let name = &live.name;
+            Err(Failure::usage(format!("--set {name}=…: only choices are set here; the host sets `{name}`. A page starts with it by `surefoot export --set {name}=…`")))
+        }
+    }
+}
+
 /// What a host shows of a scene beside its picture: its name, and its parameters as data.
 pub fn shown(scene: &str, compiled: &Compiled) -> (String, Vec<Value>) {
     let title = Path::new(scene).file_stem().map_or(String::new(), |name| name.to_string_lossy().into_owned());
@@ -243,6 +252,7 @@ fn for_host(args: &Args, host: Host) -> Result<Exit, Failure> {
     let options = Options { strict: args.strict, ..host.options() };
     let (outcome, _) = values::read(&args.scene, &args.set, &options)?;
     let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
+    only_choices(args, compiled)?;
     if show_broken(&outcome, &crate::picture::broken_meshes(compiled)) == Exit::Errors {
         return Ok(Exit::Errors);
     }

@@ -37,7 +37,7 @@ fn a_page_is_one_file_that_loads_nothing() {
     let (code, odd, says) = run(&folder, &["compile", "odd.sdf", "--for", "html"]);
     assert_eq!(code, 0, "{says}");
     assert_eq!((odd.matches("<script").count(), odd.matches("</script>").count(), odd.matches("<b>").count()), (4, 4, 0));
-    for wrong in [vec!["--target", "glsl"], vec!["-o", "page.png"]] {
+    for wrong in [vec!["--target", "glsl"], vec!["-o", "page.png"], vec!["--set", "size=0.5"]] {
         let (code, _, says) = run(&folder, &[&["compile", "good.sdf", "--for", "html"], &wrong[..]].concat());
         assert_eq!(code, 2, "{says}");
     }
