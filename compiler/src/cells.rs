@@ -42,13 +42,13 @@ impl ModuleTables {
     }
 }
 
-/// What a module's `sf_lists` holds: for each table a head, the whole list, and the lists of its cells; then the grids. `cells`: whether there are
+/// What a module's `sf_lists` holds: for each table a head, the whole list, and the lists of its cells; then the grids and the outlines. `cells`: whether there are
 /// cells; without them the whole lists count everywhere.
 ///
 /// The head: first and last entry of the whole list; levels; the first cell of level 0; the center; one over half the innermost box's sides; the
 /// cells along its axes; those along an axis of other levels; where the cells' spans begin.
 pub fn lists(tables: &Tables, cells: bool) -> Vec<u32> {
-    let mut lists = vec![0; HEAD as usize * (tables.tables.len() + tables.grids.len())];
+    let mut lists = vec![0; HEAD as usize * (tables.tables.len() + tables.grids.len() + tables.outlines.len())];
     let mut ordered: Vec<&Table> = tables.tables.values().collect();
     ordered.sort_unstable_by_key(|t| t.index);
     for table in ordered {
@@ -74,8 +74,10 @@ pub fn lists(tables: &Tables, cells: bool) -> Vec<u32> {
             slot.copy_from_slice(&head);
         }
     }
-    for (kept, at) in tables.grids.iter().zip(tables.tables.len()..) {
-        let (head, words) = kept.grid.words(lists.len() as u32);
+    let grids = tables.grids.iter().map(|kept| &*kept.data as &dyn Data);
+    let outlines = tables.outlines.iter().map(|kept| &*kept.data as &dyn Data);
+    for (data, at) in grids.chain(outlines).zip(tables.tables.len()..) {
+        let (head, words) = data.words(lists.len() as u32);
         lists.extend(words);
         let at = HEAD as usize * at;
         if let Some(slot) = lists.get_mut(at..at + head.len()) {

@@ -12,7 +12,8 @@ use surefoot_compiler::graph::interval::Interval;
 use surefoot_compiler::graph::kernel::{self, Op};
 use surefoot_compiler::random::Random;
 use surefoot_compiler::reference::{Area, Reference, View, rgb8};
-use surefoot_compiler::sampled::{self, Grid, Kept, Sign, Surface};
+use surefoot_compiler::kept::Kept;
+use surefoot_compiler::sampled::{self, Grid, Sign, Surface};
 use surefoot_compiler::verify::{Settings, WORK, verify};
 use surefoot_compiler::{Loader, compile};
 use surefoot_runtime::headless::{self, FORMAT, Shot};
@@ -107,7 +108,7 @@ fn grid() -> Arc<Grid> {
 #[test]
 fn values_and_slopes_lie_within_their_intervals() {
     let kept = Kept::new(grid());
-    let (grid, mut random) = (&kept.grid, Random(3));
+    let (grid, mut random) = (&kept.data, Random(3));
     for round in 0..20_000 {
         // Boxes from a part of a cell to much of the grid, also beyond its wall.
         let half = 10f64.powf(-3.0 + 3.5 * random.next());
@@ -137,7 +138,7 @@ fn a_number_is_that_of_the_content() {
     let (one, same) = (Kept::new(grid()), Kept::new(Arc::new((*grid()).clone())));
     assert_eq!(one.number, same.number);
     assert!(Arc::ptr_eq(&one.grid, &same.grid));
-    assert!(Kept::find(one.number).is_some() && one.number.fract() == 0.0 && one.number < 16_777_216.0);
+    assert!(Kept::<Grid>::find(one.number).is_some() && one.number.fract() == 0.0 && one.number < 16_777_216.0);
     assert_eq!(kernel::value(Op::Sampled, &[0.5, 0.0, 0.0, 0.0]), 0.0, "no grid has such a number");
 }
 
@@ -282,7 +283,7 @@ fn a_field_that_became_a_mesh_and_a_field_again_is_where_it_was() {
         std::fs::write(&path, "scene = mesh_field(\"pyramid.obj\", resolution: 96)").unwrap();
         let again = compile_file(path.to_str().unwrap()).unwrap();
         let surface = Surface::new(&mesh.vertices, &mesh.triangles, Sign::Auto).unwrap();
-        let [_, near] = sampled::measure(&again.graph.grids[0].grid, &surface, 20_000);
+        let [_, near] = sampled::measure(&again.graph.grids[0].data, &surface, 20_000);
         let most = TOLERANCE + near.largest;
         let tapes = [&first, &again].map(|scene| {
             let formulas = &scene.functions.formulas;
@@ -324,7 +325,7 @@ fn what_is_baked_is_the_nearer_the_more_cells_there_are() {
     let [coarse, fine] = [24, 96].map(|cells| {
         let scene = compiled("fine", &format!("scene = {text}.baked({cells})"));
         let [baked] = &scene.graph.baked[..] else { panic!("{:?}", scene.graph.baked) };
-        let grid = &scene.graph.grids[0].grid;
+        let grid = &scene.graph.grids[0].data;
         // Where the formula is zero the grid is nearly.
         let off: Vec<f64> = places.iter().map(|p| grid.inside(*p).abs()).collect();
         let (largest, mean) = (off.iter().copied().fold(0.0, f64::max), off.iter().sum::<f64>() / 1000.0);
@@ -342,7 +343,7 @@ fn what_is_baked_keeps_its_material_and_is_sampled_once() {
     let mut compiled = || surefoot_compiler::compile_remembering(&loader, "main.sdf", &Options::default(), &mut memory, &mut |_| {}).compiled.unwrap();
     let (first, second) = (compiled(), compiled());
     assert_eq!(first.graph.grids.len(), 1);
-    assert!(Arc::ptr_eq(&first.graph.grids[0].grid, &second.graph.grids[0].grid));
+    assert!(Arc::ptr_eq(&first.graph.grids[0].data, &second.graph.grids[0].data));
     let color = first.functions.surface.color.map(|node| first.graph.as_constant(node));
     assert_eq!(color, [Some(1.0), Some(0.0), Some(0.0)]);
 }

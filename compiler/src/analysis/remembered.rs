@@ -113,8 +113,8 @@ impl Facts {
                     digest(&(1, i, range))
                 }
                 Node::Leaf(leaf) => digest(&(2, leaf)),
-                // A grid's number may be another one's by now.
-                Node::Op(op, _) if op.reads_grid() => digest(&(8, op, args, graph.grid_of(id).map(|kept| kept.grid.content()))),
+                // The number of a grid or an outline may be another one's by now.
+                Node::Op(op, _) if op.reads_data() => digest(&(8, op, args, graph.content_of(id))),
                 Node::Op(op, _) => digest(&(3, op, args)),
                 Node::Call(shape, function, _) => digest(&(4, self.content_of_shape(graph, *shape), function, args)),
                 Node::Claim(_, Claim::Continuous) => digest(&(5, args)),

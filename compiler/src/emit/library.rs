@@ -212,7 +212,80 @@ fn sf_sampled_slope(grid: f32, x: f32, y: f32, z: f32) -> vec3f {
   return s.scale * vec3f(line.y - line.x, mix(up.x, up.y, s.at.x), mix(across.x, across.y, s.at.x));
 }
 " },
+    // The twin of `Outline::at` and `Curve::nearest` in `outline/`.
+    Piece { name: "outlined", text: "\
+// The signed distance to an outline, and how it changes along x and y. A piece of the outline is a curve a + 2 b t + c t².
+fn sf_outlined(outline: f32, x: f32, y: f32) -> vec3f {
+  let head = sf_outline_head(outline);
+  let low = vec2f(bitcast<f32>(sf_lists[head]), bitcast<f32>(sf_lists[head + 1u]));
+  let high = vec2f(bitcast<f32>(sf_lists[head + 2u]), bitcast<f32>(sf_lists[head + 3u]));
+  let counts = vec2u(sf_lists[head + 5u], sf_lists[head + 6u]);
+  let q = clamp(vec2f(x, y), low, high);
+  let cell = min(vec2u((q - low) * bitcast<f32>(sf_lists[head + 4u])), counts - 1u);
+  let first = sf_lists[head + 8u] + sf_lists[sf_lists[head + 7u] + cell.y * counts.x + cell.x];
+  let end = first + sf_lists[first];
+  let pieces = sf_lists[head + 9u];
+  var best = 1e30;
+  var away = vec2f(1.0, 0.0);
+  var along = vec2f(0.0, 1.0);
+  for (var i = first; i < end; i += 1u) {
+    let at = pieces + 10u * sf_lists[i + 1u];
+    let start = vec2f(bitcast<f32>(sf_lists[at]), bitcast<f32>(sf_lists[at + 1u])) - q;
+    let middle = vec2f(bitcast<f32>(sf_lists[at + 2u]), bitcast<f32>(sf_lists[at + 3u])) - q;
+    let last = vec2f(bitcast<f32>(sf_lists[at + 4u]), bitcast<f32>(sf_lists[at + 5u])) - q;
+    let b = middle - start;
+    let c = last - middle - b;
+    let chord = last - start;
+    var t = clamp(-dot(start, chord) / max(dot(chord, chord), 1e-30), 0.0, 1.0);
+    for (var round = 0u; round < 3u; round += 1u) {
+      let r = start + (2.0 * b + c * t) * t;
+      let d = b + c * t;
+      let speed = dot(d, d);
+      let slope = 2.0 * speed + dot(r, c);
+      // Beyond the centre of curvature the point is the farthest one.
+      t = select(t, clamp(t - dot(r, d) / slope, 0.0, 1.0), slope > 0.01 * speed);
+    }
+    var to = start + (2.0 * b + c * t) * t;
+    var squared = dot(to, to);
+    if dot(start, start) < squared {
+      t = 0.0;
+      to = start;
+      squared = dot(start, start);
+    }
+    if dot(last, last) < squared {
+      t = 1.0;
+      to = last;
+      squared = dot(last, last);
+    }
+    if squared < best {
+      best = squared;
+      away = -to;
+      along = b + c * t;
+      if t < 1e-5 {
+        along = vec2f(bitcast<f32>(sf_lists[at + 6u]), bitcast<f32>(sf_lists[at + 7u]));
+      } else if t > 0.99999 {
+        along = vec2f(bitcast<f32>(sf_lists[at + 8u]), bitcast<f32>(sf_lists[at + 9u]));
+      }
+    }
+  }
+  let way = sqrt(best);
+  let side = select(1.0, -1.0, along.x * away.y > along.y * away.x);
+  // On the outline itself, straight out of the fill.
+  let out = vec2f(along.y, -along.x) / max(length(along), 1e-30);
+  let gradient = select(out, away * (side / max(way, 1e-30)), way > 1e-12);
+  // Beyond the cells, a right angle at their wall.
+  let beyond = vec2f(x, y) - q;
+  if all(beyond == vec2f(0.0)) {
+    return vec3f(side * way, gradient);
+  }
+  let value = length(vec3f(way, beyond));
+  return vec3f(value, (select(vec2f(0.0), gradient * (side * way), beyond == vec2f(0.0)) + beyond) / value);
+}
+" },
 ];
+
+/// The helper that reads outlines.
+pub const OUTLINES: &str = "outlined";
 
 /// The helper that reads grids.
 pub const GRIDS: &str = "samples";

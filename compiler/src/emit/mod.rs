@@ -281,7 +281,7 @@ fn reserved_names(prefix: &str) -> Scope {
     let mut names = Scope::default();
     let exports = Export::ALL.iter().map(|e| e.name());
     let helpers = library::HELPERS.iter().map(|h| h.name);
-    let others = ["Around", "around", "extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists", "planes", "ahead", "rest_bound", "rest_distance", "region_low", "region_high", "passage", "shares", "across", "grid_head"];
+    let others = ["Around", "around", "extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists", "planes", "ahead", "rest_bound", "rest_distance", "region_low", "region_high", "passage", "shares", "across", "grid_head", "outline_head"];
     for text in exports.chain(helpers).chain(library::STRUCTURES).chain(others) {
         names.reserve(&format!("{prefix}{text}"));
     }
@@ -463,8 +463,15 @@ fn declarations(context: &Context, facts: &header::Facts, buffers: bool, wgsl: &
         let (low, high) = (corner(|i| i.lo), corner(|i| i.hi));
         let _ = write!(wgsl, "\nconst {prefix}region_low = vec3f({low});\nconst {prefix}region_high = vec3f({high});\n");
     }
+    let Tables { tables, grids, .. } = context.tables;
+    let first = table::HEAD * tables.len() as u32;
+    if context.has_outlines() {
+        // A text has no heads but those of outlines, after its lists.
+        let before = if buffers { first + table::HEAD * grids.len() as u32 } else { table::text::entries(context.tables).iter().map(Vec::len).sum::<usize>() as u32 };
+        table::text::heads(context, "outline", before, &context.tables.outlines, wgsl);
+    }
     if context.has_grids() {
-        table::text::grid_heads(context, wgsl);
+        table::text::heads(context, "grid", first, &context.tables.grids, wgsl);
     }
     for piece in context.helpers.pieces().filter(|p| buffers || p.name != "span") {
         let _ = write!(wgsl, "\n{}", prefixed(&with_rounding(piece.text, context.rounding), prefix));

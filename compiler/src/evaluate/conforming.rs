@@ -4,7 +4,9 @@
 use super::{INPUTS, Tape};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Accuracy, Op};
-use crate::sampled::Kept;
+use crate::kept::Kept;
+use crate::outline::Outline;
+use crate::sampled::Grid;
 
 /// The most that a unit in the last place of a number in 32 bits is, of that number.
 const ULP: f64 = f32::EPSILON as f64;
@@ -67,6 +69,7 @@ fn answers(op: Op, arguments: [Interval; 4]) -> Interval {
             kernel::interval(op, &[angle]).grow(SINE)
         }
         _ if op.reads_grid() => read(op, arguments),
+        Op::Outlined => nearest(arguments),
         _ => match op.row().accuracy {
             Accuracy::Exact | Accuracy::Inherited => right,
             Accuracy::Rounded => ulps(right, 1.0),
@@ -78,12 +81,19 @@ fn answers(op: Op, arguments: [Interval; 4]) -> Interval {
 
 /// What is read from a grid at a place that is rounded when it is counted in cells, between samples that are mixed in three rounds.
 fn read(op: Op, [number, place @ ..]: [Interval; 4]) -> Interval {
-    let Some(grid) = Kept::find(number.lo) else { return Interval::ZERO };
+    let Some(grid) = Kept::<Grid>::find(number.lo) else { return Interval::ZERO };
     let far = grid.shape().origin.into_iter().chain(grid.shape().end()).fold(0.0, |far: f64, c| far.max(c.abs()));
     let [x, y, z] = place.map(|c| c.grow(4.0 * ULP * (far + c.magnitude())));
     let right = kernel::interval(op, &[number, x, y, z]);
     let (values, steepest) = (grid.hull().values, grid.hull().lipschitz);
     right.grow(8.0 * ULP * if op == Op::Sampled { values[0].abs().max(values[1].abs()) } else { steepest + values[1].abs() / grid.shape().cell })
+}
+
+/// The distance to an outline, from a place and to pieces whose coordinates are rounded on the way, as is that of the nearest place along them.
+fn nearest([number, x, y, _]: [Interval; 4]) -> Interval {
+    let Some(outline) = Kept::<Outline>::find(number.lo) else { return Interval::ZERO };
+    let far = outline.size() + x.magnitude() + y.magnitude();
+    kernel::interval(Op::Outlined, &[number, x, y]).grow(16.0 * ULP * far)
 }
 
 /// An exponential, of whatever base, of `x`: `3 + 2 |x|` units.

@@ -5,7 +5,9 @@
 //! same way everywhere: no operation gives NaN.
 
 use crate::graph::interval::Interval;
-use crate::sampled::{Grid, Hull, Kept};
+use crate::kept::Kept;
+use crate::outline::{Nearest, Outline};
+use crate::sampled::{Grid, Hull};
 
 /// How a WGSL implementation may err, from the accuracy table of the WGSL specification (§ 15.7.4).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,6 +95,16 @@ impl Op {
     /// Whether it reads a grid, whose number is its first argument.
     pub fn reads_grid(self) -> bool {
         matches!(self, Op::Sampled | Op::SampledX | Op::SampledY | Op::SampledZ)
+    }
+
+    /// Whether it reads an outline, whose number is its first argument.
+    pub fn reads_outline(self) -> bool {
+        matches!(self, Op::Outlined | Op::OutlinedX | Op::OutlinedY)
+    }
+
+    /// Whether it reads data by its number.
+    pub fn reads_data(self) -> bool {
+        self.reads_grid() || self.reads_outline()
     }
 
     /// What is left of a number when its whole part by this operation is taken away. None of operations that find no whole part.
@@ -230,11 +242,41 @@ kernel! {
     SampledZ "sampled_z" 4 false Number true 9 Inherited, "sf_sampled_slope({0}, {1}, {2}, {3}).z",
         |[g, x, y, z]| sampled(g, |grid| grid.gradient([x, y, z])[2]), |[g, x, y, z]| sampled_interval(g, [x, y, z], |hull| hull.slopes[2]),
         "How fast the value of a grid changes along z, within a cell of it.";
+    Outlined "outlined" 3 false Number false 9 Inherited, "sf_outlined({0}, {1}, {2}).x",
+        |[n, x, y, _]| outlined(n, [x, y], |near| near.value), |[n, x, y, _]| outlined_interval(n, [x, y]),
+        "The signed distance to the outline of this number, in a plane.";
+    OutlinedX "outlined_x" 3 false Number true 9 Inherited, "sf_outlined({0}, {1}, {2}).y",
+        |[n, x, y, _]| outlined(n, [x, y], |near| near.gradient[0]), |_| UNIT,
+        "How fast the distance to an outline changes along x.";
+    OutlinedY "outlined_y" 3 false Number true 9 Inherited, "sf_outlined({0}, {1}, {2}).z",
+        |[n, x, y, _]| outlined(n, [x, y], |near| near.gradient[1]), |_| UNIT,
+        "How fast the distance to an outline changes along y.";
+}
+
+/// What a direction's coordinates lie between.
+const UNIT: Interval = Interval { lo: -1.0, hi: 1.0 };
+
+/// What an outline says; nought where there is none.
+fn outlined(number: f64, p: [f64; 2], of: impl Fn(Nearest) -> f64) -> f64 {
+    Kept::<Outline>::find(number).map_or(0.0, |outline| of(outline.at(p)))
+}
+
+fn outlined_interval(number: Interval, [x, y]: [Interval; 2]) -> Interval {
+    if x.is_empty() || y.is_empty() {
+        return I::EMPTY;
+    }
+    if !number.is_point() {
+        return I::ALL;
+    }
+    Kept::<Outline>::find(number.lo).map_or(I::ZERO, |outline| {
+        let [lo, hi] = outline.value_within([x.lo, y.lo], [x.hi, y.hi]);
+        I { lo, hi }
+    })
 }
 
 /// What a grid says; nought where there is none.
 fn sampled(number: f64, of: impl Fn(&Grid) -> f64) -> f64 {
-    Kept::find(number).map_or(0.0, |grid| of(&grid))
+    Kept::<Grid>::find(number).map_or(0.0, |grid| of(&grid))
 }
 
 fn sampled_interval(number: Interval, p: [Interval; 3], of: impl Fn(&Hull) -> [f64; 2]) -> Interval {
@@ -244,7 +286,7 @@ fn sampled_interval(number: Interval, p: [Interval; 3], of: impl Fn(&Hull) -> [f
     if !number.is_point() {
         return I::ALL;
     }
-    Kept::find(number.lo).map_or(I::ZERO, |grid| {
+    Kept::<Grid>::find(number.lo).map_or(I::ZERO, |grid| {
         let [lo, hi] = of(&grid.hull_within(p.map(|side| side.lo), p.map(|side| side.hi)));
         I { lo, hi }
     })

@@ -33,7 +33,9 @@ pub use list::NodeList;
 pub use node::{ANY_TIME, Claim, ClaimGroup, FAR, FIRST_VARIABLE, Function, Leaf, Node, ParameterComponent, ValueRange, WORLD};
 pub use shape::{Baked, Exactness, Material, MaterialImage, Shape, Slot};
 
-use crate::sampled::Kept;
+use crate::kept::Kept;
+use crate::outline::Outline;
+use crate::sampled::Grid;
 use crate::source::ImageFile;
 use index::Index;
 use kernel::{Kind, Op};
@@ -70,7 +72,9 @@ pub struct Graph {
     /// Files of images that materials are made of.
     pub images: Vec<ImageFile>,
     /// Grids that formulas read by their numbers.
-    pub grids: Vec<Kept>,
+    pub grids: Vec<Kept<Grid>>,
+    /// The outlines that formulas read, in the order in which the text names them.
+    pub outlines: Vec<Kept<Outline>>,
     /// Shapes that are read from grids of samples, in the order in which they were met.
     pub baked: Vec<Baked>,
     /// Components of parameters.
@@ -178,7 +182,7 @@ impl Graph {
     }
 
     /// The value of a grid at a point, beyond its box at the nearest place of that.
-    pub fn sampled(&mut self, kept: &Kept, [x, y, z]: [NodeId; 3]) -> NodeId {
+    pub fn sampled(&mut self, kept: &Kept<Grid>, [x, y, z]: [NodeId; 3]) -> NodeId {
         if self.grids.iter().all(|known| known.number != kept.number) {
             self.grids.push(kept.clone());
         }
@@ -186,11 +190,28 @@ impl Graph {
         self.op(Op::Sampled, &[number, x, y, z])
     }
 
-    /// The grid that an operation reads, where it is one that does.
-    pub fn grid_of(&self, id: NodeId) -> Option<&Kept> {
+    /// The signed distance to an outline.
+    pub fn outlined(&mut self, kept: &Kept<Outline>, [x, y]: [NodeId; 2]) -> NodeId {
+        if self.outlines.iter().all(|known| known.number != kept.number) {
+            self.outlines.push(kept.clone());
+        }
+        let number = self.constant(kept.number);
+        self.op(Op::Outlined, &[number, x, y])
+    }
+
+    /// The number of what an operation reads, where it is one that does.
+    pub fn data_of(&self, id: NodeId) -> Option<(Op, f64)> {
         let Node::Op(op, args) = self.node(id) else { return None };
-        let number = args.first().filter(|_| op.reads_grid()).and_then(|number| self.as_constant(*number))?;
-        self.grids.iter().find(|kept| kept.number == number)
+        let number = args.first().filter(|_| op.reads_data()).and_then(|number| self.as_constant(*number))?;
+        Some((*op, number))
+    }
+
+    /// The content of what an operation reads.
+    pub fn content_of(&self, id: NodeId) -> Option<u64> {
+        let (op, number) = self.data_of(id)?;
+        let grid = || self.grids.iter().find(|kept| kept.number == number).map(|kept| kept.data.content());
+        let outline = || self.outlines.iter().find(|kept| kept.number == number).map(|kept| kept.data.content());
+        if op.reads_grid() { grid() } else { outline() }
     }
 
     /// A value from outside.

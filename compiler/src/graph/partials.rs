@@ -126,8 +126,12 @@ pub fn partials<A: Algebra>(
             let [x, y, z] = [Op::SampledX, Op::SampledY, Op::SampledZ].map(|op| algebra.op(op, args));
             few([zero, x, y, z], &pad)
         }
-        // What jumps from cell to cell is no curvature: who asks for one is told of the jumps.
-        Op::SampledX | Op::SampledY | Op::SampledZ => few([], &pad),
+        Op::Outlined => {
+            let [x, y] = [Op::OutlinedX, Op::OutlinedY].map(|op| algebra.op(op, args));
+            few([zero, x, y], &pad)
+        }
+        // What jumps from cell to cell, or where another piece is nearest, is no curvature: who asks for one is told of the jumps.
+        Op::SampledX | Op::SampledY | Op::SampledZ | Op::OutlinedX | Op::OutlinedY => few([], &pad),
         // Constant on each of their pieces.
         Op::Sign | Op::Floor | Op::Ceil | Op::Trunc | Op::Round | Op::Lt | Op::Le | Op::Eq | Op::And
         | Op::Or | Op::Not | Op::Hash => few([], &pad),

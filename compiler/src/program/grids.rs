@@ -1,7 +1,8 @@
 //! The grids that a program names, as whoever loads files brings them.
 
 use crate::loader::Loader;
-use crate::sampled::{Kept, Settings};
+use crate::kept::Kept;
+use crate::sampled::{Grid, Settings};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
@@ -11,7 +12,7 @@ type Key = (String, u32, u64);
 /// The grids of one compilation, each asked for once.
 pub struct Grids<'a> {
     loader: &'a dyn Loader,
-    known: RefCell<BTreeMap<Key, Result<Kept, String>>>,
+    known: RefCell<BTreeMap<Key, Result<Kept<Grid>, String>>>,
 }
 
 impl<'a> Grids<'a> {
@@ -21,7 +22,7 @@ impl<'a> Grids<'a> {
     }
 
     /// That of a file of triangles, or why there is none.
-    pub fn of_mesh(&self, path: &str, settings: Settings) -> Result<Kept, String> {
+    pub fn of_mesh(&self, path: &str, settings: Settings) -> Result<Kept<Grid>, String> {
         let key = (path.to_owned(), settings.resolution, settings.padding.to_bits());
         let known = self.known.borrow().get(&key).cloned();
         known.unwrap_or_else(|| {

@@ -8,7 +8,8 @@ use crate::diagnostic::Code;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, ClaimGroup, Leaf, Node, ShapeId, ValueRange};
-use crate::sampled::{Kept, MOST_DEVICE_BYTES, Settings};
+use crate::kept::Kept;
+use crate::sampled::{Grid, MOST_DEVICE_BYTES, Settings};
 use crate::source::Span;
 
 impl Elaborator<'_> {
@@ -54,10 +55,10 @@ impl Elaborator<'_> {
     }
 
     /// The shape that a grid says.
-    pub(super) fn sampled_shape(&mut self, kept: &Kept, span: Span, env: &Env) -> Elaborated<Value> {
-        let (grid, point) = (&kept.grid, self.graph.point());
+    pub(super) fn sampled_shape(&mut self, kept: &Kept<Grid>, span: Span, env: &Env) -> Elaborated<Value> {
+        let (grid, point) = (&kept.data, self.graph.point());
         let value = self.graph.sampled(kept, point);
-        let bytes: usize = self.graph.grids.iter().map(|kept| kept.grid.bytes()).sum();
+        let bytes: usize = self.graph.grids.iter().map(|kept| kept.data.bytes()).sum();
         if bytes > MOST_DEVICE_BYTES {
             let words = format!("the grids of this scene take {} MiB, and a device reads {} at most", bytes >> 20, MOST_DEVICE_BYTES >> 20);
             return Err(self.error(Code::TooLarge, span, words, "write a lower resolution"));

@@ -3,11 +3,10 @@
 // Indices are made from the grid's own counts, and a grid is only made with as many samples as they say.
 #![allow(clippy::indexing_slicing)]
 
+use crate::kept::HEAD;
 use crate::vector::Vec3;
 use rayon::prelude::*;
 
-/// Words of a grid's head on a device.
-pub const HEAD: usize = 16;
 /// Cells of a brick along each axis.
 pub const BRICK: usize = 8;
 /// Samples of a brick along each axis: those on its faces are its own too.

@@ -10,7 +10,8 @@ use crate::functions::unions::{FEWEST_ROWS, Join, MOST_CLASSES, Of, Operand, Ste
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, NodeId};
-use crate::sampled::Kept;
+use crate::kept::{Data, Kept};
+use crate::outline::Outline;
 use form::{Filled, Former};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
@@ -23,7 +24,7 @@ pub use grid::Grid;
 pub const CLASS_SHIFT: u32 = 24;
 /// Numbers in a union's head, which stands at the beginning of the lists.
 pub const HEAD: u32 = 16;
-const _: () = assert!(HEAD as usize == crate::sampled::HEAD);
+const _: () = assert!(HEAD as usize == crate::kept::HEAD);
 /// The class of [`Step::Push`].
 pub const PUSH: u32 = 31;
 /// Of an entry that sets aside what is there before it joins its operand.
@@ -108,7 +109,9 @@ pub struct Tables {
     /// The range of each component of the parameters.
     pub parameters: Vec<Interval>,
     /// The grids that formulas read. Their heads stand after those of the tables.
-    pub grids: Vec<Kept>,
+    pub grids: Vec<Kept<crate::sampled::Grid>>,
+    /// The outlines that formulas read. Their heads stand after those of the grids.
+    pub outlines: Vec<Kept<Outline>>,
 }
 
 impl Class {
@@ -173,7 +176,8 @@ impl Tables {
     /// The tables of all unions that are worth one.
     pub fn new(graph: &Graph, functions: &Functions) -> Self {
         let parameters = graph.parameters.iter().map(|p| Interval::new(p.min, p.max)).collect();
-        let mut tables = Self { parameters, grids: grids(graph, functions), ..Self::default() };
+        let mut tables = Self { parameters, ..Self::default() };
+        (tables.grids, tables.outlines) = read(graph, functions);
         let mut unions: Vec<(&Of, &Union)> = functions.unions.iter().filter(|(_, u)| u.same.is_none()).collect();
         unions.sort_unstable_by_key(|(of, _)| **of);
         for (of, union) in unions {
@@ -296,20 +300,20 @@ impl Tables {
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.tables.is_empty() && self.grids.is_empty()
+        self.tables.is_empty() && self.grids.is_empty() && self.outlines.is_empty()
     }
 }
 
-/// The grids that the functions of a scene read, in the order in which its text names them.
-fn grids(graph: &Graph, functions: &Functions) -> Vec<Kept> {
-    if graph.grids.is_empty() {
-        return Vec::new();
+/// The grids and the outlines that the functions of a scene read, in the order in which its text names them.
+fn read(graph: &Graph, functions: &Functions) -> (Vec<Kept<crate::sampled::Grid>>, Vec<Kept<Outline>>) {
+    if graph.grids.is_empty() && graph.outlines.is_empty() {
+        return Default::default();
     }
     let surfaces = std::iter::once(&functions.surface).chain(&functions.meshes);
     let looks = surfaces.flat_map(|surface| surface.look().into_iter().chain(surface.layer_nodes()).chain(surface.glass.into_iter().flatten()));
     let roots: Vec<NodeId> = functions.formulas.values().copied().chain(looks).collect();
-    let read: Vec<f64> = graph.reachable(&roots).into_iter().filter_map(|id| graph.grid_of(id)).map(|kept| kept.number).collect();
-    graph.grids.iter().filter(|kept| read.contains(&kept.number)).cloned().collect()
+    let read: Vec<(bool, f64)> = graph.reachable(&roots).into_iter().filter_map(|id| graph.data_of(id)).map(|(op, number)| (op.reads_grid(), number)).collect();
+    (graph.grids.iter().filter(|kept| read.contains(&(true, kept.number))).cloned().collect(), graph.outlines.iter().filter(|kept| read.contains(&(false, kept.number))).cloned().collect())
 }
 
 /// The tables of a module, and how a device reads them.

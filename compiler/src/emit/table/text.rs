@@ -278,41 +278,74 @@ pub fn declare_buffers(prefix: &str, group: u32, binding: u32, wgsl: &mut String
     }
 }
 
-/// Writes the function that says where the head of a grid stands.
-pub fn grid_heads(context: &Context, wgsl: &mut String) {
-    let Tables { tables, grids, .. } = context.tables;
-    let _ = write!(wgsl, "\n// Where the head of the grid of a number stands.\nfn {}grid_head(grid: f32) -> u32 {{\n", context.prefix);
-    let first = HEAD * tables.len() as u32;
-    for (kept, at) in grids.iter().skip(1).zip(1..) {
-        let _ = writeln!(wgsl, "  if grid == {:?} {{\n    return {}u;\n  }}", kept.number, first + HEAD * at);
+/// Writes the function that says where the head of a grid or an outline stands: that of the first at `first`, in words.
+pub fn heads<T>(context: &Context, name: &str, first: u32, all: &[Kept<T>], wgsl: &mut String) {
+    let _ = write!(wgsl, "\n// Where the head of the {name} of a number stands.\nfn {}{name}_head({name}: f32) -> u32 {{\n", context.prefix);
+    for (kept, at) in all.iter().skip(1).zip(1..) {
+        let _ = writeln!(wgsl, "  if {name} == {:?} {{\n    return {}u;\n  }}", kept.number, first + HEAD * at);
     }
     let _ = write!(wgsl, "  return {first}u;\n}}\n");
+}
+
+/// Entries of the lists that stand in a text before the heads of the outlines.
+pub fn entries(tables: &Tables) -> Vec<Vec<u32>> {
+    let mut all: Vec<&Table> = tables.tables.values().collect();
+    all.sort_unstable_by_key(|t| t.index);
+    all.into_iter().map(|t| t.fused(t.entries.iter().copied())).collect()
+}
+
+/// The outlines as words from a place on: their heads, and what these name.
+fn outline_words(tables: &Tables, first: usize) -> Vec<u32> {
+    let mut words = vec![0; HEAD as usize * tables.outlines.len()];
+    for (at, kept) in tables.outlines.iter().enumerate() {
+        let (head, rest) = kept.data.words((first + words.len()) as u32);
+        if let Some(slot) = words.get_mut(HEAD as usize * at..HEAD as usize * (at + 1)) {
+            slot.copy_from_slice(&head);
+        }
+        words.extend(rest);
+    }
+    words
 }
 
 /// Declares the tables as text, so that the module needs nothing else.
 pub fn declare_text(context: &Context, wgsl: &mut String) {
     let p = context.prefix;
     let Tables { rows, tables, .. } = context.tables;
-    let mut all: Vec<&Table> = tables.values().collect();
-    all.sort_unstable_by_key(|t| t.index);
-    let lists: Vec<Vec<u32>> = all.iter().map(|t| t.fused(t.entries.iter().copied())).collect();
-    let entries: Vec<u32> = lists.concat();
+    let lists = entries(context.tables);
+    let mut entries: Vec<u32> = lists.concat();
+    if context.has_outlines() {
+        entries.extend(outline_words(context.tables, entries.len()));
+    }
     let bytes = size_of::<[f32; 4]>() * rows.len().max(1) + size_of::<u32>() * entries.len();
     let held = if bytes <= MOST_PRIVATE { PRIVATE } else { CONSTANT };
-    let _ = write!(wgsl, "\n// The numbers of what differs in numbers alone.\n{held} {p}table = array<vec4f, {}>(\n", rows.len().max(1));
-    for [x, y, z, w] in rows {
-        let _ = writeln!(wgsl, "  vec4f({x:?}, {y:?}, {z:?}, {w:?}),");
+    if !tables.is_empty() {
+        let _ = write!(wgsl, "\n// The numbers of what differs in numbers alone.\n{held} {p}table = array<vec4f, {}>(\n", rows.len().max(1));
+        for [x, y, z, w] in rows {
+            let _ = writeln!(wgsl, "  vec4f({x:?}, {y:?}, {z:?}, {w:?}),");
+        }
+        if rows.is_empty() {
+            wgsl.push_str("  vec4f(0.0),\n");
+        }
+        wgsl.push_str(");\n");
     }
-    if rows.is_empty() {
-        wgsl.push_str("  vec4f(0.0),\n");
-    }
-    let _ = write!(wgsl, ");\n\n// What is united, one after the other: what is done, and below that its row.\n{held} {p}lists = array<u32, {}>(\n", entries.len());
+    let what = match (tables.is_empty(), context.has_outlines()) {
+        (false, false) => "What is united, one after the other: what is done, and below that its row.",
+        (true, _) => "Outlines: their cells, the lists of these, and the pieces.",
+        (false, true) => "What is united, one after the other: what is done, and below that its row. Then outlines: their cells, the lists of these, and the pieces.",
+    };
+    let _ = write!(wgsl, "\n// {what}\n{held} {p}lists = array<u32, {}>(\n", entries.len());
     for line in entries.chunks(12) {
         let words: Vec<String> = line.iter().map(|e| format!("{e}u")).collect();
         let _ = writeln!(wgsl, "  {},", words.join(", "));
     }
-    let _ = write!(wgsl, ");\n\n// Where the list of a union begins and ends.\nfn {p}span(head: u32, p: vec3f) -> vec2u {{\n  switch head {{\n");
+    wgsl.push_str(");\n");
+    if tables.is_empty() {
+        return;
+    }
+    let _ = write!(wgsl, "\n// Where the list of a union begins and ends.\nfn {p}span(head: u32, p: vec3f) -> vec2u {{\n  switch head {{\n");
     let mut first = 0;
+    let mut all: Vec<&Table> = tables.values().collect();
+    all.sort_unstable_by_key(|t| t.index);
     for (table, list) in all.into_iter().zip(lists) {
         let end = first + list.len();
         let _ = writeln!(wgsl, "    case {}u: {{ return vec2u({first}u, {end}u); }}", HEAD * table.index);

@@ -3,7 +3,7 @@
 use crate::emit::arms::{Arm, Arms, BlockId};
 use crate::emit::body::Body;
 use crate::emit::code::ExprId;
-use crate::emit::library::{GRIDS, Helpers};
+use crate::emit::library::{GRIDS, Helpers, OUTLINES};
 use crate::emit::names::Scope;
 use crate::emit::plan::{Plans, TargetId};
 use crate::emit::table::Tables;
@@ -63,9 +63,14 @@ impl Context<'_> {
         self.helpers.pieces().any(|piece| piece.name == GRIDS)
     }
 
-    /// Whether a function that is written reads a table, or a grid.
+    /// Whether a function that is written reads an outline.
+    pub fn has_outlines(&self) -> bool {
+        self.helpers.pieces().any(|piece| piece.name == OUTLINES)
+    }
+
+    /// Whether a function that is written reads a table, a grid, or an outline.
     pub fn has_tables(&self) -> bool {
-        self.has_grids() || self.functions.keys().filter_map(|id| self.plans.get(*id)).any(|t| self.plans.table(t).is_some_and(|table| table.turns.is_none()))
+        self.has_grids() || self.has_outlines() || self.functions.keys().filter_map(|id| self.plans.get(*id)).any(|t| self.plans.table(t).is_some_and(|table| table.turns.is_none()))
     }
 }
 

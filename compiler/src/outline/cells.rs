@@ -1,0 +1,223 @@
+//! An outline: what bounds a region of the plane, in cells that know which pieces are nearest somewhere in them.
+
+use super::clean::Piece;
+use super::curve::{Curve, Vec2, add, cross, length, scale, sub};
+use crate::kept::HEAD;
+use std::collections::BTreeMap;
+
+/// Words of a piece.
+const PIECE: usize = 10;
+/// Cells for each piece.
+const CELLS: f64 = 8.0;
+/// The fewest and the most cells.
+const FEWEST: f64 = 256.0;
+const MOST: f64 = 131_072.0;
+/// How far cells reach beyond the outline: so many times its shorter side, and its longer side.
+const MARGIN: [f64; 2] = [0.5, 0.1];
+/// Nearer to an end than this, along a piece, the direction of the joint tells the sides apart.
+const END: f64 = 1e-5;
+
+/// A region of the plane with its signed distance, below zero inside.
+///
+/// A cell's list has each piece whose way to the cell's middle is longer than the least one by at most the cell's diagonal: no other is nearest anywhere in
+/// the cell, for along half a diagonal each way changes by at most that.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outline {
+    pieces: Vec<Piece>,
+    low: Vec2,
+    high: Vec2,
+    /// The side of a cell; cells are squares.
+    cell: f64,
+    counts: [usize; 2],
+    /// Where each cell's list begins, x first.
+    cells: Vec<u32>,
+    /// The lists: how many pieces, and which.
+    lists: Vec<u32>,
+    content: u64,
+}
+
+/// What is nearest to a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// The signed distance.
+    pub value: f64,
+    /// How it changes along x and y.
+    pub gradient: Vec2,
+}
+
+impl Outline {
+    /// Of the pieces of a boundary; none where there are none.
+    pub fn new(pieces: Vec<Piece>) -> Option<Self> {
+        let single = |p: Vec2| p.map(|c| f64::from(c as f32));
+        let pieces: Vec<Piece> = pieces
+            .into_iter()
+            .map(|Piece { curve, joints }| Piece { curve: Curve { a: single(curve.a), b: single(curve.b), c: single(curve.c) }, joints: joints.map(single) })
+            .collect();
+        if pieces.is_empty() {
+            return None;
+        }
+        let bounds: Vec<[Vec2; 2]> = pieces.iter().map(|piece| piece.curve.bounds()).collect();
+        let of = |pick: fn(f64, f64) -> f64, end: usize| {
+            let corner = |b: &[Vec2; 2]| if end == 0 { b[0] } else { b[1] };
+            bounds.iter().map(corner).reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])])
+        };
+        let (low, high) = (of(f64::min, 0)?, of(f64::max, 1)?);
+        let size = sub(high, low);
+        let margin = (MARGIN[0] * size[0].min(size[1])).max(MARGIN[1] * size[0].max(size[1]));
+        let (from, to) = (single(low.map(|c| c - margin)), high.map(|c| c + margin));
+        let [wide, tall] = sub(to, from);
+        let cell = f64::from(((wide * tall / (CELLS * pieces.len() as f64).clamp(FEWEST, MOST)).sqrt()) as f32);
+        let counts = [wide, tall].map(|side| (side / cell).ceil().clamp(1.0, MOST) as usize);
+        let mut outline = Self { pieces, low: from, high: to, cell, counts, cells: vec![0; counts[0] * counts[1]], lists: Vec::new(), content: 0 };
+        outline.high = outline.corner(counts);
+        let all: Vec<u32> = (0..outline.pieces.len() as u32).collect();
+        outline.fill([0, 0], counts, &all, &mut BTreeMap::new());
+        outline.content = outline.hash();
+        Some(outline)
+    }
+
+    fn corner(&self, [i, j]: [usize; 2]) -> Vec2 {
+        add(self.low, scale([i as f64, j as f64], self.cell))
+    }
+
+    /// Fills the cells from one to before another, where no piece but these matters.
+    fn fill(&mut self, from: [usize; 2], to: [usize; 2], pieces: &[u32], known: &mut BTreeMap<Vec<u32>, u32>) {
+        let (low, high) = (self.corner(from), self.corner(to));
+        let (middle, half) = (scale(add(low, high), 0.5), 0.5 * length(sub(high, low)));
+        let way = |i: &u32| self.pieces.get(*i as usize).map_or(f64::INFINITY, |piece| piece.curve.nearest(middle).1.sqrt());
+        let ways: Vec<f64> = pieces.iter().map(way).collect();
+        let least = ways.iter().copied().fold(f64::INFINITY, f64::min);
+        // What is lost in 32 bits is little of the cell's size.
+        let reach = least + 2.0 * half * (1.0 + 1e-3) + 1e-6 * least;
+        let near: Vec<u32> = pieces.iter().zip(&ways).filter(|(_, way)| **way <= reach).map(|(i, _)| *i).collect();
+        let sides = [to[0] - from[0], to[1] - from[1]];
+        if sides == [1, 1] {
+            let lists = &mut self.lists;
+            let begin = *known.entry(near).or_insert_with_key(|near| {
+                let begin = lists.len() as u32;
+                lists.push(near.len() as u32);
+                lists.extend(near);
+                begin
+            });
+            if let Some(cell) = self.cells.get_mut(from[1] * self.counts[0] + from[0]) {
+                *cell = begin;
+            }
+        } else if sides[0] >= sides[1] {
+            let middle = from[0] + sides[0] / 2;
+            self.fill(from, [middle, to[1]], &near, known);
+            self.fill([middle, from[1]], to, &near, known);
+        } else {
+            let middle = from[1] + sides[1] / 2;
+            self.fill(from, [to[0], middle], &near, known);
+            self.fill([from[0], middle], to, &near, known);
+        }
+    }
+
+    fn near(&self, q: Vec2) -> impl Iterator<Item = &Piece> {
+        let along = |c: f64, low: f64, count: usize| (((c - low) / self.cell).max(0.0) as usize).min(count - 1);
+        let cell = along(q[1], self.low[1], self.counts[1]) * self.counts[0] + along(q[0], self.low[0], self.counts[0]);
+        let begin = self.cells.get(cell).map_or(0, |begin| *begin as usize);
+        let count = self.lists.get(begin).map_or(0, |count| *count as usize);
+        self.lists.iter().skip(begin + 1).take(count).filter_map(|i| self.pieces.get(*i as usize))
+    }
+
+    /// The signed distance at a place. Beyond the cells, at t from their rectangle whose nearest place has the value v, it is √(v² + t²), which is no more: the way
+    /// from there to the outline goes around no less than a right angle.
+    pub fn at(&self, p: Vec2) -> Nearest {
+        let q = [p[0].clamp(self.low[0], self.high[0]), p[1].clamp(self.low[1], self.high[1])];
+        let inside = self.within(q);
+        let beyond = sub(p, q);
+        if beyond == [0.0, 0.0] {
+            return inside;
+        }
+        let value = inside.value.hypot(length(beyond));
+        let held = |i: f64, t: f64| if t == 0.0 { i } else { 0.0 };
+        let along = [held(inside.gradient[0], beyond[0]), held(inside.gradient[1], beyond[1])];
+        Nearest { value, gradient: scale(add(scale(along, inside.value), beyond), 1.0 / value) }
+    }
+
+    fn within(&self, q: Vec2) -> Nearest {
+        let mut best = (f64::INFINITY, [0.0; 2], [1.0, 0.0]);
+        for piece in self.near(q) {
+            let (t, squared) = piece.curve.nearest(q);
+            if squared < best.0 {
+                let along = if t < END { piece.joints[0] } else if t > 1.0 - END { piece.joints[1] } else { piece.curve.tangent(t) };
+                best = (squared, sub(q, piece.curve.at(t)), along);
+            }
+        }
+        let (squared, away, along) = best;
+        let (way, side) = (squared.sqrt(), if cross(along, away) > 0.0 { -1.0 } else { 1.0 });
+        // On the outline itself, straight out of the fill.
+        let out = scale([along[1], -along[0]], 1.0 / length(along).max(1e-30));
+        Nearest { value: side * way, gradient: if way > 1e-12 { scale(away, side / way) } else { out } }
+    }
+
+    /// Least and greatest corner of a rectangle that holds the region.
+    pub fn bounds(&self) -> [Vec2; 2] {
+        let all = self.pieces.iter().map(|piece| piece.curve.bounds());
+        all.reduce(|[a, b], [c, d]| [[a[0].min(c[0]), a[1].min(c[1])], [b[0].max(d[0]), b[1].max(d[1])]]).unwrap_or_default()
+    }
+
+    /// What the value lies between in a rectangle of places: no farther from that in its middle than half its diagonal; no more below zero than half the
+    /// region's shorter side; and no less than the way to the cells.
+    pub fn value_within(&self, low: Vec2, high: Vec2) -> [f64; 2] {
+        let [from, to] = self.bounds();
+        let deepest = 0.5 * (to[0] - from[0]).min(to[1] - from[1]);
+        let gap = |i: f64, j: f64| i.max(j).max(0.0);
+        let away = length([gap(low[0] - self.high[0], self.low[0] - high[0]), gap(low[1] - self.high[1], self.low[1] - high[1])]);
+        let least = if away > 0.0 { away } else { -deepest };
+        let size = length(sub(high, low));
+        if !size.is_finite() {
+            return [least, f64::INFINITY];
+        }
+        let value = self.at(scale(add(low, high), 0.5)).value;
+        let off = 0.5 * size + 1e-9 * (value.abs() + self.size());
+        [least.max(value - off).min(value), value + off]
+    }
+
+    /// The longest side of the rectangle of cells, and how far it is from the origin.
+    pub fn size(&self) -> f64 {
+        self.low.iter().chain(&self.high).fold(0.0, |size: f64, c| size.max(c.abs()))
+    }
+
+    /// How many pieces it has.
+    pub fn pieces(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// A number of all that it holds, the same on every machine; two outlines seldom have the same.
+    pub fn content(&self) -> u64 {
+        self.content
+    }
+
+    fn hash(&self) -> u64 {
+        let numbers = self.pieces.iter().flat_map(Piece::numbers).map(f64::to_bits);
+        let mix = |hash: u64, number: u64| (hash.rotate_left(23) ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let hash = numbers.fold(0x84_22_23_25_cb_f2_9c_e4, mix);
+        mix(hash ^ hash >> 32, 1)
+    }
+
+    /// Its head on a device, and the words that follow it somewhere: cells, lists, pieces. `at`: where the first word after the head will stand.
+    pub fn words(&self, at: u32) -> ([u32; HEAD], Vec<u32>) {
+        let bits = |c: f64| (c as f32).to_bits();
+        let lists = at + self.cells.len() as u32;
+        let pieces = lists + self.lists.len() as u32;
+        let [[x, y], [to_x, to_y]] = [self.low, self.high];
+        let [i, j] = self.counts.map(|count| count as u32);
+        let head = [bits(x), bits(y), bits(to_x), bits(to_y), bits(1.0 / self.cell), i, j, at, lists, pieces, 0, 0, 0, 0, 0, 0];
+        let numbers = self.pieces.iter().flat_map(Piece::numbers).map(bits);
+        (head, self.cells.iter().copied().chain(self.lists.iter().copied()).chain(numbers).collect())
+    }
+
+    /// How many bytes it takes on a device.
+    pub fn bytes(&self) -> usize {
+        4 * (HEAD + self.cells.len() + self.lists.len() + PIECE * self.pieces.len())
+    }
+}
+
+impl Piece {
+    fn numbers(&self) -> [f64; PIECE] {
+        let Self { curve: Curve { a, b, c }, joints: [from, to] } = *self;
+        [a[0], a[1], b[0], b[1], c[0], c[1], from[0], from[1], to[0], to[1]]
+    }
+}

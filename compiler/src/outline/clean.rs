@@ -1,0 +1,262 @@
+//! From closed contours that may cross each other to what bounds the filled region: each piece once, with the fill at its left.
+
+use super::curve::{Curve, Vec2, add, cross, dot, length, mix, scale, sub, unit};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What of the plane contours fill.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fill {
+    /// What they wind around, in either direction.
+    NonZero,
+    /// What they wind around an odd number of times.
+    EvenOdd,
+}
+
+impl Fill {
+    fn holds(self, winding: i32) -> bool {
+        match self {
+            Fill::NonZero => winding != 0,
+            Fill::EvenOdd => winding % 2 != 0,
+        }
+    }
+}
+
+/// The most curves that drawings are cleaned of.
+pub const MOST_CURVES: usize = 40_000;
+/// Looks for crossings of one pair of curves: those that lie on each other cross everywhere.
+const MOST_LOOKS: usize = 2_000;
+/// Places are multiples of a unit that the size of the drawing holds so many times: 32 bits hold them exactly.
+const UNITS: f64 = 4_194_304.0;
+/// A curve is straight where its middle is so many units from the chord's.
+const STRAIGHT: f64 = 0.01;
+
+/// A part of the boundary, with the directions that say on which side of its ends a point is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// Its curve; the fill is at its left.
+    pub curve: Curve,
+    /// For each end the mean of the directions of both pieces that meet there, with length one (Bærentzen and Aanæs 2005, in two dimensions).
+    pub joints: [Vec2; 2],
+}
+
+/// The boundary of what the contours fill; each contour is closed.
+pub fn boundary(contours: &[Vec<Curve>], fill: Fill) -> Vec<Piece> {
+    let size = contours.iter().flatten().flat_map(|curve| [curve.a, curve.b, curve.c]).flatten().fold(0.0, |size: f64, c| size.max(c.abs()));
+    if size.is_nan() || size <= 0.0 || size > 1e30 {
+        return Vec::new();
+    }
+    let quantum = (size.log2().ceil()).exp2() / UNITS;
+    let round = |p: Vec2| p.map(|c| (c / quantum).round() * quantum);
+    let gentle = contours.iter().flatten().flat_map(Curve::gentle);
+    let rounded = gentle.map(|curve| Curve { a: round(curve.a), b: curve.b, c: round(curve.c) });
+    let curves: Vec<Curve> = rounded.filter(|curve| curve.a != curve.c).collect();
+    let curves = divided(&curves, quantum, round);
+    let bins = Bins::new(&curves);
+    let mut seen = BTreeSet::new();
+    let mut kept = Vec::new();
+    for curve in &curves {
+        let (middle, along) = (curve.at(0.5), unit(curve.tangent(0.5)).unwrap_or([1.0, 0.0]));
+        let beside = |side: f64| add(middle, scale([-along[1], along[0]], side * 0.5 * quantum));
+        let [left, right] = [1.0, -1.0].map(|side| fill.holds(bins.winding(&curves, beside(side))));
+        if left == right {
+            continue;
+        }
+        let curve = if left { *curve } else { curve.reversed() };
+        // Two that lie on each other count once.
+        let place = |p: Vec2| p.map(|c| (c / quantum).round() as i64);
+        let key = (place(curve.a), place(curve.c), place(scale(curve.at(0.5), 0.25)));
+        if seen.insert(key) {
+            kept.push(curve);
+        }
+    }
+    joined(&kept)
+}
+
+/// The curves, divided where they meet others.
+fn divided(curves: &[Curve], quantum: f64, round: impl Fn(Vec2) -> Vec2) -> Vec<Curve> {
+    let bounds: Vec<[Vec2; 2]> = curves.iter().map(Curve::bounds).collect();
+    let mut order: Vec<usize> = (0..curves.len()).collect();
+    let low = |i: usize| bounds.get(i).map_or(0.0, |b| b[0][0]);
+    order.sort_unstable_by(|i, j| low(*i).total_cmp(&low(*j)));
+    // For each curve where along it, and at which place, it meets another one.
+    let mut cuts: Vec<Vec<(f64, Vec2)>> = vec![Vec::new(); curves.len()];
+    for (at, &i) in order.iter().enumerate() {
+        let (Some(first), Some([a, b])) = (curves.get(i), bounds.get(i)) else { continue };
+        for &j in order.iter().skip(at + 1) {
+            let (Some(second), Some([c, d])) = (curves.get(j), bounds.get(j)) else { continue };
+            if c[0] > b[0] {
+                break;
+            }
+            if c[1] > b[1] || d[1] < a[1] {
+                continue;
+            }
+            let mut found = Crossings { quantum, looks: 0, found: Vec::new() };
+            found.search(first, [0.0, 1.0], second, [0.0, 1.0]);
+            for (s, t) in found.found {
+                let place = round(mix(first.at(s), second.at(t), 0.5));
+                for (curve, which, along) in [(first, i, s), (second, j, t)] {
+                    if place != curve.a
+                        && place != curve.c
+                        && let Some(cuts) = cuts.get_mut(which)
+                    {
+                        cuts.push((along, place));
+                    }
+                }
+            }
+        }
+    }
+    let mut parts = Vec::with_capacity(curves.len());
+    for (curve, mut cuts) in curves.iter().zip(cuts) {
+        cuts.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut rest, mut from) = (*curve, 0.0);
+        for (along, place) in cuts {
+            let share = ((along - from) / (1.0 - from)).clamp(0.0, 1.0);
+            let [mut before, mut after] = rest.split(share);
+            (before.c, after.a) = (place, place);
+            if before.a != before.c {
+                parts.push(before);
+                (rest, from) = (after, along);
+            }
+        }
+        if rest.a != rest.c {
+            parts.push(rest);
+        }
+    }
+    parts
+}
+
+/// Where two curves meet.
+struct Crossings {
+    quantum: f64,
+    looks: usize,
+    found: Vec<(f64, f64)>,
+}
+
+impl Crossings {
+    /// Parts of two curves, with where they begin and end along the whole.
+    fn search(&mut self, first: &Curve, s: [f64; 2], second: &Curve, t: [f64; 2]) {
+        self.looks += 1;
+        let ([a, b], [c, d]) = (first.bounds(), second.bounds());
+        let near = 0.5 * self.quantum;
+        let apart = c[0] > b[0] + near || d[0] < a[0] - near || c[1] > b[1] + near || d[1] < a[1] - near;
+        if apart || self.looks > MOST_LOOKS {
+            return;
+        }
+        let bend = |curve: &Curve| length(sub(mix(curve.a, curve.c, 0.5), curve.b));
+        let straight = [first, second].map(|curve| bend(curve) < STRAIGHT * self.quantum);
+        let middle = |[from, to]: [f64; 2]| 0.5 * (from + to);
+        match straight {
+            [true, true] => self.lines(first, s, second, t),
+            [true, false] => {
+                let [before, after] = second.split(0.5);
+                self.search(first, s, &before, [t[0], middle(t)]);
+                self.search(first, s, &after, [middle(t), t[1]]);
+            }
+            [false, _] => {
+                // The two take turns.
+                let [before, after] = first.split(0.5);
+                let swapped = &mut Crossings { quantum: self.quantum, looks: self.looks, found: Vec::new() };
+                swapped.search(second, t, &before, [s[0], middle(s)]);
+                swapped.search(second, t, &after, [middle(s), s[1]]);
+                self.looks = swapped.looks;
+                self.found.extend(swapped.found.iter().map(|(t, s)| (*s, *t)));
+            }
+        }
+    }
+
+    /// Two straight parts: they cross, or an end of one lies on the other.
+    fn lines(&mut self, first: &Curve, s: [f64; 2], second: &Curve, t: [f64; 2]) {
+        let (along, across, between) = (sub(first.c, first.a), sub(second.c, second.a), sub(second.a, first.a));
+        let whole = |[from, to]: [f64; 2], share: f64| from + (to - from) * share;
+        let area = cross(along, across);
+        let (u, v) = (cross(between, across) / area, cross(between, along) / area);
+        if area != 0.0 && (0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v) {
+            self.found.push((whole(s, u), whole(t, v)));
+        }
+        for (share, end) in [(0.0, second.a), (1.0, second.c)] {
+            if let Some(on) = self.on(first, end) {
+                self.found.push((whole(s, on), whole(t, share)));
+            }
+        }
+        for (share, end) in [(0.0, first.a), (1.0, first.c)] {
+            if let Some(on) = self.on(second, end) {
+                self.found.push((whole(s, share), whole(t, on)));
+            }
+        }
+    }
+
+    /// Where along a straight part a place lies that is on it.
+    fn on(&self, line: &Curve, place: Vec2) -> Option<f64> {
+        let (along, from) = (sub(line.c, line.a), sub(place, line.a));
+        let share = dot(from, along) / dot(along, along).max(1e-300);
+        let off = length(sub(from, scale(along, share)));
+        (off <= 0.5 * self.quantum && (0.0..=1.0).contains(&share)).then_some(share)
+    }
+}
+
+/// Curves by the heights that they reach, for rays to the right.
+struct Bins {
+    low: f64,
+    per: f64,
+    bins: Vec<Vec<usize>>,
+}
+
+impl Bins {
+    fn new(curves: &[Curve]) -> Self {
+        let heights = |curve: &Curve| curve.bounds().map(|corner| corner[1]);
+        let low = curves.iter().map(|curve| heights(curve)[0]).fold(f64::INFINITY, f64::min);
+        let high = curves.iter().map(|curve| heights(curve)[1]).fold(f64::NEG_INFINITY, f64::max);
+        let count = (curves.len() / 4).clamp(1, 4_096);
+        let per = if high > low { count as f64 / (high - low) } else { 0.0 };
+        let mut bins = Self { low, per, bins: vec![Vec::new(); count] };
+        for (i, curve) in curves.iter().enumerate() {
+            let [from, to] = heights(curve).map(|y| bins.at(y));
+            for bin in bins.bins.iter_mut().take(to + 1).skip(from) {
+                bin.push(i);
+            }
+        }
+        bins
+    }
+
+    fn at(&self, y: f64) -> usize {
+        (((y - self.low) * self.per).max(0.0) as usize).min(self.bins.len().saturating_sub(1))
+    }
+
+    /// How often the curves wind around a point.
+    fn winding(&self, curves: &[Curve], p: Vec2) -> i32 {
+        let near = self.bins.get(self.at(p[1])).into_iter().flatten();
+        near.filter_map(|i| curves.get(*i)).map(|curve| curve.winding(p)).sum()
+    }
+}
+
+/// The pieces with what their ends have in common.
+fn joined(curves: &[Curve]) -> Vec<Piece> {
+    let key = |p: Vec2| p.map(|c| (c + 0.0).to_bits());
+    let mut begins: BTreeMap<[u64; 2], Vec<usize>> = BTreeMap::new();
+    for (i, curve) in curves.iter().enumerate() {
+        begins.entry(key(curve.a)).or_default().push(i);
+    }
+    let mut pieces: Vec<Piece> = curves.iter().map(|curve| Piece { curve: *curve, joints: curve.ends() }).collect();
+    for (i, curve) in curves.iter().enumerate() {
+        let Some(next) = begins.get_mut(&key(curve.c)) else { continue };
+        let into = curve.ends()[1];
+        // Where several pieces meet, the one that turns most to the left bounds the same part of the fill.
+        let turn = |j: &usize| {
+            let out = curves.get(*j).map_or(into, |curve| curve.ends()[0]);
+            cross(into, out).atan2(dot(into, out))
+        };
+        let chosen = next.iter().enumerate().max_by(|(_, a), (_, b)| turn(a).total_cmp(&turn(b))).map(|(at, j)| (at, *j));
+        let Some((at, j)) = chosen else { continue };
+        next.swap_remove(at);
+        let out = curves.get(j).map_or(into, |curve| curve.ends()[0]);
+        // Where the way turns back, the side is that of both.
+        let both = unit(add(into, out)).unwrap_or(into);
+        if let Some(piece) = pieces.get_mut(i) {
+            piece.joints[1] = both;
+        }
+        if let Some(piece) = pieces.get_mut(j) {
+            piece.joints[0] = both;
+        }
+    }
+    pieces
+}
