@@ -8,6 +8,7 @@
 //! Of a fold that is no union a list leaves out what changes nothing: of the least or the greatest of many what surely is neither, and of a sum or a product what is nought or one all over the
 //! cell, by intervals.
 
+use crate::kept::Data;
 use crate::emit::table::{Action, CLASS_SHIFT, Class, Grid, HEAD, ModuleTables, Number, PUSH, Table, Tables};
 use crate::graph::{ANY_TIME, narrow};
 use crate::graph::interval::Interval;
@@ -74,17 +75,19 @@ pub fn lists(tables: &Tables, cells: bool) -> Vec<u32> {
             slot.copy_from_slice(&head);
         }
     }
-    let grids = tables.grids.iter().map(|kept| &*kept.data as &dyn Data);
-    let outlines = tables.outlines.iter().map(|kept| &*kept.data as &dyn Data);
-    for (data, at) in grids.chain(outlines).zip(tables.tables.len()..) {
-        let (head, words) = data.words(lists.len() as u32);
-        lists.extend(words);
-        let at = HEAD as usize * at;
-        if let Some(slot) = lists.get_mut(at..at + head.len()) {
-            slot.copy_from_slice(&head);
-        }
-    }
+    tables.grids.iter().zip(tables.tables.len()..).for_each(|(kept, at)| put(&*kept.data, at, &mut lists));
+    tables.outlines.iter().zip(tables.tables.len() + tables.grids.len()..).for_each(|(kept, at)| put(&*kept.data, at, &mut lists));
     lists
+}
+
+/// Puts data at the end of the lists, and its head where it belongs.
+fn put<T: Data>(data: &T, at: usize, lists: &mut Vec<u32>) {
+    let (head, words) = data.words(lists.len() as u32);
+    lists.extend(words);
+    let at = HEAD as usize * at;
+    if let Some(slot) = lists.get_mut(at..at + head.len()) {
+        slot.copy_from_slice(&head);
+    }
 }
 
 /// The span of each cell's list: those of the innermost box, x first, then those of the others.

@@ -23,7 +23,7 @@ pub struct Piece {
 pub const LEAST_DIVISOR: f64 = 9e-31;
 
 /// Helpers, in the order in which they are emitted. The place is the helper's bit in [`Helpers`].
-pub const HELPERS: [Piece; 14] = [
+pub const HELPERS: [Piece; 15] = [
     Piece { name: "square", text: "\
 fn sf_square(a: f32) -> f32 {
   return a * a;

@@ -17,7 +17,7 @@ pub const FUNCTIONS: &[&str] = &[
     "acos", "atan", "atan2", "tanh", "length", "distance", "dot", "cross", "normalize", "vec2", "vec3", "vec4", "mat2",
     "mat3", "mat4", "transpose", "determinant", "inverse", "hash", "hash2", "hash3", "turn", "turn_about", "at",
     "material", "paint", "float", "int", "grid", "polar", "value",
-    "low_corner", "high_corner", "mesh_field", "baked",
+    "low_corner", "high_corner", "mesh_field", "baked", "text", "path",
 ];
 
 /// Names that stand for a value and are not declared in the prelude.
@@ -202,6 +202,14 @@ impl Elaborator<'_> {
             }
             ("mesh_field", [_, _, _]) => match args {
                 [file, resolution, padding] => self.mesh_field(file, [resolution, padding], span, env),
+                _ => Err(super::Stop),
+            },
+            ("text", [_, _, _, _, _, _]) => match args {
+                [words, size, font, align, spacing, leading] => self.text([words, size, font, align, spacing, leading], span, env),
+                _ => Err(super::Stop),
+            },
+            ("path", [_]) => match args {
+                [data] => self.path(data, span),
                 _ => Err(super::Stop),
             },
             ("baked", [Value::Nothing, ..]) => Ok(Value::Nothing),
@@ -528,16 +536,29 @@ pub fn argument_names(name: &str, count: usize) -> &'static [&'static str] {
         "low_corner" | "high_corner" => &["s"],
         "mesh_field" => &["file", "resolution", "padding"],
         "baked" => &["s", "resolution", "padding"],
+        "text" => &["words", "size", "font", "align", "spacing", "leading"],
+        "path" => &["data"],
         _ if KERNEL.iter().any(|row| row.callable && row.name == name) => &["a"],
         _ => &[],
     }
 }
 
+/// What an argument is where it is left out.
+#[derive(Clone, Copy, Debug)]
+pub enum Usual {
+    /// A number.
+    Number(f64),
+    /// A text.
+    Words(&'static str),
+}
+
 /// What the arguments of a built-in function are where they are left out; none of those that can't be.
-pub fn defaults(name: &str) -> &'static [Option<f64>] {
+pub fn defaults(name: &str) -> &'static [Option<Usual>] {
+    use Usual::{Number, Words};
     match name {
-        "mesh_field" => &[None, Some(64.0), Some(0.05)],
-        "baked" => &[None, Some(128.0), Some(0.05)],
+        "mesh_field" => &[None, Some(Number(64.0)), Some(Number(0.05))],
+        "baked" => &[None, Some(Number(128.0)), Some(Number(0.05))],
+        "text" => &[None, Some(Number(1.0)), Some(Words("")), Some(Words("left")), Some(Number(0.0)), Some(Number(1.2))],
         _ => &[],
     }
 }
@@ -555,6 +576,8 @@ fn usage(name: &str) -> (String, usize) {
         "paint" => ("s.paint(mask, m)".into(), 3),
         "mesh_field" => ("mesh_field(\"duck.obj\", resolution: 64)".into(), 3),
         "baked" => ("s.baked(resolution: 128)".into(), 3),
+        "text" => ("text(\"Surefoot\", size: 1)".into(), 6),
+        "path" => ("path(\"M 0 0 H 1 V 1 Z\")".into(), 1),
         "vec2" => ("vec2(x, y)".into(), 1),
         "vec3" => ("vec3(x, y, z)".into(), 1),
         "vec4" => ("vec4(x, y, z, w)".into(), 1),

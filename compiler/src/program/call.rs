@@ -287,7 +287,11 @@ impl Elaborator<'_> {
         for (at, default) in super::builtin::defaults(name).iter().enumerate() {
             values.resize(values.len().max(at + 1), None);
             if let (Some(slot @ None), Some(default)) = (values.get_mut(at), default) {
-                *slot = Some((self.constant(*default), span));
+                let value = match default {
+                    super::builtin::Usual::Number(number) => self.constant(*number),
+                    super::builtin::Usual::Words(words) => Value::Text((*words).into()),
+                };
+                *slot = Some((value, span));
             }
         }
         // A place that is left out shows as too few.

@@ -21,6 +21,11 @@ impl<'a> Grids<'a> {
         Self { loader, known: RefCell::default() }
     }
 
+    /// The bytes of a file, or why they can't be had.
+    pub fn bytes(&self, path: &str, most: u64) -> Result<Vec<u8>, String> {
+        self.loader.read_up_to(path, most)
+    }
+
     /// That of a file of triangles, or why there is none.
     pub fn of_mesh(&self, path: &str, settings: Settings) -> Result<Kept<Grid>, String> {
         let key = (path.to_owned(), settings.resolution, settings.padding.to_bits());

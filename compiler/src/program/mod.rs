@@ -28,6 +28,7 @@ mod many;
 mod material;
 mod mesh;
 mod operator;
+mod outlined;
 mod overload;
 pub mod physics;
 pub mod polar;

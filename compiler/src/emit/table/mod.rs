@@ -10,7 +10,7 @@ use crate::functions::unions::{FEWEST_ROWS, Join, MOST_CLASSES, Of, Operand, Ste
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, NodeId};
-use crate::kept::{Data, Kept};
+use crate::kept::Kept;
 use crate::outline::Outline;
 use form::{Filled, Former};
 use rustc_hash::FxHashMap;
