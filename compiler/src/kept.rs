@@ -3,8 +3,6 @@
 //! An operation of the graph has numbers for arguments, and nothing else. So what it reads has a number that is made of its content, the same in every
 //! run, and who evaluates looks it up. A number means one thing as long as anybody holds that; nothing is held here.
 
-use crate::outline::Outline;
-use crate::sampled::Grid;
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError, RwLock, Weak};
 
@@ -14,7 +12,7 @@ const NUMBERS: u32 = 1 << 24;
 pub const HEAD: usize = 16;
 
 /// Data of one kind by its number.
-type Known<T> = RwLock<BTreeMap<u32, Weak<T>>>;
+pub type Known<T> = RwLock<BTreeMap<u32, Weak<T>>>;
 
 /// Data that formulas read by its number.
 pub trait Data: PartialEq + 'static {
@@ -28,37 +26,6 @@ pub trait Data: PartialEq + 'static {
     fn known() -> &'static Known<Self>
     where
         Self: Sized;
-}
-
-static GRIDS: Known<Grid> = RwLock::new(BTreeMap::new());
-static OUTLINES: Known<Outline> = RwLock::new(BTreeMap::new());
-
-impl Data for Grid {
-    fn content(&self) -> u64 {
-        self.content()
-    }
-
-    fn words(&self, at: u32) -> ([u32; HEAD], Vec<u32>) {
-        self.words(at)
-    }
-
-    fn known() -> &'static Known<Self> {
-        &GRIDS
-    }
-}
-
-impl Data for Outline {
-    fn content(&self) -> u64 {
-        self.content()
-    }
-
-    fn words(&self, at: u32) -> ([u32; HEAD], Vec<u32>) {
-        self.words(at)
-    }
-
-    fn known() -> &'static Known<Self> {
-        &OUTLINES
-    }
 }
 
 /// Data that formulas may read by its number, while it is held.

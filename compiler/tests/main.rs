@@ -21,6 +21,7 @@ mod goldens;
 mod holes;
 mod looks;
 mod measure;
+mod outlines;
 mod prelude;
 mod ranges;
 mod reference;

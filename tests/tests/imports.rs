@@ -13,7 +13,7 @@ const FLOORS: [(&str, &[&str]); 3] = [
     (
         "compiler",
         &[
-            "loader prelude random rules sampled source spread srgb unit vector",
+            "kept loader outline prelude random rules sampled source spread srgb unit vector",
             "diagnostic",
             "graph syntax",
             "live interface images camera",

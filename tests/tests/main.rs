@@ -20,6 +20,7 @@ mod names;
 mod neighbours;
 mod numbers;
 mod opengl;
+mod outlines;
 mod pictures;
 mod random;
 mod sampled;

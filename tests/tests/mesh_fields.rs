@@ -137,7 +137,7 @@ fn values_and_slopes_lie_within_their_intervals() {
 fn a_number_is_that_of_the_content() {
     let (one, same) = (Kept::new(grid()), Kept::new(Arc::new((*grid()).clone())));
     assert_eq!(one.number, same.number);
-    assert!(Arc::ptr_eq(&one.grid, &same.grid));
+    assert!(Arc::ptr_eq(&one.data, &same.data));
     assert!(Kept::<Grid>::find(one.number).is_some() && one.number.fract() == 0.0 && one.number < 16_777_216.0);
     assert_eq!(kernel::value(Op::Sampled, &[0.5, 0.0, 0.0, 0.0]), 0.0, "no grid has such a number");
 }

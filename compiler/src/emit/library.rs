@@ -241,9 +241,9 @@ fn sf_outlined(outline: f32, x: f32, y: f32) -> vec3f {
       let r = start + (2.0 * b + c * t) * t;
       let d = b + c * t;
       let speed = dot(d, d);
-      let slope = 2.0 * speed + dot(r, c);
-      // Beyond the centre of curvature the point is the farthest one.
-      t = select(t, clamp(t - dot(r, d) / slope, 0.0, 1.0), slope > 0.01 * speed);
+      // Near the centre of curvature the way hardly changes.
+      let slope = max(max(2.0 * speed + dot(r, c), 0.25 * speed), 1e-30);
+      t = clamp(t - dot(r, d) / slope, 0.0, 1.0);
     }
     var to = start + (2.0 * b + c * t) * t;
     var squared = dot(to, to);

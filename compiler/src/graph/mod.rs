@@ -33,7 +33,7 @@ pub use list::NodeList;
 pub use node::{ANY_TIME, Claim, ClaimGroup, FAR, FIRST_VARIABLE, Function, Leaf, Node, ParameterComponent, ValueRange, WORLD};
 pub use shape::{Baked, Exactness, Material, MaterialImage, Shape, Slot};
 
-use crate::kept::Kept;
+use crate::kept::{Data, Kept};
 use crate::outline::Outline;
 use crate::sampled::Grid;
 use crate::source::ImageFile;

@@ -2,7 +2,7 @@
 
 use super::clean::Piece;
 use super::curve::{Curve, Vec2, add, cross, length, scale, sub};
-use crate::kept::HEAD;
+use crate::kept::{Data, HEAD, Known};
 use std::collections::BTreeMap;
 
 /// Words of a piece.
@@ -185,11 +185,6 @@ impl Outline {
         self.pieces.len()
     }
 
-    /// A number of all that it holds, the same on every machine; two outlines seldom have the same.
-    pub fn content(&self) -> u64 {
-        self.content
-    }
-
     fn hash(&self) -> u64 {
         let numbers = self.pieces.iter().flat_map(Piece::numbers).map(f64::to_bits);
         let mix = |hash: u64, number: u64| (hash.rotate_left(23) ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -197,8 +192,21 @@ impl Outline {
         mix(hash ^ hash >> 32, 1)
     }
 
-    /// Its head on a device, and the words that follow it somewhere: cells, lists, pieces. `at`: where the first word after the head will stand.
-    pub fn words(&self, at: u32) -> ([u32; HEAD], Vec<u32>) {
+    /// How many bytes it takes on a device.
+    pub fn bytes(&self) -> usize {
+        4 * (HEAD + self.cells.len() + self.lists.len() + PIECE * self.pieces.len())
+    }
+}
+
+static KNOWN: Known<Outline> = Known::new(BTreeMap::new());
+
+impl Data for Outline {
+    fn content(&self) -> u64 {
+        self.content
+    }
+
+    /// Cells, lists, pieces.
+    fn words(&self, at: u32) -> ([u32; HEAD], Vec<u32>) {
         let bits = |c: f64| (c as f32).to_bits();
         let lists = at + self.cells.len() as u32;
         let pieces = lists + self.lists.len() as u32;
@@ -209,9 +217,8 @@ impl Outline {
         (head, self.cells.iter().copied().chain(self.lists.iter().copied()).chain(numbers).collect())
     }
 
-    /// How many bytes it takes on a device.
-    pub fn bytes(&self) -> usize {
-        4 * (HEAD + self.cells.len() + self.lists.len() + PIECE * self.pieces.len())
+    fn known() -> &'static Known<Self> {
+        &KNOWN
     }
 }
 

@@ -24,11 +24,11 @@ impl Fill {
 /// The most curves that drawings are cleaned of.
 pub const MOST_CURVES: usize = 40_000;
 /// Looks for crossings of one pair of curves: those that lie on each other cross everywhere.
-const MOST_LOOKS: usize = 2_000;
+const MOST_LOOKS: usize = 100_000;
 /// Places are multiples of a unit that the size of the drawing holds so many times: 32 bits hold them exactly.
 const UNITS: f64 = 4_194_304.0;
 /// A curve is straight where its middle is so many units from the chord's.
-const STRAIGHT: f64 = 0.01;
+const STRAIGHT: f64 = 0.1;
 
 /// A part of the boundary, with the directions that say on which side of its ends a point is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,46 +48,52 @@ pub fn boundary(contours: &[Vec<Curve>], fill: Fill) -> Vec<Piece> {
     let quantum = (size.log2().ceil()).exp2() / UNITS;
     let round = |p: Vec2| p.map(|c| (c / quantum).round() * quantum);
     let gentle = contours.iter().flatten().flat_map(Curve::gentle);
-    let rounded = gentle.map(|curve| Curve { a: round(curve.a), b: curve.b, c: round(curve.c) });
-    let curves: Vec<Curve> = rounded.filter(|curve| curve.a != curve.c).collect();
-    let curves = divided(&curves, quantum, round);
+    let rounded = gentle.map(|curve| Piece { curve: Curve { a: round(curve.a), b: curve.b, c: round(curve.c) }, joints: curve.ends() });
+    let whole: Vec<Piece> = rounded.filter(|piece| piece.curve.a != piece.curve.c).collect();
+    let parts = divided(&whole, quantum, round);
+    let curves: Vec<Curve> = parts.iter().map(|piece| piece.curve).collect();
     let bins = Bins::new(&curves);
     let mut seen = BTreeSet::new();
     let mut kept = Vec::new();
-    for curve in &curves {
+    for piece in parts {
+        let curve = piece.curve;
         let (middle, along) = (curve.at(0.5), unit(curve.tangent(0.5)).unwrap_or([1.0, 0.0]));
-        let beside = |side: f64| add(middle, scale([-along[1], along[0]], side * 0.5 * quantum));
+        let beside = |side: f64| add(middle, scale([-along[1], along[0]], side * 1e-3 * quantum));
         let [left, right] = [1.0, -1.0].map(|side| fill.holds(bins.winding(&curves, beside(side))));
         if left == right {
             continue;
         }
-        let curve = if left { *curve } else { curve.reversed() };
+        let piece = if left { piece } else { Piece { curve: curve.reversed(), joints: [scale(piece.joints[1], -1.0), scale(piece.joints[0], -1.0)] } };
+        let curve = piece.curve;
         // Two that lie on each other count once.
         let place = |p: Vec2| p.map(|c| (c / quantum).round() as i64);
         let key = (place(curve.a), place(curve.c), place(scale(curve.at(0.5), 0.25)));
         if seen.insert(key) {
-            kept.push(curve);
+            kept.push(piece);
         }
     }
-    joined(&kept)
+    joined(kept)
 }
 
-/// The curves, divided where they meet others.
-fn divided(curves: &[Curve], quantum: f64, round: impl Fn(Vec2) -> Vec2) -> Vec<Curve> {
-    let bounds: Vec<[Vec2; 2]> = curves.iter().map(Curve::bounds).collect();
-    let mut order: Vec<usize> = (0..curves.len()).collect();
+/// The pieces, divided where they meet others. Their directions at the ends are those of the curves before any place is rounded.
+fn divided(pieces: &[Piece], quantum: f64, round: impl Fn(Vec2) -> Vec2) -> Vec<Piece> {
+    let bounds: Vec<[Vec2; 2]> = pieces.iter().map(|piece| piece.curve.bounds()).collect();
+    let mut order: Vec<usize> = (0..pieces.len()).collect();
     let low = |i: usize| bounds.get(i).map_or(0.0, |b| b[0][0]);
     order.sort_unstable_by(|i, j| low(*i).total_cmp(&low(*j)));
     // For each curve where along it, and at which place, it meets another one.
-    let mut cuts: Vec<Vec<(f64, Vec2)>> = vec![Vec::new(); curves.len()];
+    let mut cuts: Vec<Vec<(f64, Vec2)>> = vec![Vec::new(); pieces.len()];
     for (at, &i) in order.iter().enumerate() {
-        let (Some(first), Some([a, b])) = (curves.get(i), bounds.get(i)) else { continue };
+        let (Some(first), Some([a, b])) = (pieces.get(i).map(|piece| &piece.curve), bounds.get(i)) else { continue };
         for &j in order.iter().skip(at + 1) {
-            let (Some(second), Some([c, d])) = (curves.get(j), bounds.get(j)) else { continue };
+            let (Some(second), Some([c, d])) = (pieces.get(j).map(|piece| &piece.curve), bounds.get(j)) else { continue };
             if c[0] > b[0] {
                 break;
             }
             if c[1] > b[1] || d[1] < a[1] {
+                continue;
+            }
+            if first == second || *first == second.reversed() {
                 continue;
             }
             let mut found = Crossings { quantum, looks: 0, found: Vec::new() };
@@ -105,20 +111,21 @@ fn divided(curves: &[Curve], quantum: f64, round: impl Fn(Vec2) -> Vec2) -> Vec<
             }
         }
     }
-    let mut parts = Vec::with_capacity(curves.len());
-    for (curve, mut cuts) in curves.iter().zip(cuts) {
+    let mut parts = Vec::with_capacity(pieces.len());
+    for (piece, mut cuts) in pieces.iter().zip(cuts) {
         cuts.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let (mut rest, mut from) = (*curve, 0.0);
+        let (mut rest, mut from) = (*piece, 0.0);
         for (along, place) in cuts {
             let share = ((along - from) / (1.0 - from)).clamp(0.0, 1.0);
-            let [mut before, mut after] = rest.split(share);
+            let [mut before, mut after] = rest.curve.split(share);
+            let direction = unit(piece.curve.tangent(along)).unwrap_or(rest.joints[1]);
             (before.c, after.a) = (place, place);
             if before.a != before.c {
-                parts.push(before);
-                (rest, from) = (after, along);
+                parts.push(Piece { curve: before, joints: [rest.joints[0], direction] });
+                (rest, from) = (Piece { curve: after, joints: [direction, rest.joints[1]] }, along);
             }
         }
-        if rest.a != rest.c {
+        if rest.curve.a != rest.curve.c {
             parts.push(rest);
         }
     }
@@ -229,33 +236,29 @@ impl Bins {
     }
 }
 
-/// The pieces with what their ends have in common.
-fn joined(curves: &[Curve]) -> Vec<Piece> {
+/// The pieces with what their ends have in common; until then the joints of each are its own directions.
+fn joined(mut pieces: Vec<Piece>) -> Vec<Piece> {
     let key = |p: Vec2| p.map(|c| (c + 0.0).to_bits());
+    let own: Vec<[Vec2; 2]> = pieces.iter().map(|piece| piece.joints).collect();
+    let direction = |i: usize| own.get(i).copied().unwrap_or_default();
     let mut begins: BTreeMap<[u64; 2], Vec<usize>> = BTreeMap::new();
-    for (i, curve) in curves.iter().enumerate() {
-        begins.entry(key(curve.a)).or_default().push(i);
+    for (i, piece) in pieces.iter().enumerate() {
+        begins.entry(key(piece.curve.a)).or_default().push(i);
     }
-    let mut pieces: Vec<Piece> = curves.iter().map(|curve| Piece { curve: *curve, joints: curve.ends() }).collect();
-    for (i, curve) in curves.iter().enumerate() {
-        let Some(next) = begins.get_mut(&key(curve.c)) else { continue };
-        let into = curve.ends()[1];
+    for i in 0..pieces.len() {
+        let Some(next) = pieces.get(i).and_then(|piece| begins.get_mut(&key(piece.curve.c))) else { continue };
+        let into = direction(i)[1];
         // Where several pieces meet, the one that turns most to the left bounds the same part of the fill.
-        let turn = |j: &usize| {
-            let out = curves.get(*j).map_or(into, |curve| curve.ends()[0]);
-            cross(into, out).atan2(dot(into, out))
-        };
+        let turn = |j: &usize| cross(into, direction(*j)[0]).atan2(dot(into, direction(*j)[0]));
         let chosen = next.iter().enumerate().max_by(|(_, a), (_, b)| turn(a).total_cmp(&turn(b))).map(|(at, j)| (at, *j));
         let Some((at, j)) = chosen else { continue };
         next.swap_remove(at);
-        let out = curves.get(j).map_or(into, |curve| curve.ends()[0]);
         // Where the way turns back, the side is that of both.
-        let both = unit(add(into, out)).unwrap_or(into);
-        if let Some(piece) = pieces.get_mut(i) {
-            piece.joints[1] = both;
-        }
-        if let Some(piece) = pieces.get_mut(j) {
-            piece.joints[0] = both;
+        let both = unit(add(into, direction(j)[0])).unwrap_or(into);
+        for (which, end) in [(i, 1), (j, 0)] {
+            if let Some(joint) = pieces.get_mut(which).and_then(|piece| piece.joints.get_mut(end)) {
+                *joint = both;
+            }
         }
     }
     pieces

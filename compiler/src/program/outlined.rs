@@ -86,6 +86,6 @@ impl Elaborator<'_> {
         let [low, high] = kept.data.bounds();
         let side = |i: f64, j: f64| Interval::new(i, j);
         self.facts.know_solid(claimed, Box3([side(low[0], high[0]), side(low[1], high[1]), Interval::ALL]));
-        Ok(Value::Shape(self.formula_shape(claimed, 2, None, true, span)))
+        Ok(Value::Shape(self.formula_shape(claimed, 2, None, false, span)))
     }
 }

@@ -3,9 +3,10 @@
 // Indices are made from the grid's own counts, and a grid is only made with as many samples as they say.
 #![allow(clippy::indexing_slicing)]
 
-use crate::kept::HEAD;
+use crate::kept::{Data, HEAD, Known};
 use crate::vector::Vec3;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Cells of a brick along each axis.
 pub const BRICK: usize = 8;
@@ -201,11 +202,6 @@ impl Grid {
         mix(hash ^ hash >> 32, 0)
     }
 
-    /// A number of all that it holds, the same on every machine; two grids seldom have the same.
-    pub fn content(&self) -> u64 {
-        self.content
-    }
-
     /// Of all of it.
     pub fn hull(&self) -> Hull {
         self.hulls.last().copied().unwrap_or(Hull::EMPTY)
@@ -307,18 +303,6 @@ impl Grid {
         let (brick, cell, at) = self.find(p);
         let side = if self.index[brick] == 0 { self.shape.brick() } else { self.shape.cell };
         slopes(&self.cell(brick, cell), at).map(|s| s / side)
-    }
-
-    /// As a device reads it, little-endian words: [`HEAD`] of them that begin with the least corner, one over the side of a cell, and the bricks along
-    /// each axis, then the samples at the corners of bricks, the number of each brick, and its samples. `at`: where the first word after the head will stand.
-    pub fn words(&self, at: u32) -> ([u32; HEAD], Vec<u32>) {
-        let Shape { origin: [x, y, z], cell, bricks: [i, j, k] } = self.shape;
-        let bits = |c: f64| (c as f32).to_bits();
-        let (corners, index) = (at, at + self.coarse.len() as u32);
-        let fine = index + self.index.len() as u32;
-        let head = [bits(x), bits(y), bits(z), bits(1.0 / cell), i, j, k, corners, index, fine, 0, 0, 0, 0, 0, 0];
-        let samples = |from: &[f32]| from.iter().map(|v| v.to_bits()).collect::<Vec<u32>>();
-        (head, [samples(&self.coarse), self.index.clone(), samples(&self.fine)].concat())
     }
 
     /// How many bytes it takes on a device.
@@ -429,6 +413,28 @@ impl Grid {
                 })
             })
         })
+    }
+}
+
+static KNOWN: Known<Grid> = Known::new(BTreeMap::new());
+
+impl Data for Grid {
+    fn content(&self) -> u64 {
+        self.content
+    }
+
+    fn words(&self, at: u32) -> ([u32; HEAD], Vec<u32>) {
+        let Shape { origin: [x, y, z], cell, bricks: [i, j, k] } = self.shape;
+        let bits = |c: f64| (c as f32).to_bits();
+        let (corners, index) = (at, at + self.coarse.len() as u32);
+        let fine = index + self.index.len() as u32;
+        let head = [bits(x), bits(y), bits(z), bits(1.0 / cell), i, j, k, corners, index, fine, 0, 0, 0, 0, 0, 0];
+        let samples = |from: &[f32]| from.iter().map(|v| v.to_bits()).collect::<Vec<u32>>();
+        (head, [samples(&self.coarse), self.index.clone(), samples(&self.fine)].concat())
+    }
+
+    fn known() -> &'static Known<Self> {
+        &KNOWN
     }
 }
 

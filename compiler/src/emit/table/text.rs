@@ -10,7 +10,7 @@ use crate::functions::loop_counters::Turns;
 use crate::graph::kernel::Op;
 use crate::graph::simplify::Terms;
 use crate::interface::UniformSource;
-use crate::kept::Kept;
+use crate::kept::{Data, Kept};
 use std::fmt::Write;
 
 /// Bytes of private variables that every implementation of WGSL takes ("Limits" in its specification).

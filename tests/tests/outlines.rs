@@ -1,0 +1,76 @@
+//! Words and paths: bounds, pictures of both machines, and texts that need no buffers.
+
+use crate::common::gpu;
+use surefoot_compiler::compiled::{Compiled, Export, Live, Options};
+use surefoot_compiler::reference::{Area, Reference, View, rgb8};
+use surefoot_compiler::verify::{Settings, WORK, verify};
+use surefoot_compiler::{MemoryLoader, compile, diagnostic};
+use surefoot_runtime::headless::{self, Shot};
+use surefoot_runtime::{ViewMode, evaluate};
+
+fn compile_text(text: &str) -> Result<Compiled, String> {
+    let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
+    outcome.compiled.ok_or_else(|| diagnostic::render(&outcome.sources, &outcome.diagnostics, false))
+}
+
+const WAVE: &str = "M 0 0 C 1 2 3 -2 4 0 S 6 3 4 4 Q 2 6 0 4 Z M 2 1 A 0.6 0.6 0 1 1 1.9 1.1 Z";
+
+/// Alone, and in all that the language does with drawings.
+fn scenes() -> Vec<(&'static str, String)> {
+    let path = format!("path(\"{WAVE}\").scale(0.4).translate(-0.8, 0.8)");
+    vec![
+        ("words", "scene = text(\"Sure\\nfoot\", align: \"center\").extrude(0.3).rotate(y, 0.4)".to_owned()),
+        ("path", format!("scene = {path}.extrude(0.4)")),
+        ("stroke", format!("scene = {path}.stroke(0.1).extrude(0.4) | text(\"&\", size: 0.7).round(0.03).extrude(0.6)")),
+        ("twisted", "scene = text(\"twist\", size: 1, align: \"center\").extrude(0.4).twist(y, 0.8)".to_owned()),
+        ("blended", format!("scene = smooth_union({path}.extrude(0.4), sphere(0.5).translate(0.4, 0, 0.2), 0.3)")),
+        ("revolved", "scene = text(\"8\", size: 1.6).translate(0.2, -0.5).revolve()".to_owned()),
+        ("moved", "param x = 0.2 in -1..1\nscene = text(\"A\").extrude(0.3).translate(x, 0.3 * sin(time), 0) | text(\"B\", size: 0.6).extrude(0.8).translate(0, 1, 0)".to_owned()),
+        ("engraved", "material red { color: #b02020 }\nscene = box((4, 1.4, 0.5)) - text(\"cut\", size: 1, align: \"center\").extrude(0.3).translate(0, -0.35, 0.3)".to_owned()),
+        ("copies", "scene = for i in 0..30 { text(\"o\", size: 0.4).extrude(0.1).translate(0.3 * (i % 6), 0.3 * floor(i / 6), 0.05 * i) }".to_owned()),
+    ]
+}
+
+#[test]
+fn no_bound_is_too_large() {
+    let gpu = gpu();
+    for (name, text) in scenes() {
+        let scene = compile_text(&text).unwrap_or_else(|words| panic!("{name}: {words}"));
+        let device = |live: &Live, points: &[[f32; 3]]| evaluate(&gpu, &scene, live, [0.0; 3], Export::Bound, points);
+        let settings = Settings { samples: 2000, certified: 24, seed: 7, work: WORK };
+        let report = verify(&scene, settings, Some(&device), &|_| {}).unwrap();
+        assert!(report.violations.is_empty(), "{name}: {:?}", report.violations);
+        assert!(report.empty > 0 && report.device.is_some_and(|device| device.worst < 1.0), "{name}: {report:?}");
+    }
+}
+
+#[test]
+fn both_machines_draw_the_same() {
+    let gpu = gpu();
+    let (width, height) = (96, 72);
+    for (name, text) in scenes() {
+        let scene = compile_text(&text).unwrap_or_else(|words| panic!("{name}: {words}"));
+        let live = scene.live();
+        let frame = scene.frame(&live);
+        let reference = Reference::new(&scene, &live).unwrap();
+        for (mode, view) in [(ViewMode::Normals, View::Normals), (ViewMode::Depth, View::Depth)] {
+            let drawn = headless::render(&gpu, &scene, &live, &Shot { mode, ..Shot::new(width, height) }).unwrap();
+            let area = Area { left: 0, top: 0, width, height };
+            let computed = rgb8(&reference.light_at(&frame, &frame.cameras[0].1, (width, height), view, area, 0), area, view);
+            let background = computed[..3].to_vec();
+            let differ = |(drawn, computed): (&[u8], &[u8])| drawn.iter().zip(computed).any(|(a, b)| a.abs_diff(*b) > 8);
+            let count = drawn.rgba.chunks_exact(4).zip(computed.chunks_exact(3)).filter(|pair| differ(*pair)).count();
+            let seen = computed.chunks_exact(3).filter(|pixel| **pixel != background[..]).count();
+            assert!(seen > 200, "{name}: {seen} pixels of {mode:?} show anything");
+            assert!(count * 100 < (width * height) as usize, "{name}: {count} pixels of {mode:?} differ");
+        }
+    }
+}
+
+#[test]
+fn words_stand_in_the_text_of_a_module() {
+    let scene = compile_text("scene = text(\"Surefoot\").extrude(0.3)").unwrap();
+    assert!(!scene.module.grids && !scene.module.wgsl.contains("var<storage"), "it needs no buffer");
+    let (with, [_, lists]) = scene.module.with_buffers(&Options::default()).unwrap();
+    assert!(with.wgsl.contains("var<storage, read>") && lists.len() > 4 * 1_000);
+}
