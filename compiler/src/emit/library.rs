@@ -279,6 +279,12 @@ fn sf_outlined(outline: f32, x: f32, y: f32) -> vec3f {
     return vec3f(side * way, gradient);
   }
   let value = length(vec3f(way, beyond));
+  let least = vec2f(bitcast<f32>(sf_lists[head + 10u]), bitcast<f32>(sf_lists[head + 11u]));
+  let to_region = vec2f(x, y) - clamp(vec2f(x, y), least, vec2f(bitcast<f32>(sf_lists[head + 12u]), bitcast<f32>(sf_lists[head + 13u])));
+  let region = length(to_region);
+  if region > value {
+    return vec3f(region, to_region / region);
+  }
   return vec3f(value, (select(vec2f(0.0), gradient * (side * way), beyond == vec2f(0.0)) + beyond) / value);
 }
 " },

@@ -24,6 +24,10 @@ const END: f64 = 1e-5;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     pieces: Vec<Piece>,
+    /// The region's own rectangle.
+    from: Vec2,
+    to: Vec2,
+    /// That of the cells.
     low: Vec2,
     high: Vec2,
     /// The side of a cell; cells are squares.
@@ -61,14 +65,14 @@ impl Outline {
             let corner = |b: &[Vec2; 2]| if end == 0 { b[0] } else { b[1] };
             bounds.iter().map(corner).reduce(|a, b| [pick(a[0], b[0]), pick(a[1], b[1])])
         };
-        let (low, high) = (of(f64::min, 0)?, of(f64::max, 1)?);
-        let size = sub(high, low);
+        let (from, to) = (of(f64::min, 0)?, of(f64::max, 1)?);
+        let size = sub(to, from);
         let margin = (MARGIN[0] * size[0].min(size[1])).max(MARGIN[1] * size[0].max(size[1]));
-        let (from, to) = (single(low.map(|c| c - margin)), high.map(|c| c + margin));
-        let [wide, tall] = sub(to, from);
+        let (low, high) = (single(from.map(|c| c - margin)), to.map(|c| c + margin));
+        let [wide, tall] = sub(high, low);
         let cell = f64::from(((wide * tall / (CELLS * pieces.len() as f64).clamp(FEWEST, MOST)).sqrt()) as f32);
         let counts = [wide, tall].map(|side| (side / cell).ceil().clamp(1.0, MOST) as usize);
-        let mut outline = Self { pieces, low: from, high: to, cell, counts, cells: vec![0; counts[0] * counts[1]], lists: Vec::new(), content: 0 };
+        let mut outline = Self { pieces, from, to, low, high, cell, counts, cells: vec![0; counts[0] * counts[1]], lists: Vec::new(), content: 0 };
         outline.high = outline.corner(counts);
         let all: Vec<u32> = (0..outline.pieces.len() as u32).collect();
         outline.fill([0, 0], counts, &all, &mut BTreeMap::new());
@@ -121,8 +125,8 @@ impl Outline {
         self.lists.iter().skip(begin + 1).take(count).filter_map(|i| self.pieces.get(*i as usize))
     }
 
-    /// The signed distance at a place. Beyond the cells, at t from their rectangle whose nearest place has the value v, it is √(v² + t²), which is no more: the way
-    /// from there to the outline goes around no less than a right angle.
+    /// The signed distance at a place. Beyond the cells, at t from their rectangle whose nearest place has the value v, it is √(v² + t²), or the way to the region's
+    /// own rectangle where that is more. Neither is more than the distance: the way from there to the outline goes around no less than a right angle.
     pub fn at(&self, p: Vec2) -> Nearest {
         let q = [p[0].clamp(self.low[0], self.high[0]), p[1].clamp(self.low[1], self.high[1])];
         let inside = self.within(q);
@@ -131,6 +135,11 @@ impl Outline {
             return inside;
         }
         let value = inside.value.hypot(length(beyond));
+        let out = sub(p, [p[0].clamp(self.from[0], self.to[0]), p[1].clamp(self.from[1], self.to[1])]);
+        let way = length(out);
+        if way > value {
+            return Nearest { value: way, gradient: scale(out, 1.0 / way) };
+        }
         let held = |i: f64, t: f64| if t == 0.0 { i } else { 0.0 };
         let along = [held(inside.gradient[0], beyond[0]), held(inside.gradient[1], beyond[1])];
         Nearest { value, gradient: scale(add(scale(along, inside.value), beyond), 1.0 / value) }
@@ -154,17 +163,16 @@ impl Outline {
 
     /// Least and greatest corner of a rectangle that holds the region.
     pub fn bounds(&self) -> [Vec2; 2] {
-        let all = self.pieces.iter().map(|piece| piece.curve.bounds());
-        all.reduce(|[a, b], [c, d]| [[a[0].min(c[0]), a[1].min(c[1])], [b[0].max(d[0]), b[1].max(d[1])]]).unwrap_or_default()
+        [self.from, self.to]
     }
 
     /// What the value lies between in a rectangle of places: no farther from that in its middle than half its diagonal; no more below zero than half the
-    /// region's shorter side; and no less than the way to the cells.
+    /// region's shorter side; and no less than the way to the region's rectangle.
     pub fn value_within(&self, low: Vec2, high: Vec2) -> [f64; 2] {
-        let [from, to] = self.bounds();
+        let (from, to) = (self.from, self.to);
         let deepest = 0.5 * (to[0] - from[0]).min(to[1] - from[1]);
         let gap = |i: f64, j: f64| i.max(j).max(0.0);
-        let away = length([gap(low[0] - self.high[0], self.low[0] - high[0]), gap(low[1] - self.high[1], self.low[1] - high[1])]);
+        let away = length([gap(low[0] - to[0], from[0] - high[0]), gap(low[1] - to[1], from[1] - high[1])]);
         let least = if away > 0.0 { away } else { -deepest };
         let size = length(sub(high, low));
         if !size.is_finite() {
@@ -210,9 +218,9 @@ impl Data for Outline {
         let bits = |c: f64| (c as f32).to_bits();
         let lists = at + self.cells.len() as u32;
         let pieces = lists + self.lists.len() as u32;
-        let [[x, y], [to_x, to_y]] = [self.low, self.high];
+        let [[x, y], [far_x, far_y], [from_x, from_y], [to_x, to_y]] = [self.low, self.high, self.from, self.to].map(|corner| corner.map(bits));
         let [i, j] = self.counts.map(|count| count as u32);
-        let head = [bits(x), bits(y), bits(to_x), bits(to_y), bits(1.0 / self.cell), i, j, at, lists, pieces, 0, 0, 0, 0, 0, 0];
+        let head = [x, y, far_x, far_y, bits(1.0 / self.cell), i, j, at, lists, pieces, from_x, from_y, to_x, to_y, 0, 0];
         let numbers = self.pieces.iter().flat_map(Piece::numbers).map(bits);
         (head, self.cells.iter().copied().chain(self.lists.iter().copied()).chain(numbers).collect())
     }
