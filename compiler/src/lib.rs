@@ -19,6 +19,7 @@ pub mod graph;
 mod home;
 pub mod images;
 pub mod interface;
+pub mod language_service;
 pub mod live;
 pub mod loader;
 pub mod measure;
