@@ -11,6 +11,7 @@ mod page;
 mod shader;
 mod shadertoy;
 mod three;
+mod wgpu_py;
 
 use engine::Engine;
 use fields::PREFIX;
@@ -35,6 +36,8 @@ pub enum Host {
     Babylon,
     /// A module for PlayCanvas with WebGPU.
     Playcanvas,
+    /// A module for Python and wgpu-py.
+    WgpuPy,
     /// A fragment shader for shadertoy.com.
     Shadertoy,
     /// A shader for Godot 4.
@@ -51,12 +54,13 @@ pub enum Host {
 
 impl Host {
     /// All of them.
-    pub const ALL: [Host; 11] = [
+    pub const ALL: [Host; 12] = [
         Host::Html,
         Host::Three,
         Host::ThreeWebgl,
         Host::Babylon,
         Host::Playcanvas,
+        Host::WgpuPy,
         Host::Godot,
         Host::Bevy,
         Host::Shadertoy,
@@ -73,6 +77,7 @@ impl Host {
             Host::ThreeWebgl => "three-webgl",
             Host::Babylon => "babylon",
             Host::Playcanvas => "playcanvas",
+            Host::WgpuPy => "wgpu-py",
             Host::Shadertoy => "shadertoy",
             Host::Godot => "godot",
             Host::Bevy => "bevy",
@@ -87,6 +92,7 @@ impl Host {
         match self {
             Host::Html => &["html", "htm"],
             Host::Three | Host::ThreeWebgl | Host::Babylon | Host::Playcanvas => &["js", "mjs"],
+            Host::WgpuPy => &["py"],
             Host::Shadertoy => &["glsl", "frag", "txt"],
             Host::Godot => &["gdshader", "txt"],
             Host::Bevy => &["wgsl"],
@@ -104,7 +110,7 @@ impl Host {
     /// What its module is: one that draws, in which all is computed from parameters and time.
     pub fn options(self) -> Options {
         let uniforms = match self {
-            Host::Html | Host::Vulkan | Host::Hlsl | Host::Msl => Uniforms::Block,
+            Host::Html | Host::WgpuPy | Host::Vulkan | Host::Hlsl | Host::Msl => Uniforms::Block,
             _ => Uniforms::Private,
         };
         // A renderer that encodes what it is given takes light's own numbers.
@@ -126,6 +132,7 @@ impl Host {
             Host::ThreeWebgl => three::write(compiled, parameters, title, true).map(String::into_bytes),
             Host::Babylon => engine::write(compiled, parameters, title, Engine::Babylon).map(String::into_bytes),
             Host::Playcanvas => engine::write(compiled, parameters, title, Engine::PlayCanvas).map(String::into_bytes),
+            Host::WgpuPy => wgpu_py::write(compiled, parameters, title).map(String::into_bytes),
             Host::Godot => godot::write(compiled, title).map(String::into_bytes),
             Host::Bevy => bevy::shader(compiled, title).map(String::into_bytes),
             Host::Hlsl => shader::hlsl(compiled, title).map(String::into_bytes),
