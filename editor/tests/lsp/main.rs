@@ -130,6 +130,14 @@ fn problems_come_with_their_mending() {
     let told = client.diagnostics("parts/column.sdf", Some(1));
     assert_eq!(messages(&told), ["this file has no scene", "nothing is named `lenght`"]);
     assert_eq!(told[0]["severity"], 3);
+    // A file of parts has the factors that it has in a scene.
+    client.change("parts/column.sdf", 2, json!([{ "text": format!("{COLUMN}shape leg = column(0.4).twist(y, 1)\n") }]));
+    client.change("main.sdf", 4, json!([{ "text": MAIN.replace("sphere(size)", "leg") }]));
+    assert!(client.diagnostics("main.sdf", Some(4)).is_empty());
+    let whole = json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 9, "character": 0 } });
+    let hints = client.ask("textDocument/inlayHint", json!({ "textDocument": { "uri": client.uri("parts/column.sdf") }, "range": whole }));
+    assert!(hints.as_array().unwrap().iter().any(|hint| hint["label"].as_str().unwrap().starts_with('×') && hint["position"]["line"] == 2), "{hints}");
+    client.change("main.sdf", 5, json!([{ "text": MAIN }]));
     client.tell("textDocument/didClose", json!({ "textDocument": { "uri": client.uri("parts/column.sdf") } }));
     client.listen(Duration::from_millis(1500));
     let of = |client: &Client, name: &str| {

@@ -17,7 +17,7 @@ use serde::Serialize;
 use serde_json::Value;
 use std::collections::HashMap;
 use std::rc::Rc;
-use surefoot_compiler::language_service::{self as service, Edit, FactorAt, Lines, Outline, World};
+use surefoot_compiler::language_service::{self as service, Edit, FactorAt, Lines, Outline, Report, World};
 use surefoot_compiler::source::{FileId, Span};
 use surefoot_compiler::syntax;
 
@@ -94,10 +94,14 @@ impl State {
         Some(Open { document, path, world, file })
     }
 
-    /// The factors of a document, where its text was compiled as it is.
-    fn factors(&self, open: &Open) -> &[FactorAt] {
-        let known = self.known.get(&open.path).filter(|known| known.version == open.document.version);
-        known.map_or(&[], |known| &known.report.factors)
+    /// The factors of a document, where its text was compiled as it is: by itself, or as a part of another scene that is open.
+    fn factors(&self, open: &Open) -> Vec<FactorAt> {
+        let is_same = |report: &&Report| {
+            let file = report.file(&open.path).and_then(|file| report.sources.get(file));
+            file.is_some_and(|file| file.text == open.document.text)
+        };
+        let reports = self.known.values().map(|known| &known.report).filter(is_same);
+        reports.flat_map(|report| &report.factors).filter(|factor| factor.path == open.path).cloned().collect()
     }
 
     /// Where a place of a world is for the client.
@@ -153,7 +157,7 @@ fn signature_help(state: &mut State, params: SignatureHelpParams) -> Answer {
 fn hover(state: &mut State, params: HoverParams) -> Answer {
     let at = params.text_document_position_params;
     let Some(open) = state.open(&at.text_document.uri, false) else { return Ok(Value::Null) };
-    let said = service::hover(&open.world, state.factors(&open), open.file, open.offset(at.position));
+    let said = service::hover(&open.world, &state.factors(&open), open.file, open.offset(at.position));
     let Some(said) = said.filter(|said| !said.markdown().is_empty()) else { return Ok(Value::Null) };
     let range = said.span.map(|span| convert::range(&open.lines(), span.range()));
     value(Hover { contents: HoverContents::Markup(convert::markdown(said.markdown())), range })
@@ -296,7 +300,7 @@ fn inlay_hints(state: &mut State, params: InlayHintParams) -> Answer {
     let Some(open) = state.open(&params.text_document.uri, false) else { return Ok(Value::Null) };
     let lines = open.lines();
     let within = offset(&lines, params.range.start)..offset(&lines, params.range.end);
-    let found = service::hints(&open.world, state.factors(&open), open.file, within);
+    let found = service::hints(&open.world, &state.factors(&open), open.file, within);
     let hint = |found: service::Hint| InlayHint {
         position: convert::position(&lines, found.offset),
         label: InlayHintLabel::String(found.label),
