@@ -29,6 +29,26 @@ pub struct Diagnostic {
     pub labels: Vec<(Span, String)>,
     /// What to write instead.
     pub help: String,
+    /// What `help` says, as edits that an editor can make; where there are several, one of them is meant.
+    pub fixes: Vec<Fix>,
+}
+
+/// A text in place of another.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Edit {
+    /// What is replaced; empty where something is put in.
+    pub span: Span,
+    /// What stands there then.
+    pub text: String,
+}
+
+/// A way to mend what a diagnostic speaks of.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Fix {
+    /// What it does, in a few words: ``Write `sphere` ``.
+    pub title: String,
+    /// The edits, none over another.
+    pub edits: Vec<Edit>,
 }
 
 impl Diagnostic {
@@ -41,6 +61,7 @@ impl Diagnostic {
             span,
             labels: Vec::new(),
             help: help.into(),
+            fixes: Vec::new(),
         }
     }
 
@@ -48,6 +69,25 @@ impl Diagnostic {
     pub fn at(mut self, span: Span, words: impl Into<String>) -> Self {
         let before = std::mem::replace(&mut self.span, span);
         self.label(before, words)
+    }
+
+    /// Adds a way to mend it: what stands instead of a piece of text.
+    pub fn write(mut self, span: Span, text: impl Into<String>) -> Self {
+        let text = text.into();
+        let title = match text.trim() {
+            "" => "Delete it".to_owned(),
+            written => format!("Write `{written}`"),
+        };
+        self.fixes.push(Fix { title, edits: vec![Edit { span, text }] });
+        self
+    }
+
+    /// The same, where there is something to write.
+    pub fn write_if(self, span: Span, text: Option<impl Into<String>>) -> Self {
+        match text {
+            Some(text) => self.write(span, text),
+            None => self,
+        }
     }
 
     /// Adds another place that matters.

@@ -22,6 +22,7 @@ mod home;
 pub mod images;
 pub mod interface;
 pub mod kept;
+pub mod language_service;
 pub mod live;
 pub mod loader;
 pub mod measure;

@@ -9,7 +9,7 @@ use crate::syntax::parse;
 use std::fmt::Write as _;
 
 /// The part that people wrote.
-const HEAD: &str = include_str!("reference_text/head.md");
+pub const HEAD: &str = include_str!("reference_text/head.md");
 
 /// The files of the prelude, in the order in which the reference shows them: name, title, text.
 pub const CHAPTERS: &[(&str, &str, &str)] = &[

@@ -85,6 +85,26 @@ impl Sources {
         (&source.name, line as u32, column as u32 + 1)
     }
 
+    /// The lines on which a declaration stands, with the comment that documents it before it. Where something else stands on them, the declaration alone.
+    pub fn lines_of(&self, span: Span) -> Span {
+        let Some(file) = self.get(span.file) else { return span };
+        let (before, after) = (file.text.get(..span.start as usize).unwrap_or(""), file.text.get(span.end as usize..).unwrap_or(""));
+        let start = before.rfind('\n').map_or(0, |at| at + 1);
+        let line = after.find('\n').map_or(after.len(), |at| at + 1);
+        let rest = after.get(..line).unwrap_or("").trim();
+        let alone = before.get(start..).is_some_and(|text| text.trim().is_empty()) && (rest.is_empty() || rest.starts_with("//"));
+        if !alone {
+            return span;
+        }
+        let mut start = start;
+        while let Some(line) = before.get(..start).and_then(|text| text.strip_suffix('\n')).map(|text| text.rsplit('\n').next().unwrap_or(""))
+            && line.trim_start().starts_with("///")
+        {
+            start -= line.len() + 1;
+        }
+        Span { start: start as u32, end: span.end + line as u32, ..span }
+    }
+
     /// The text of a span, empty where it is not a whole piece of its text.
     pub fn text(&self, span: Span) -> &str {
         self.get(span.file)

@@ -34,7 +34,6 @@ impl Loader for FileLoader {
 }
 
 /// Where the system keeps what programs can make again. None where it does not say.
-#[cfg(feature = "gpu")]
 pub fn cache() -> Option<PathBuf> {
     let set = |name| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let base = if cfg!(windows) {

@@ -9,6 +9,7 @@ mod hosts;
 mod measures;
 mod meshes;
 mod picture;
+mod texts;
 #[cfg(feature = "gui")]
 mod window;
 

@@ -28,11 +28,12 @@ const FLOORS: [(&str, &[&str]); 3] = [
             "ablation certify contour factors home measure outlook skipped solid verify",
             "program",
             "pipeline reference_text",
+            "language_service",
             "lib",
         ],
     ),
     ("runtime", &["copied_block images mesh view", "gpu", "module readback sheets", "passes physics", "frame", "film", "headless", "explain live tighten", "stage", "lib"]),
-    ("editor", &["animation files hosts measures meshes", "picture window", "command", "main"]),
+    ("editor", &["animation files hosts measures meshes texts", "picture window", "command", "main"]),
 ];
 
 type Module = Vec<String>;

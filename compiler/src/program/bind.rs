@@ -7,7 +7,7 @@ use crate::program::load::{ItemRef, Modules, is_of_prelude, prelude_items};
 use crate::program::value::{Bound, Value, points, type_words};
 use crate::program::{Elaborated, Elaborator, Env, Stop};
 use crate::prelude::in_prelude;
-use crate::diagnostic::Code;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
 use crate::graph::{NodeId, ShapeId};
 use crate::source::Span;
@@ -194,19 +194,16 @@ impl Elaborator<'_> {
                     let mut begun = names.iter().copied().filter(|name| name.starts_with(&*label.text));
                     begun.next().filter(|_| begun.next().is_none())
                 };
-                let help = match nearest(&label.text, names.iter().copied()).or_else(begun) {
+                let near = nearest(&label.text, names.iter().copied()).or_else(begun);
+                let help = match near {
                     Some(near) => format!("did you mean `{near}: …`?"),
                     None if matches!(&*label.text, "center" | "centered" | "centre") => "leave it out: shapes stand around the origin".to_owned(),
                     None if matches!((&*label.text, names.as_slice()), ("x" | "y" | "z", ["v"])) => "write all three in order, as in `(1, 0, 0)`, without names".to_owned(),
                     None if names.is_empty() => "it has no arguments".to_owned(),
                     None => format!("its arguments are {}", names.join(", ")),
                 };
-                self.error(
-                    Code::UnknownArgument,
-                    label.span,
-                    format!("`{name}` has no argument named `{}`", label.text),
-                    help,
-                );
+                let message = format!("`{name}` has no argument named `{}`", label.text);
+                self.report(Diagnostic::new(Code::UnknownArgument, label.span, message, help).write_if(label.span, near));
                 failed = true;
                 continue;
             };
@@ -350,12 +347,10 @@ impl Elaborator<'_> {
         };
         if let Some(angle) = angle.filter(|a| a.abs() > std::f64::consts::TAU) {
             let turns = angle / std::f64::consts::TAU;
-            self.warn(
-                Code::BareAngle,
-                expr.span,
-                format!("a bare angle is in radians: {} is {:.2} turns", short(angle), turns),
-                format!("for degrees write `{0}deg`; for radians `{0}rad`", short(angle)),
-            );
+            let message = format!("a bare angle is in radians: {} is {:.2} turns", short(angle), turns);
+            let [degrees, radians] = ["deg", "rad"].map(|unit| format!("{}{unit}", short(angle)));
+            let help = format!("for degrees write `{degrees}`; for radians `{radians}`");
+            self.report(Diagnostic::new(Code::BareAngle, expr.span, message, help).write(expr.span, degrees).write(expr.span, radians));
         }
     }
 

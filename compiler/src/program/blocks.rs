@@ -6,7 +6,7 @@ use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
 use crate::blocks::{LightNodes, SceneBlocks, Shadow};
 use crate::interface::Parameter;
-use crate::diagnostic::Code;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
 use crate::graph::{Leaf, NodeId, ParameterComponent};
 use crate::blocks::MeshNodes;
@@ -49,7 +49,7 @@ impl SceneBlocks {
 }
 
 /// The keys that a block knows.
-fn keys(kind: BlockKind) -> &'static [&'static str] {
+pub fn keys(kind: BlockKind) -> &'static [&'static str] {
     match kind {
         BlockKind::Camera => &["eye", "target", "fov", "up", "projection", "height", "lens", "focus"],
         BlockKind::Light => &["direction", "position", "color", "intensity", "shadow", "size"],
@@ -65,7 +65,8 @@ fn keys(kind: BlockKind) -> &'static [&'static str] {
     }
 }
 
-fn block_words(kind: BlockKind) -> &'static str {
+/// The word that begins a block.
+pub fn block_words(kind: BlockKind) -> &'static str {
     match kind {
         BlockKind::Camera => "camera",
         BlockKind::Light => "light",
@@ -273,12 +274,14 @@ impl Elaborator<'_> {
         let (Some(max), Some(min)) = (ends.pop(), ends.pop()) else { return Err(Stop) };
         for (lo, hi) in min.iter().zip(&max) {
             if lo > hi || lo == hi && n == 1 {
-                return Err(self.error(
-                    Code::BadRange,
-                    domain.span,
-                    format!("the range {}..{} is empty", short(*lo), short(*hi)),
-                    format!("write the smaller end first: {}..{}", short(*hi), short(*lo)),
-                ));
+                let message = format!("the range {}..{} is empty", short(*lo), short(*hi));
+                let help = format!("write the smaller end first: {}..{}", short(*hi), short(*lo));
+                let mut said = Diagnostic::new(Code::BadRange, domain.span, message, help);
+                if let (ExprKind::Range(from, to), true) = (&domain.kind, lo > hi && n == 1) {
+                    let ends = [to, from].map(|end| self.sources.text(end.span));
+                    said = said.write(domain.span, ends.join(".."));
+                }
+                return Err(self.report(said));
             }
         }
         Ok((min, max))
@@ -379,17 +382,14 @@ impl Elaborator<'_> {
                 unknown = true;
                 // What stands in a block of its own, and means the same there.
                 let other = elsewhere::BLOCKS.into_iter().find(|other| key != "size" && keys(*other).contains(&key)).map(block_words);
-                let help = match (elsewhere::key(key, known), other) {
+                let near = elsewhere::key(key, known);
+                let help = match (near, other) {
                     (Some(near), _) => format!("did you mean `{near}`?"),
                     (_, Some(other)) => format!("it stands in `{other} {{ {key}: … }}`"),
                     _ => format!("the keys of `{words}` are {}", known.join(", ")),
                 };
-                self.error(
-                    Code::UnknownKey,
-                    entry.key.span,
-                    format!("`{words}` has no `{key}`"),
-                    help,
-                );
+                let said = Diagnostic::new(Code::UnknownKey, entry.key.span, format!("`{words}` has no `{key}`"), help);
+                self.report(said.write_if(entry.key.span, near));
                 continue;
             }
             if seen.insert(key, entry).is_some() {

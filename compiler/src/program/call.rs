@@ -8,7 +8,7 @@ use super::load::{is_of_prelude, ItemRef, Resolution};
 use super::overload::at_a_point;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
-use crate::diagnostic::Code;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::NodeId;
 use crate::graph::kernel::KERNEL;
 use crate::source::Span;
@@ -111,16 +111,13 @@ impl Elaborator<'_> {
             .filter_map(|(_, i)| super::load::item_name(i))
             .map(|n| &*n.text)
             .collect();
-        let help = match nearest(&name.text, candidates.iter().copied()) {
+        let near = nearest(&name.text, candidates.iter().copied());
+        let help = match near {
             Some(near) => format!("did you mean `{alias}.{near}`?"),
             None => format!("`{}` declares: {}", modules.path(module), candidates.join(", ")),
         };
-        self.error(
-            Code::UnknownMember,
-            name.span,
-            format!("`{}` declares no `{}`", modules.path(module), name.text),
-            help,
-        )
+        let message = format!("`{}` declares no `{}`", modules.path(module), name.text);
+        self.report(Diagnostic::new(Code::UnknownMember, name.span, message, help).write_if(name.span, near))
     }
 
     /// A call of the name that stands at `at`.
@@ -218,18 +215,18 @@ impl Elaborator<'_> {
             .into_iter()
             .chain(super::builtin::FUNCTIONS.iter().copied())
             .collect();
+        let mut meant = None;
         let help = match ours(name, &candidates).or_else(|| nearest(name, candidates)) {
             _ if let Some(instead) = instead(name) => instead.to_owned(),
             _ if let (Value::Shape(_), Some(color)) = (receiver, color(name)) => format!("write `.material(swatch({color}))`"),
-            Some(near) => format!("did you mean `.{near}(…)`?"),
+            Some(near) => {
+                meant = Some(near.to_owned());
+                format!("did you mean `.{near}(…)`?")
+            }
             None => "any `shape`, `warp` or `blend` that takes this first can stand after the dot".into(),
         };
-        self.error(
-            Code::UnknownMember,
-            at,
-            format!("{found} has no `{}`", name),
-            help,
-        )
+        let message = format!("{found} has no `{name}`");
+        self.report(Diagnostic::new(Code::UnknownMember, at, message, help).write_if(at, meant))
     }
 
     fn call_built_in(
@@ -348,12 +345,9 @@ impl Elaborator<'_> {
             && matches!(&*name.text, "x" | "y" | "z")
             && matches!(self.modules.resolve(env.module, axis), Resolution::Unknown)
         {
-            return Err(self.error(
-                Code::UnknownMember,
-                span,
-                format!("`{axis}` is the unit vector along {axis}, so `{axis}.{}` is a constant", name.text),
-                format!("write `p.{}` for the point's coordinate", name.text),
-            ));
+            let message = format!("`{axis}` is the unit vector along {axis}, so `{axis}.{}` is a constant", name.text);
+            let help = format!("write `p.{}` for the point's coordinate", name.text);
+            return Err(self.report(Diagnostic::new(Code::UnknownMember, span, message, help).write(span, format!("p.{}", name.text))));
         }
         let value = self.expression(receiver, env)?;
         if args.is_none() {
@@ -367,7 +361,8 @@ impl Elaborator<'_> {
             }
             if let (Value::List(_), "length" | "len" | "size") = (&value, &*name.text) {
                 let message = format!("a list has no `{}`", name.text);
-                return Err(self.error(Code::UnknownMember, name.span, message, "write `.count`, how many it has"));
+                let said = Diagnostic::new(Code::UnknownMember, name.span, message, "write `.count`, how many it has");
+                return Err(self.report(said.write(name.span, "count")));
             }
             if let Value::Number(..) | Value::Bool(_) | Value::Text(_) | Value::Matrix(..) = &value
                 && !self.is_called(&name.text, env)

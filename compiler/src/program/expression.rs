@@ -267,6 +267,8 @@ impl Elaborator<'_> {
                 nearest(name, fitting.chain(locals.iter().map(|n| &**n))).filter(|_| is_word)
             })
             .map(str::to_owned);
+        let is_plain = instead(name).is_none() && color(name).is_none() && !is_of_point(name);
+        let meant = near.clone().filter(|_| is_plain);
         let help = match (instead(name), near) {
             (Some(instead), _) => instead.to_owned(),
             _ if let Some(color) = color(name) => format!("write a colour as `{color}`, a material of it as `swatch({color})`"),
@@ -276,7 +278,11 @@ impl Elaborator<'_> {
             (None, Some(near)) => format!("did you mean `{near}`?"),
             (None, None) => format!("declare it, for example `let {name} = …` or `shape {name} = …`"),
         };
-        self.error(Code::UnknownName, span, format!("nothing is named `{name}`"), help)
+        let mut said = Diagnostic::new(Code::UnknownName, span, format!("nothing is named `{name}`"), help).write_if(span, meant);
+        if let (None, Some(color), false) = (instead(name), color(name), is_called) {
+            said = said.write(span, color).write(span, format!("swatch({color})"));
+        }
+        self.report(said)
     }
 
     fn vector(&mut self, items: &[Expr], span: Span, env: &Env) -> Elaborated<Value> {

@@ -132,6 +132,11 @@ const MODULE_LIMIT: usize = 256;
 
 /// Reads a scene and its imports.
 pub fn load(loader: &dyn Loader, path: &str) -> Loaded {
+    load_all(loader, &[path])
+}
+
+/// Reads several texts and what they import, each once; the first is the scene.
+pub fn load_all(loader: &dyn Loader, paths: &[&str]) -> Loaded {
     let (sources, prelude, prelude_diagnostics) = &*PRELUDE_TREE;
     let mut reader = Reader {
         loader,
@@ -143,7 +148,12 @@ pub fn load(loader: &dyn Loader, path: &str) -> Loaded {
         diagnostics: prelude_diagnostics.clone(),
         broken: false,
     };
-    let main = reader.read(path, None).unwrap_or(0);
+    let mut main = None;
+    for path in paths {
+        let read = reader.by_path.get(*path).copied().or_else(|| reader.read(path, None));
+        main = main.or(Some(read.unwrap_or(0)));
+    }
+    let main = main.unwrap_or(0);
     Loaded {
         sources: reader.sources,
         modules: Modules { list: reader.list, main, broken: reader.broken, prelude: 0 },
@@ -362,6 +372,34 @@ impl Modules {
     /// The path of a module.
     pub fn path(&self, module: usize) -> &str {
         self.list.get(module).map_or("", |m| &m.path)
+    }
+
+    /// How many texts there are, the prelude counted as one: the first.
+    pub fn count(&self) -> usize {
+        self.list.len()
+    }
+
+    /// The tree of a module.
+    pub fn tree(&self, module: usize) -> Option<&ast::File> {
+        self.list.get(module).map(|m| &m.ast)
+    }
+
+    /// What a module imports, as far as it could be read.
+    pub fn imports(&self, module: usize) -> &[Import] {
+        self.list.get(module).map_or(&[], |m| &m.imports)
+    }
+
+    /// The module of a text; that of the prelude for each of its texts.
+    pub fn of_file(&self, file: FileId) -> Option<usize> {
+        if crate::prelude::in_prelude(Span::new(file, 0, 0)) {
+            return Some(self.prelude);
+        }
+        self.list.iter().skip(1).position(|m| m.file == file).map(|at| at + 1)
+    }
+
+    /// The module that was read from a path.
+    pub fn of_path(&self, path: &str) -> Option<usize> {
+        self.list.iter().skip(1).position(|m| m.path == path).map(|at| at + 1)
     }
 
     /// The first place of a text.

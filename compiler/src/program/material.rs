@@ -5,7 +5,7 @@ use super::load::{self, ItemRef};
 use super::texture::Texture;
 use super::value::Value;
 use super::{Elaborated, Elaborator, Env, Stop};
-use crate::diagnostic::Code;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::{Exactness, NodeId, Material, MaterialId, Shape, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast::{ItemKind, Type};
@@ -13,6 +13,12 @@ use std::sync::Arc;
 
 /// The index of refraction of what light goes through, where it is not said: that of window glass.
 const GLASS: f64 = 1.5;
+
+/// The keys that a material knows.
+pub const KEYS: [&str; 13] = [
+    "color", "roughness", "metallic", "reflectivity", "emission", "bump", "bump_height", "texture",
+    "texture_scale", "texture_sharpness", "solid", "transmission", "ior",
+];
 
 impl Elaborator<'_> {
     /// Warns of a colour that is written as bytes, or beyond what a surface can be.
@@ -27,7 +33,8 @@ impl Elaborator<'_> {
             false => "write numbers from 0 to 1; what shines by itself has an `emission`".to_owned(),
         };
         let message = format!("the components of a colour go from 0 to 1, and one of these is {beyond}");
-        self.warn(Code::ColorBytes, at, message, help);
+        let color = are_bytes.then(|| format!("#{hexadecimal}"));
+        self.report(Diagnostic::new(Code::ColorBytes, at, message, help).write_if(at, color));
     }
 
     /// A material of a declaration and its arguments.
@@ -94,29 +101,22 @@ impl Elaborator<'_> {
             return Err(Stop);
         };
         material.name = name.text.clone();
-        const KEYS: [&str; 13] = [
-            "color", "roughness", "metallic", "reflectivity", "emission", "bump", "bump_height", "texture",
-            "texture_scale", "texture_sharpness", "solid", "transmission", "ior",
-        ];
         let mut texture = Texture::new(self);
         let (mut transmission, mut ior) = (None, None);
         let mut failed = false;
         for entry in entries {
             let key = &*entry.key.text;
             if !KEYS.contains(&key) {
-                let help = match elsewhere::key(key, &KEYS) {
+                let near = elsewhere::key(key, &KEYS);
+                let help = match near {
                     Some(near) => format!("did you mean `{near}`?"),
                     None if matches!(key, "opacity" | "alpha" | "transparent" | "transparency") => {
                         "write `transmission: 1` for glass, or a number between".to_owned()
                     }
                     None => format!("the keys of a material are {}", KEYS.join(", ")),
                 };
-                self.error(
-                    Code::UnknownKey,
-                    entry.key.span,
-                    format!("a material has no `{key}`"),
-                    help,
-                );
+                let said = Diagnostic::new(Code::UnknownKey, entry.key.span, format!("a material has no `{key}`"), help);
+                self.report(said.write_if(entry.key.span, near));
                 failed = true;
                 continue;
             }

@@ -25,7 +25,7 @@ mod growth;
 pub mod load;
 mod loops;
 mod many;
-mod material;
+pub mod material;
 mod mesh;
 mod operator;
 mod outlined;
@@ -214,12 +214,11 @@ fn elaborate_reading(
     }
     if scenes.is_empty() && !modules.broken {
         let span = modules.head(main);
-        e.report(Diagnostic::new(
-            Code::NoScene,
-            span,
-            "this file has no scene",
-            "write `scene = ` and a shape, for example `scene = sphere(1)`",
-        ));
+        let help = "write `scene = ` and a shape, for example `scene = sphere(1)`";
+        let text = sources.get(span.file).map_or("", |file| &file.text);
+        let end = Span::new(span.file, text.len(), text.len());
+        let line = if text.is_empty() || text.ends_with('\n') { "scene = sphere(1)\n" } else { "\nscene = sphere(1)\n" };
+        e.report(Diagnostic::new(Code::NoScene, span, "this file has no scene", help).write(end, line));
     }
     let read = root.map_or_else(FxHashMap::default, |root| e.read_in_gaps(root));
     let unused = e.uncalled(main);
@@ -499,12 +498,13 @@ impl Elaborator<'_> {
         let own = self.parameters.iter().filter(|p| p.span.file == main_file);
         let unused: Vec<_> = own.filter(|p| !is_read(p)).map(|p| (p.name.clone(), p.span)).collect();
         for (name, span) in unused {
-            self.report(Diagnostic::new(
-                Code::Unused,
-                span,
-                format!("nothing in the scene reads `{name}`"),
-                "use it, or delete it",
-            ));
+            let said = Diagnostic::new(Code::Unused, span, format!("nothing in the scene reads `{name}`"), "use it, or delete it");
+            let whole = modules.items(modules.main).map(|(_, item)| item.span).find(|item| item.start <= span.start && span.end <= item.end);
+            let lines = whole.map(|item| self.sources.lines_of(item));
+            self.report(match lines {
+                Some(lines) => said.write(lines, ""),
+                None => said,
+            });
         }
     }
 }

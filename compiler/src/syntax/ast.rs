@@ -242,6 +242,26 @@ pub enum Type {
     Str,
 }
 
+impl Type {
+    /// As it is written: `vec3`, `[float]`. A string is no type that can be written, and is called `text`.
+    pub fn name(&self) -> String {
+        match self {
+            Type::Bool => "bool".to_owned(),
+            Type::Int => "int".to_owned(),
+            Type::Float => "float".to_owned(),
+            Type::Vec(n) => format!("vec{n}"),
+            Type::Mat(n) => format!("mat{n}"),
+            Type::Color => "color".to_owned(),
+            Type::Shape => "shape".to_owned(),
+            Type::Shape2 => "shape2".to_owned(),
+            Type::Material => "material".to_owned(),
+            Type::Field => "field".to_owned(),
+            Type::List(inner) => format!("[{}]", inner.name()),
+            Type::Str => "text".to_owned(),
+        }
+    }
+}
+
 /// A parameter of a declaration: `name`, `name: type`, `name: type = default`, `name = default`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {

@@ -344,6 +344,7 @@ impl Reader<'_> {
         {
             last.end = end as u32;
             if let Some(diagnostic) = self.diagnostics.last_mut() {
+                diagnostic.fixes.clear();
                 diagnostic.span.end = end as u32;
                 diagnostic.message = "the language does not use these characters".into();
             }
@@ -386,7 +387,23 @@ impl Reader<'_> {
             }
             _ => format!("the language does not use the character `{text}`"),
         };
-        self.say(Code::Character, Span::new(self.file, start, end), message, help);
+        let ours = match text.chars().next() {
+            Some('×' | '·' | '∙') => Some("*"),
+            Some('÷') => Some("/"),
+            Some('−' | '–' | '—') => Some("-"),
+            Some('°') => Some("deg"),
+            Some('≤') => Some("<="),
+            Some('≥') => Some(">="),
+            Some('≠') => Some("!="),
+            Some('∪') => Some("|"),
+            Some('∩') => Some("&"),
+            Some('~') => Some("!"),
+            Some('“' | '”' | '„' | '«' | '»' | '\'' | '`' | '‘' | '’') => Some("\""),
+            Some(c) if c.is_whitespace() => Some(" "),
+            _ => None,
+        };
+        let span = Span::new(self.file, start, end);
+        self.diagnostics.push(Diagnostic::new(Code::Character, span, message, help).write_if(span, ours));
         self.push(TokenKind::BadCharacter, start, end);
     }
 
@@ -408,6 +425,7 @@ impl Reader<'_> {
         let line = text.trim_end();
         let mut words = line.trim_start_matches(['#', '-']).split_whitespace();
         let after = |word: &str| line.split_once(word).map_or("", |(_, rest)| rest).trim();
+        let mut ours = None;
         let (message, help) = match words.next().filter(|_| line.starts_with('#') && !line.starts_with("# ")) {
             Some("define") => {
                 let rest = after("define");
@@ -415,7 +433,10 @@ impl Reader<'_> {
                 let help = match value.trim() {
                     _ if name.contains('(') => "write `fn name(a: float) = …`, or `field name = …` for a formula in `p`".to_owned(),
                     "" => "write `let name = 1`, and choose by `if name > 0 { … } else { … }`".to_owned(),
-                    value => format!("write `let {name} = {value}`"),
+                    value => {
+                        ours = Some(format!("let {name} = {value}"));
+                        format!("write `let {name} = {value}`")
+                    }
                 };
                 ("nothing is replaced before the text is read, so there is no `#define`".to_owned(), help)
             }
@@ -423,9 +444,14 @@ impl Reader<'_> {
             Some(word @ ("if" | "ifdef" | "ifndef" | "elif" | "else" | "endif" | "version" | "extension" | "pragma" | "undef")) => {
                 (format!("nothing is left out before the text is read, so there is no `#{word}`"), "take the line out; a scene chooses by `if condition { … } else { … }`".to_owned())
             }
-            _ => ("a comment starts with `//`".to_owned(), format!("write `// {}`", line.trim_start_matches(['#', '-', ' ']))),
+            _ => {
+                let comment = format!("// {}", line.trim_start_matches(['#', '-', ' ']));
+                ours = Some(comment.clone());
+                ("a comment starts with `//`".to_owned(), format!("write `{comment}`"))
+            }
         };
-        self.say(Code::Unexpected, Span::new(self.file, start, start + line.len()), message, help);
+        let span = Span::new(self.file, start, start + line.len());
+        self.diagnostics.push(Diagnostic::new(Code::Unexpected, span, message, help).write_if(span, ours));
     }
 
     /// What starts with a point: a number without a digit before it, if nothing stands there.
@@ -459,10 +485,13 @@ impl Reader<'_> {
                 format!("`{text}` is not a colour: its digits go from 0 to 9 and from a to f"),
                 "write # and three or six hexadecimal digits, as in `#d4af37`".to_string(),
             ),
-            4 | 8 => (
-                format!("`{text}` has digits for transparency, which there is none of"),
-                format!("write `{}`", text.get(..digits - digits / 4 + 1).unwrap_or("#d4af37")),
-            ),
+            4 | 8 => {
+                let opaque = text.get(..digits - digits / 4 + 1).unwrap_or("#d4af37");
+                let (message, help) = (format!("`{text}` has digits for transparency, which there is none of"), format!("write `{opaque}`"));
+                let span = Span::new(self.file, start, end);
+                self.diagnostics.push(Diagnostic::new(Code::ColorForm, span, message, help).write(span, opaque));
+                return TokenKind::BadLiteral;
+            }
             _ => (
                 format!("`{text}` is not a colour: it has {digits} digits"),
                 "write # and three or six hexadecimal digits, as in `#d4af37`".to_string(),

@@ -224,12 +224,23 @@ impl<'t> Parser<'t> {
         message: impl Into<String>,
         help: impl Into<String>,
     ) {
+        self.say(Diagnostic::new(code, span, message, help));
+    }
+
+    /// The same of a diagnostic that is made already.
+    fn say(&mut self, diagnostic: Diagnostic) {
         let bad = matches!(self.peek().kind, TokenKind::BadCharacter | TokenKind::BadLiteral);
         if bad || self.last_report == Some(self.at) {
             return;
         }
         self.last_report = Some(self.at);
-        self.diagnostics.push(Diagnostic::new(code, span, message, help));
+        self.diagnostics.push(diagnostic);
+    }
+
+    /// Says that the next token is wrong, and what stands in its place.
+    fn unexpected_for(&mut self, message: impl Into<String>, help: impl Into<String>, ours: &str) {
+        let span = self.span(self.peek());
+        self.say(Diagnostic::new(Code::Unexpected, span, message, help).write(span, ours));
     }
 
     /// Says that the next token is wrong.

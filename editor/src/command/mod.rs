@@ -10,6 +10,8 @@ mod console;
 mod explain;
 mod export;
 mod fmt;
+mod grammar;
+mod lsp;
 mod measure;
 mod mesh;
 mod page;
@@ -58,6 +60,8 @@ enum Command {
     Export(export::Args),
     /// Format the text of scenes.
     Fmt(fmt::Args),
+    /// Serve editors: completion, diagnostics, renaming and more, over stdin and stdout.
+    Lsp(lsp::Args),
     /// Draw pictures of a scene into files.
     Render(render::Args),
     /// Write the surface of a scene as a closed mesh, for example for a 3D printer.
@@ -102,6 +106,7 @@ pub fn run() -> ExitCode {
         Some(Command::Compile(args)) => compile::run(&args),
         Some(Command::Export(args)) => export::run(&args),
         Some(Command::Fmt(args)) => fmt::run(&args),
+        Some(Command::Lsp(args)) => lsp::run(&args),
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Mesh(args)) => mesh::run(&args),
         Some(Command::Measure(args)) => measure::run(&args),

@@ -1,6 +1,8 @@
 //! `surefoot reference`: writes the language's reference from the compiler's own tables, with its pictures.
 
-use super::console::{Exit, Failure};
+use super::console::{Exit, Failure, print};
+use super::grammar;
+use crate::files;
 use crate::picture::write_png;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -21,6 +23,12 @@ pub struct Args {
     /// Write the text only, and leave the pictures as they are.
     #[arg(long)]
     text_only: bool,
+    /// Print the language's grammar for editors that colour by regular expressions (TextMate), and write nothing.
+    #[arg(long)]
+    grammar: bool,
+    /// Print the tokens of a text with their classes as JSON, and write nothing.
+    #[arg(long, value_name = "FILE")]
+    tokens: Option<PathBuf>,
 }
 
 /// Pixels of a picture on the page.
@@ -30,6 +38,16 @@ const FINER: u32 = 4;
 
 /// Writes, or compares.
 pub fn run(args: &Args) -> Result<Exit, Failure> {
+    if args.grammar {
+        print(grammar::grammar().as_bytes())?;
+        return Ok(Exit::Fine);
+    }
+    if let Some(path) = &args.tokens {
+        let failed = |why: &str| Failure::usage(format!("can't read {}: {why}", path.display()));
+        let text = String::from_utf8(files::read(path).map_err(|why| failed(&why))?).map_err(|_| failed("it is not UTF-8"))?;
+        print(format!("{}\n", grammar::classes(&text)).as_bytes())?;
+        return Ok(Exit::Fine);
+    }
     let page = language_reference();
     let path = args.output.join("language.md");
     if args.check {

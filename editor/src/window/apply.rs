@@ -46,6 +46,25 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
             session.open.source = true;
             session.documents.jump = Some(place);
         }
+        Command::Mend(mend) => {
+            show(session, world, &mend.file);
+            session.documents.focus = true;
+            let document = session.documents.current_mut();
+            if let Some(text) = mend.made(&document.text).filter(|_| document.name == mend.file && document.is_editable()) {
+                document.edit(text, Instant::now());
+            }
+        }
+        Command::Rewrite(texts) => {
+            let shown = session.documents.shown;
+            for (file, text) in texts {
+                show(session, world, &file);
+                let document = session.documents.current_mut();
+                if document.name == file && document.is_editable() {
+                    document.edit(text, Instant::now());
+                }
+            }
+            session.documents.shown = shown;
+        }
         Command::Search(wanted) => {
             session.open.source |= wanted.is_some();
             session.search = wanted;

@@ -1,7 +1,7 @@
 //! What a person or the world outside asks of the session.
 
 use crate::window::document::{Disk, Resolution};
-use crate::window::session::{Place, Search};
+use crate::window::session::{Mend, Place, Search};
 use std::path::PathBuf;
 use std::sync::Arc;
 use surefoot_runtime::ViewMode;
@@ -34,6 +34,10 @@ pub enum Command {
     Show(String),
     /// Show a place.
     Jump(Place),
+    /// Mend a problem by the edits that its advice names.
+    Mend(Mend),
+    /// Give files other texts: their names and those texts.
+    Rewrite(Vec<(String, String)>),
     /// The cursor is where it shall be.
     Jumped,
     /// Look for something in the text, or no longer.

@@ -83,6 +83,36 @@ pub struct Problem {
     pub help: String,
     /// Where.
     pub place: Place,
+    /// What `help` says, as edits; where there are several, one of them is meant.
+    pub mends: Vec<Mend>,
+}
+
+/// Edits that mend a problem.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mend {
+    /// What it does, in a few words.
+    pub title: String,
+    /// The file's name, as the compiler calls it.
+    pub file: String,
+    /// The text that they are of.
+    pub of: Arc<str>,
+    /// What stands instead of which bytes, in the order of their places.
+    pub edits: Vec<(Range<usize>, String)>,
+}
+
+impl Mend {
+    /// The text with the edits in it. None if it has become another one.
+    pub fn made(&self, text: &str) -> Option<String> {
+        if text != &*self.of {
+            return None;
+        }
+        let mut text = text.to_owned();
+        for (range, written) in self.edits.iter().rev() {
+            text.get(range.clone())?;
+            text.replace_range(range.clone(), written);
+        }
+        Some(text)
+    }
 }
 
 /// What the compiler said last.
@@ -346,6 +376,16 @@ fn place(words: &Words, span: Span) -> Place {
     Place { file: file.to_owned(), start: (line, column), end: (end_line, end_column) }
 }
 
+/// A fix as the window makes it: in one text, and in none of the compiler's own.
+fn mend(words: &Words, fix: &diagnostic::Fix) -> Option<Mend> {
+    let file = fix.edits.first()?.span.file;
+    let source = words.sources.get(file).filter(|source| !source.name.starts_with('<'))?;
+    let mut edits: Vec<_> = fix.edits.iter().filter(|edit| edit.span.file == file).map(|edit| (edit.span.range(), edit.text.clone())).collect();
+    edits.sort_by_key(|(range, _)| range.start);
+    let is_one = edits.len() == fix.edits.len();
+    is_one.then(|| Mend { title: fix.title.clone(), file: source.name.clone(), of: source.text.clone(), edits })
+}
+
 /// The compiler's words as the window shows them.
 pub fn problems(words: &Words) -> Vec<Problem> {
     let problem = |d: &diagnostic::Diagnostic| {
@@ -355,6 +395,7 @@ pub fn problems(words: &Words) -> Vec<Problem> {
             message: d.message.clone(),
             help: d.help.clone(),
             place: place(words, d.span),
+            mends: d.fixes.iter().filter_map(|fix| mend(words, fix)).collect(),
         }
     };
     let mut problems: Vec<Problem> = diagnostic::shown(&words.diagnostics).0.into_iter().map(problem).collect();

@@ -1,5 +1,6 @@
 //! The whole window, without a screen: what it shows, and what a hand does to it. Needs a graphics adapter; a program will do.
 
+mod assist;
 mod changing;
 mod measures;
 mod typing;

@@ -71,10 +71,7 @@ impl Parser<'_> {
             self.eat(TokenKind::Semicolon);
         }
         if self.is(TokenKind::Semicolon) {
-            self.unexpected(
-                "the value of a block has no `;` after it",
-                "take the `;` out; only a `let` ends with one",
-            );
+            self.unexpected_for("the value of a block has no `;` after it", "take the `;` out; only a `let` ends with one", "");
             self.bump();
         }
         self.close_block(open);

@@ -6,7 +6,7 @@ use super::super::literals::{Number, read_color, read_number, read_string};
 use super::super::words;
 use super::Parser;
 use super::recovery::ListOf;
-use crate::diagnostic::Code;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 use crate::unit::Unit;
 
@@ -51,9 +51,10 @@ impl Parser<'_> {
         let mut value = from;
         if self.eat(TokenKind::DotDot).is_some() {
             if self.is(TokenKind::Equals) {
-                self.unexpected(
+                self.unexpected_for(
                     "a range is written `a..b`",
                     "take the `=` out; both ends belong to a parameter's range, and a `for` leaves out the end",
+                    "",
                 );
                 self.bump();
             }
@@ -156,7 +157,7 @@ impl Parser<'_> {
                 TokenKind::Minus => signs.push((UnaryOp::Neg, self.bump())),
                 TokenKind::Not => signs.push((UnaryOp::Not, self.bump())),
                 TokenKind::Plus => {
-                    self.unexpected("a value has no `+` before it", "take the `+` out");
+                    self.unexpected_for("a value has no `+` before it", "take the `+` out", "");
                     self.bump();
                 }
                 TokenKind::BadCharacter => {
@@ -273,7 +274,9 @@ impl Parser<'_> {
                 let token = self.bump();
                 let written = self.name_of(token);
                 let help = format!("write `{}: …`", written.text);
-                self.report(Code::Unexpected, written.span, "a named argument is written with `:`, found `=`", help);
+                let equals = self.span(self.peek());
+                let said = Diagnostic::new(Code::Unexpected, written.span, "a named argument is written with `:`, found `=`", help);
+                self.say(said.write(written.span.to(equals), format!("{}:", written.text)));
                 name = Some(written);
                 self.bump();
             }
@@ -355,7 +358,9 @@ impl Parser<'_> {
 
     /// A unit with a space before it.
     fn apart(&mut self, number: Token, unit: &str) {
-        self.unexpected("a unit stands right after its number", format!("write `{}{unit}`", number.text(self.text)));
+        let (span, written) = (self.span(self.peek()), format!("{}{unit}", number.text(self.text)));
+        let said = Diagnostic::new(Code::Unexpected, span, "a unit stands right after its number", format!("write `{written}`"));
+        self.say(said.write(self.span(number).to(span), written));
         self.bump();
     }
 
@@ -548,7 +553,7 @@ impl Parser<'_> {
         let start = self.bump().start;
         let mut condition = self.value();
         if self.is(TokenKind::Equals) {
-            self.unexpected("`=` declares, found where a condition goes on", "two values are compared with `==`");
+            self.unexpected_for("`=` declares, found where a condition goes on", "two values are compared with `==`", "==");
             self.bump();
             self.value();
             condition.kind = ExprKind::Hole;

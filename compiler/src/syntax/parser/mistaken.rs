@@ -86,7 +86,7 @@ impl Parser<'_> {
             "func" | "function" | "fun" if next == TokenKind::Name => Some("fn"),
             "include" | "use" if next == TokenKind::Str => Some("import"),
             _ if LIGHTS.contains(&word) && next == TokenKind::BraceOpen => {
-                self.unexpected(format!("no declaration starts with `{word}`"), format!("write `light {word} {{ … }}`"));
+                self.unexpected_for(format!("no declaration starts with `{word}`"), format!("write `light {word} {{ … }}`"), &format!("light {word}"));
                 return self.declaration("light");
             }
             _ => words::nearest(word, words::DECLARATIONS.iter().copied()).filter(|near| {
@@ -98,7 +98,10 @@ impl Parser<'_> {
             let name = self.word_of(self.token_at(self.at + 2));
             let typed = third == TokenKind::Name && words::is_type(self.word_of(self.peek_next()));
             let help = if typed { format!("write `{meant} {name} = …`") } else { format!("write `{meant}`") };
-            self.unexpected(format!("no declaration starts with `{word}`"), help);
+            match typed {
+                true => self.unexpected(format!("no declaration starts with `{word}`"), help),
+                false => self.unexpected_for(format!("no declaration starts with `{word}`"), help, meant),
+            }
             // Its type stands between the word and the name.
             if typed {
                 self.bump();

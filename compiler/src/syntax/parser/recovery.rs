@@ -56,10 +56,7 @@ impl Parser<'_> {
     /// After an element stands neither a comma nor the closing bracket.
     fn after_element(&mut self, close: TokenKind, of: &ListOf, before: usize) {
         if self.is(TokenKind::Semicolon) && close == TokenKind::BraceClose {
-            self.unexpected(
-                format!("{} are separated by `,`, found `;`", of.plural),
-                "write `,` in its place",
-            );
+            self.unexpected_for(format!("{} are separated by `,`, found `;`", of.plural), "write `,` in its place", ",");
             self.bump();
             return;
         }

@@ -4,7 +4,7 @@ use super::super::ast::Type;
 use super::super::lexer::TokenKind;
 use super::super::words;
 use super::Parser;
-use crate::diagnostic::Code;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::source::Span;
 
 impl Parser<'_> {
@@ -33,29 +33,23 @@ impl Parser<'_> {
                 let word = token.text(self.text);
                 let ty = type_of(word);
                 if ty.is_none() {
-                    let help = match word {
-                        "number" | "double" | "half" | "real" | "f32" | "f64" => {
-                            "write `float`".to_string()
-                        }
-                        "integer" | "uint" | "i32" | "u32" | "i64" => "write `int`".to_string(),
-                        "boolean" => "write `bool`".to_string(),
-                        "colour" | "rgb" => "write `color`".to_string(),
-                        "vec" | "vector" | "point" => "write `vec3`".to_string(),
-                        "drawing" | "shape2d" => "write `shape2`".to_string(),
-                        "solid" | "sdf" | "object" => "write `shape`".to_string(),
-                        _ => match words::nearest(word, words::TYPES.iter().copied()) {
-                            Some(near) => format!("write `{near}`"),
-                            None => {
-                                format!("types are {} and lists `[T]`", words::TYPES.join(", "))
-                            }
-                        },
+                    let ours = match word {
+                        "number" | "double" | "half" | "real" | "f32" | "f64" => Some("float"),
+                        "integer" | "uint" | "i32" | "u32" | "i64" => Some("int"),
+                        "boolean" => Some("bool"),
+                        "colour" | "rgb" => Some("color"),
+                        "vec" | "vector" | "point" => Some("vec3"),
+                        "drawing" | "shape2d" => Some("shape2"),
+                        "solid" | "sdf" | "object" => Some("shape"),
+                        _ => words::nearest(word, words::TYPES.iter().copied()),
                     };
-                    self.report(
-                        Code::UnknownType,
-                        self.span(token),
-                        format!("there is no type `{word}`"),
-                        help,
-                    );
+                    let help = match ours {
+                        Some(ours) => format!("write `{ours}`"),
+                        None => format!("types are {} and lists `[T]`", words::TYPES.join(", ")),
+                    };
+                    let span = self.span(token);
+                    let said = Diagnostic::new(Code::UnknownType, span, format!("there is no type `{word}`"), help);
+                    self.say(said.write_if(span, ours));
                 }
                 self.bump();
                 ty

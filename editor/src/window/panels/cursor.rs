@@ -17,3 +17,14 @@ pub fn selection(ui: &Ui, document: &Document) -> Range<usize> {
     let count = document.text.chars().count();
     start.min(count)..end.min(count)
 }
+
+/// The character before which the cursor stands, where nothing is selected.
+pub fn caret(ui: &Ui, document: &Document) -> Option<usize> {
+    let range = TextEditState::load(ui.ctx(), id(document))?.cursor.char_range()?;
+    (range.primary.index == range.secondary.index).then_some(range.primary.index.0)
+}
+
+/// The byte of a character of a text.
+pub fn byte(text: &str, character: usize) -> usize {
+    text.char_indices().nth(character).map_or(text.len(), |(at, _)| at)
+}

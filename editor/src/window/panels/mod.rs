@@ -1,5 +1,6 @@
 //! The panels. Each reads the session and pushes commands.
 
+mod assist;
 pub mod balls;
 pub mod cursor;
 mod history;
@@ -11,6 +12,7 @@ pub mod parameters;
 pub mod picture;
 pub mod problems;
 pub mod questions;
+mod renaming;
 pub mod search;
 pub mod source;
 pub mod status;

@@ -68,6 +68,17 @@ fn row(ui: &mut Ui, scene: &str, problem: &Problem, commands: &mut Vec<Command>)
                 words(ui, RichText::new(&problem.help).color(theme::WEAK).small());
             });
         }
+        if !problem.mends.is_empty() {
+            ui.horizontal_wrapped(|ui| {
+                ui.add_space(20.0);
+                for mend in &problem.mends {
+                    let title: String = mend.title.replace('`', "").chars().take(60).collect();
+                    if ui.small_button(title).on_hover_text("changes the text so").clicked() {
+                        commands.push(Command::Mend(mend.clone()));
+                    }
+                }
+            });
+        }
         ui.add_space(2.0);
         ui.set_min_width(ui.available_width());
     });

@@ -4,7 +4,7 @@ use crate::window::command::Command;
 use crate::window::document::Document;
 use crate::window::panels::cursor::{id, selection};
 use crate::window::panels::icons::{self, Icon};
-use crate::window::panels::{history, lines, notes, problems, search};
+use crate::window::panels::{assist, history, lines, notes, problems, renaming, search};
 use crate::window::session::{Place, Problem, Session};
 use crate::window::theme::{self, code};
 use egui::cache::{ComputerMut, FrameCache};
@@ -118,7 +118,9 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
         });
         ui.fonts_mut(|f| f.layout_job(job))
     };
-    let by_lines = history::follow(ui, id, document, &mut text) || document.is_editable() && change_lines(ui, document, &mut text);
+    assist::hear(ui);
+    renaming::keys(ui, session, document);
+    let by_lines = assist::keys(ui, session, document, &mut text, commands) || history::follow(ui, id, document, &mut text) || document.is_editable() && change_lines(ui, document, &mut text);
     lay_out_while_typing(ui, id, &document.text);
     let before = TextEditState::load(ui.ctx(), id).and_then(|state| state.cursor.char_range());
     let paged = page(ui, id, &text);
@@ -141,7 +143,9 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
                 keep_in_view(ui, &output, gutter);
             }
             numbers(ui, &output, gutter, session, document);
-            factor(&output, session, document);
+            explain_term(ui, &output, session, document);
+            assist::show(ui, session, document, &output, commands);
+            renaming::show(ui, session, document, &output, commands);
             if let Some(place) = &session.documents.jump {
                 jump(ui, id, &output, &document.text, place);
                 commands.push(Command::Jumped);
@@ -290,8 +294,8 @@ fn lay_out_while_typing(ui: &Ui, id: Id, text: &str) {
     });
 }
 
-/// What the term under the pointer costs, when the pointer rests on one that has a factor.
-fn factor(output: &TextEditOutput, session: &Session, document: &Document) {
+/// What the name under the pointer is, and what its term costs if that has a factor, when the pointer rests on it.
+fn explain_term(ui: &Ui, output: &TextEditOutput, session: &Session, document: &Document) {
     let Some(at) = output.response.hover_pos() else { return };
     let at = at - output.galley_pos;
     // Beside the text is no term.
@@ -306,8 +310,19 @@ fn factor(output: &TextEditOutput, session: &Session, document: &Document) {
     // Of terms within terms the innermost.
     let size = |place: &Place| character(text, place.end) - character(text, place.start);
     let under = session.factors().filter(|(place, _)| holds(place)).min_by_key(|(place, _)| size(place));
-    if let Some((_, factor)) = under {
-        Response::clone(&output.response).on_hover_ui_at_pointer(|ui| explain(ui, &factor));
+    let said = assist::said(ui, session, document, at);
+    if under.is_some() || said.is_some() {
+        Response::clone(&output.response).on_hover_ui_at_pointer(|ui| {
+            if let Some(said) = &said {
+                assist::explain(ui, said);
+            }
+            if let Some((_, factor)) = &under {
+                if said.is_some() {
+                    ui.separator();
+                }
+                explain(ui, factor);
+            }
+        });
     }
 }
 
