@@ -18,6 +18,8 @@ export interface SceneOptions {
   set?: Record<string, string | number>;
   /** A factor that is measured and not proven is an error. */
   strict?: boolean;
+  /** Uses nothing that earlier calls found. The result is the same; it takes as long as the first time. */
+  fresh?: boolean;
 }
 
 /** What is written. */

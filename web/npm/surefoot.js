@@ -37,20 +37,20 @@ export class Compiler {
   }
 
   async compile(text, options = {}) {
-    const { for: host, name, files, set, strict, functions, prefix, draw, ending } = options;
-    const answer = await this.#ask({ do: 'compile', for: host, name, set, strict, functions, prefix, draw, ending }, text, files);
+    const { for: host, name, files, set, strict, fresh, functions, prefix, draw, ending } = options;
+    const answer = await this.#ask({ do: 'compile', for: host, name, set, strict, fresh, functions, prefix, draw, ending }, text, files);
     if (!answer.compiled) throw new SceneError(answer.diagnostics);
     const [output, ...rest] = answer.blobs.map((bytes, i) => (answer.text && !answer.files[i].endsWith('.bin') ? decoder.decode(bytes) : bytes));
     const beside = Object.fromEntries(rest.map((data, i) => [answer.files[i + 1], data]));
     return { output, file: answer.files[0], beside, warnings: answer.diagnostics, notes: answer.notes, parameters: answer.parameters };
   }
 
-  async check(text, { name, files, set, strict } = {}) {
-    return (await this.#ask({ do: 'check', name, set, strict }, text, files)).diagnostics;
+  async check(text, { name, files, set, strict, fresh } = {}) {
+    return (await this.#ask({ do: 'check', name, set, strict, fresh }, text, files)).diagnostics;
   }
 
-  async draw(text, { name, files, set, strict } = {}) {
-    const { scene = null, diagnostics, parameters, notes = [], blobs } = await this.#ask({ do: 'draw', name, set, strict }, text, files);
+  async draw(text, { name, files, set, strict, fresh } = {}) {
+    const { scene = null, diagnostics, parameters, notes = [], blobs } = await this.#ask({ do: 'draw', name, set, strict, fresh }, text, files);
     if (!scene) return { scene, diagnostics, parameters, notes };
     const [wgsl, glsl, ...buffers] = blobs;
     return { scene: { ...scene, wgsl: decoder.decode(wgsl), glsl: glsl.length ? decoder.decode(glsl) : null, buffers }, diagnostics, parameters, notes };

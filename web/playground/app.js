@@ -126,11 +126,13 @@ function download(file, data) {
 
 async function start() {
   themes();
+  // Where the picture is small, the sliders over it are folded away at first.
+  of('panel').open = !matchMedia('(max-width: 760px)').matches;
   for (const [value, words] of Object.entries(HOSTS)) of('host').append(element('option', { value, textContent: words }));
   const { module, examples } = await loaded();
   const compiling = new Compiling(module);
   const picture = new Picture();
-  let set = {}, before = null, timer = 0;
+  let set = {}, before = null, timer = 0, blind = null;
 
   const options = () => {
     // Only what the text may still choose is said.
@@ -176,11 +178,13 @@ async function start() {
         canvas.dataset.by = picture.by;
       } catch (error) {
         failed = error.message;
+        // Where nothing draws, that stays to be said.
+        if (!picture.by) blind = failed;
       }
     }
     if (words !== text.text()) return;
     if (failed && !picture.by) cover.textContent = failed;
-    else if (!picture.by) cover.textContent = 'The picture comes when the text has no errors.';
+    else if (!picture.by) cover.textContent = blind ?? 'The picture comes when the text has no errors.';
     stale.hidden = Boolean(scene && !failed) || !picture.by;
     const notes = (answer.notes ?? []).map((note) => `left out: ${note}`);
     const count = (n, what) => `${n} ${what}${n === 1 ? '' : 's'}`;

@@ -76,6 +76,7 @@ export function editor(parent, colourer, changed) {
     text,
     write: (words) => {
       view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: words }, selection: { anchor: 0 } });
+      view.scrollDOM.scrollTo(0, 0);
     },
     // Underlines what was found in a text that still stands here. A place in another file has none.
     underline: (found, name) => {

@@ -3,7 +3,7 @@
 //     node playground.mjs FOLDER PICTURES          FOLDER is target/web/playground; PICTURES takes what was seen
 //     node playground.mjs FOLDER PICTURES webgl    the same where the browser has no WebGPU
 //
-// CHROMIUM names the browser, /usr/bin/chromium where it does not.
+// `playground.png` among the pictures is docs/playground.png. CHROMIUM names the browser, /usr/bin/chromium where it does not.
 
 import assert from 'node:assert/strict';
 import { createReadStream, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
@@ -45,6 +45,7 @@ const open = (name, args) => chromium.launchPersistentContext(join(profile, name
   executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
   headless: true,
   viewport: { width: 1200, height: 700 },
+  colorScheme: 'dark',
   acceptDownloads: true,
   ignoreDefaultArgs: ['--disable-gpu'],
   args: ['--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-default-apps', ...args],
@@ -170,13 +171,24 @@ try {
   const waited = Date.now() - since;
   assert(waited < 1000, `a key takes ${waited} ms`);
 
-  // On a telephone's width nothing is cut off.
+  // An example, dark and light; on a telephone's width nothing is cut off.
   await tab.selectOption('#examples', 'still_life');
   await drawn(tab);
   await tab.screenshot({ path: join(pictures, 'dark.png'), ...LONG });
+  const still = (await tab.evaluate(async () => (await fetch('examples.json')).json())).scenes.find((example) => example.name === 'still_life').text;
+  await type(tab, still.replace('octahedron(', 'octahedrn('));
+  await tab.keyboard.press('Control+Home');
+  await tab.waitForSelector('body[data-state=wrong]', LONG);
+  await tab.locator('.cm-lintRange-error').first().hover();
+  await tab.waitForSelector('.cm-tooltip .cm-diagnostic');
+  await tab.screenshot({ path: join(pictures, 'playground.png'), ...LONG });
+  await type(tab, still);
+  await tab.keyboard.press('Control+Home');
+  await drawn(tab);
   await tab.locator('#theme').click();
   await tab.screenshot({ path: join(pictures, 'light.png'), ...LONG });
   await tab.setViewportSize({ width: 390, height: 780 });
+  await tab.reload();
   await drawn(tab);
   assert(await tab.evaluate(() => document.documentElement.scrollWidth <= innerWidth && document.documentElement.scrollHeight <= innerHeight));
   await tab.screenshot({ path: join(pictures, 'phone.png'), ...LONG });
