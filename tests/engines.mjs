@@ -1,10 +1,11 @@
 // Whether engines of the web draw what `surefoot compile --for` wrote for them: in Chromium without a screen, in a page of each engine that only adds the
-// object to its scene, beside a cube of its own triangles.
+// object to its scene, beside a cube of its own triangles. The same of wgpu-py, in a program.
 //
 //     node engines.mjs PROGRAM FOLDER [HOST or SCENE…]
 //
 // PROGRAM is surefoot, FOLDER takes the files and pictures. The usual run draws two small scenes; with SUREFOOT_ENGINES=write in the environment it draws
-// all of them and writes docs/engines.md. CHROMIUM names the browser, /usr/bin/chromium where it does not. This must hold: the picture is the program's own;
+// all of them and writes docs/engines.md. CHROMIUM names the browser, /usr/bin/chromium where it does not; PYTHON
+// a Python with wgpu, python3 where it does not. This must hold: the picture is the program's own;
 // the cube is seen where it is seen as a part of the scene; the picture is the program's own after the host has set a parameter, and
 // stays so where the host moves the object and the camera with it.
 
@@ -213,6 +214,7 @@ const HOSTS = {
   playcanvas: { package: 'playcanvas', renderer: 'WebGPU', gpu: true, script: playcanvas },
   'three-webgl': { package: 'three', renderer: 'WebGLRenderer', script: three('three', 'WebGLRenderer') },
   godot: { ending: 'gdshader', script: godot },
+  'wgpu-py': { ending: 'py', draw: drawByPython },
 };
 if (!work || chosen.some((name) => !HOSTS[name] && !SCENES[name])) {
   console.error(`usage: node engines.mjs PROGRAM FOLDER [${[...Object.keys(HOSTS), ...Object.keys(SCENES)].join('|')}]`);
@@ -268,12 +270,55 @@ scene = all_but_the_cube | box(${side}).translate(${x}, ${y}, ${z}).material(of_
 }
 
 // Draws a scene in a host. The answer: what is to be compared with `truth`, and how long the first picture took.
-async function draw(browser, host, name, truth) {
-  const { cube: [x, y, z, side], set } = SCENES[name];
+async function draw(host, name, truth) {
   const folder = join(work, name, host);
   mkdirSync(folder, { recursive: true });
   const module = join(folder, `${name}.${HOSTS[host].ending ?? 'js'}`);
   surefoot('compile', truth.file, '--for', host, '-o', module);
+  const { plain, both, cube, moved, turned, first } = await (HOSTS[host].draw ?? drawInPage)(host, name, truth, module);
+  return {
+    same: alike(plain, truth.plain),
+    depth: share((at) => marked(both, at) === marked(truth.marked, at)),
+    seen: share((at) => marked(both, at)),
+    hidden: share((at) => marked(cube, at) && !marked(both, at)),
+    moved: alike(moved, truth.moved),
+    changed: 1 - alike(moved, plain),
+    turned: alike(turned, moved),
+    first,
+  };
+}
+
+// The pictures of a program of Python.
+function drawByPython(host, name, truth, module) {
+  const { cube, set } = SCENES[name];
+  const drawn = execFileSync(process.env.PYTHON ?? 'python3', [join(root, 'tests', 'readers', 'draw.py'), module, width, height, ...cube, ...set].map(String), { stdio: ['ignore', 'pipe', 'pipe'] });
+  const picture = (title) => {
+    const data = readFileSync(join(dirname(module), `${title}.rgba`));
+    writeFileSync(join(dirname(module), `${title}.png`), PNG.sync.write(Object.assign(new PNG({ width, height }), { data })));
+    return data;
+  };
+  return { plain: picture('plain'), both: picture('with'), cube: picture('cube'), moved: picture('moved'), turned: picture('turned'), first: Number(drawn) };
+}
+
+// The pictures of a page.
+async function drawInPage(host, name, truth, module) {
+  const { cube: [x, y, z, side], set } = SCENES[name];
+  const folder = dirname(module);
+  const profile = mkdtempSync(join(tmpdir(), 'surefoot-engines-'));
+  const browser = await chromium.launchPersistentContext(profile, {
+    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
+    headless: true,
+    viewport: { width, height },
+    ignoreDefaultArgs: ['--disable-gpu'],
+    args: [
+      '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update',
+      '--disable-sync', '--disable-default-apps', '--disable-gpu-watchdog',
+      // WebGPU is shown only where the rest of the page is drawn by the same software driver; WebGL has one of its own.
+      ...(HOSTS[host].gpu
+        ? ['--enable-unsafe-webgpu', '--enable-features=Vulkan', '--use-vulkan=swiftshader', '--use-angle=vulkan']
+        : ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist']),
+    ],
+  });
   const script = HOSTS[host].script.replaceAll('WIDTH', width).replaceAll('HEIGHT', height).replaceAll('PLACE', `[${[x, y, z]}]`).replaceAll('SIDE', side).replaceAll('CAMERA', JSON.stringify(truth.camera));
   const page = `<!doctype html><link rel="icon" href="data:,"><style>body { margin: 0 } canvas { display: block; width: ${width}px; height: ${height}px }</style>
 <script type="importmap">${JSON.stringify({ imports: { scene: '/scene.js', ...IMPORTS } })}</script><body><script type="module">${script}
@@ -313,7 +358,7 @@ async function draw(browser, host, name, truth) {
     const began = Date.now();
     const plain = await shot('plain', true, false);
     const first = (Date.now() - began) / 1000;
-    const together = await shot('with', true, true);
+    const both = await shot('with', true, true);
     const cube = await shot('cube', false, true);
     await tab.evaluate(([name, value]) => window.set(name, value), set);
     const moved = await shot('moved', true, false);
@@ -321,18 +366,11 @@ async function draw(browser, host, name, truth) {
     await tab.evaluate(() => window.turn?.());
     const turned = await shot('turned', true, false);
     if (failed.length) throw new Error(failed.join('; '));
-    return {
-      same: alike(plain, truth.plain),
-      depth: share((at) => marked(together, at) === marked(truth.marked, at)),
-      seen: share((at) => marked(together, at)),
-      hidden: share((at) => marked(cube, at) && !marked(together, at)),
-      moved: alike(moved, truth.moved),
-      changed: 1 - alike(moved, plain),
-      turned: alike(turned, moved),
-      first,
-    };
+    return { plain, both, cube, moved, turned, first };
   } finally {
     clearTimeout(late);
+    await browser.close();
+    rmSync(profile, { recursive: true, force: true });
   }
 }
 
@@ -361,7 +399,7 @@ Each cell has three shares of the pixels, in percent:
 - those that are the same as in the program's picture after the host has set a parameter.
 
 Then the host moves, turns and scales the object, and the camera with it: the picture stays the same. The light is the scene's own.
-At least ${100 * SAME} % of each are asked for. Pixels at edges differ: two drivers round differently, and rasterisers of triangles know no footprint.
+\`wgpu-py\` is no page but a program, which draws with the same driver as ours. At least ${100 * SAME} % of each are asked for. Pixels at edges differ: two drivers round differently, and rasterisers of triangles know no footprint.
 `;
 const TAIL = `
 ## What is not in the table
@@ -384,24 +422,9 @@ let failures = 0;
 const truths = Object.fromEntries(names.map((name) => [name, own(name)]));
 for (const host of hosts) {
   for (const name of names) {
-    const profile = mkdtempSync(join(tmpdir(), 'surefoot-engines-'));
-    const browser = await chromium.launchPersistentContext(profile, {
-      executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-      headless: true,
-      viewport: { width, height },
-      ignoreDefaultArgs: ['--disable-gpu'],
-      args: [
-        '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update',
-        '--disable-sync', '--disable-default-apps', '--disable-gpu-watchdog',
-        // WebGPU is shown only where the rest of the page is drawn by the same software driver; WebGL has one of its own.
-        ...(HOSTS[host].gpu
-          ? ['--enable-unsafe-webgpu', '--enable-features=Vulkan', '--use-vulkan=swiftshader', '--use-angle=vulkan']
-          : ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist']),
-      ],
-    });
     let result;
     try {
-      result = await draw(browser, host, name, truths[name]);
+      result = await draw(host, name, truths[name]);
       result.wrong = wrongs(result);
     } catch (error) {
       result = { wrong: [error.message.split('\n')[0]] };
@@ -410,12 +433,14 @@ for (const host of hosts) {
     failures += result.wrong.length ? 1 : 0;
     if (whole) writeFileSync(known, JSON.stringify(results));
     console.log(`${host} ${name}: ${JSON.stringify(result)}`);
-    await browser.close();
-    rmSync(profile, { recursive: true, force: true });
   }
 }
 if (whole) writeFileSync(join(root, 'docs', 'engines.md'), document());
 process.exitCode = failures ? 1 : 0;
+
+function wgpuVersion() {
+  return execFileSync(process.env.PYTHON ?? 'python3', ['-c', 'import wgpu; print(wgpu.__version__)']).toString().trim();
+}
 
 function chromeVersion() {
   return execFileSync(process.env.CHROMIUM ?? '/usr/bin/chromium', ['--version'], { stdio: ['ignore', 'pipe', 'ignore'] }).toString().match(/[\d.]+/)[0];
@@ -430,7 +455,7 @@ function document() {
     : `${percent(result.same)} / ${percent(result.depth)} / ${percent(result.moved)}${result.wrong.length ? ` (${result.wrong.join(', ')})` : ''}`);
   const version = (name) => JSON.parse(readFileSync(join(packages, name, 'package.json'), 'utf8')).version;
   const row = (first, rest) => `| ${[first, ...rest].join(' | ')} |`;
-  const about = (host) => (host === 'godot' ? '`godot`: its text as GLSL, in a page' : `\`${host}\`: ${HOSTS[host].package} ${version(HOSTS[host].package)}, ${HOSTS[host].renderer}`);
+  const about = (host) => ({ godot: '`godot`: its text as GLSL, in a page', 'wgpu-py': `\`wgpu-py\`: wgpu ${wgpuVersion()}, a program of Python` }[host] ?? `\`${host}\`: ${HOSTS[host].package} ${version(HOSTS[host].package)}, ${HOSTS[host].renderer}`);
   const table = (value) => [row('', scenes.map((name) => `\`${name}\``)), row('---', scenes.map(() => '---')), ...Object.keys(HOSTS).filter((host) => results[host]).map((host) => row(about(host), scenes.map((name) => value(results[host][name] ?? { wrong: ['not tried'] }))))].join('\n');
   const settings = scenes.map((name) => `\`${name}\`: ${SCENES[name].set[0]} = ${SCENES[name].set[1]}`).join(', ');
   return `${HEAD}
@@ -440,6 +465,6 @@ The parameters that were set: ${settings}. Seconds until the first picture stood
 
 ${table((result) => (result.first === undefined ? '' : result.first.toFixed(1)))}
 
-Pictures of ${width}×${height} in Chromium ${chromeVersion()}, drawn by SwiftShader; ours by Mesa's llvmpipe; on ${cpus().length} cores.
+Pictures of ${width}×${height} in Chromium ${chromeVersion()}, drawn by SwiftShader; ours, and wgpu-py's, by Mesa's llvmpipe; on ${cpus().length} cores.
 ${TAIL}`;
 }

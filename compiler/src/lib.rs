@@ -1,5 +1,7 @@
 //! From the text of a signed distance field to proven WGSL.
 
+#![doc = include_str!("../README.md")]
+
 pub mod ablation;
 pub mod analysis;
 pub mod blocks;

@@ -9,7 +9,7 @@ use crate::syntax::parse;
 use std::fmt::Write as _;
 
 /// The part that people wrote.
-const HEAD: &str = include_str!("../../docs/language.head.md");
+const HEAD: &str = include_str!("reference_text/head.md");
 
 /// The files of the prelude, in the order in which the reference shows them: name, title, text.
 pub const CHAPTERS: &[(&str, &str, &str)] = &[
@@ -165,7 +165,7 @@ fn signature(sources: &Sources, item: &Item, f: &Function) -> (String, Option<St
 /// The whole page.
 pub fn language_reference() -> String {
     let mut page = String::from(
-        "<!-- Written by `surefoot reference` from docs/language.head.md, the kernel and the prelude. Do not edit. -->\n\n",
+        "<!-- Written by `surefoot reference` from compiler/src/reference_text/head.md, the kernel and the prelude. Do not edit. -->\n\n",
     );
     page.push_str(HEAD);
     page.push_str("\n## Functions of the language\n\n");

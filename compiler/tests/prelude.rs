@@ -365,7 +365,7 @@ fn what_is_claimed_is_true() {
 
 #[test]
 fn the_programs_of_the_reference_compile() {
-    let page = include_str!("../../docs/language.head.md");
+    let page = include_str!("../src/reference_text/head.md");
     let mut tried = 0;
     for block in page.split("\n```\n").skip(1).step_by(2) {
         if block.starts_with("file ") {

@@ -79,7 +79,7 @@ pub fn wgsl(compiled: &Compiled) -> String {
 
 /// The scene as data for a program: what a host sets, and how the scene's own camera sees it. `parameters` says what is known of each, `renamed` how
 /// fields are called that have another name in the shader.
-fn scene_json(compiled: &Compiled, parameters: &[Value], title: &str, renamed: &[(String, String)]) -> Result<Value, String> {
+pub fn scene_json(compiled: &Compiled, parameters: &[Value], title: &str, renamed: &[(String, String)]) -> Result<Value, String> {
     let fields = fields(compiled);
     let find = |name: &str| fields.iter().find(|field| field.name == name).map(|field| &field.start);
     let one = |name: &str| find(name).and_then(|start| start.first()).copied().map(short);
@@ -129,11 +129,17 @@ fn short(number: f32) -> f64 {
 
 /// The scene as text of JavaScript, a row for each field.
 pub fn scene_script(compiled: &Compiled, parameters: &[Value], title: &str, renamed: &[(String, String)]) -> Result<String, String> {
-    let scene = scene_json(compiled, parameters, title, renamed)?;
+    Ok(laid_out(&scene_json(compiled, parameters, title, renamed)?, "").replace("</", "<\\/"))
+}
+
+/// A scene as data, with a row for each of its keys and fields; `quote` stands about its keys.
+pub fn laid_out(scene: &Value, quote: &str) -> String {
     let rows = |value: &Value| match value {
-        Value::Array(rows) if rows.first().is_some_and(Value::is_object) => format!("[\n{}  ]", rows.iter().map(|row| format!("    {row},\n")).collect::<String>()),
+        Value::Array(rows) if rows.first().is_some_and(Value::is_object) => {
+            format!("[\n{}\n  ]", rows.iter().map(|row| format!("    {row}")).collect::<Vec<_>>().join(",\n"))
+        }
         other => other.to_string(),
     };
-    let entries: String = scene.as_object().into_iter().flatten().map(|(key, value)| format!("  {key}: {},\n", rows(value))).collect();
-    Ok(format!("{{\n{entries}}}").replace("</", "<\\/"))
+    let entries = scene.as_object().into_iter().flatten().map(|(key, value)| format!("  {quote}{key}{quote}: {}", rows(value)));
+    format!("{{\n{}\n}}", entries.collect::<Vec<_>>().join(",\n"))
 }

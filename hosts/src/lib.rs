@@ -1,5 +1,7 @@
 //! What `compile --for` writes: a scene in the form in which one host takes it, so that a single command ends with a picture.
 
+#![doc = include_str!("../README.md")]
+
 mod bevy;
 mod digest;
 mod drawn;
@@ -13,6 +15,7 @@ mod parameter;
 mod shader;
 mod shadertoy;
 mod three;
+mod wgpu_py;
 
 use engine::Engine;
 use fields::PREFIX;
@@ -39,6 +42,8 @@ pub enum Host {
     Babylon,
     /// A module for PlayCanvas with WebGPU.
     Playcanvas,
+    /// A module for Python and wgpu-py.
+    WgpuPy,
     /// A fragment shader for shadertoy.com.
     Shadertoy,
     /// A shader for Godot 4.
@@ -55,12 +60,13 @@ pub enum Host {
 
 impl Host {
     /// All of them.
-    pub const ALL: [Host; 11] = [
+    pub const ALL: [Host; 12] = [
         Host::Html,
         Host::Three,
         Host::ThreeWebgl,
         Host::Babylon,
         Host::Playcanvas,
+        Host::WgpuPy,
         Host::Godot,
         Host::Bevy,
         Host::Shadertoy,
@@ -77,6 +83,7 @@ impl Host {
             Host::ThreeWebgl => "three-webgl",
             Host::Babylon => "babylon",
             Host::Playcanvas => "playcanvas",
+            Host::WgpuPy => "wgpu-py",
             Host::Shadertoy => "shadertoy",
             Host::Godot => "godot",
             Host::Bevy => "bevy",
@@ -91,6 +98,7 @@ impl Host {
         match self {
             Host::Html => &["html", "htm"],
             Host::Three | Host::ThreeWebgl | Host::Babylon | Host::Playcanvas => &["js", "mjs"],
+            Host::WgpuPy => &["py"],
             Host::Shadertoy => &["glsl", "frag", "txt"],
             Host::Godot => &["gdshader", "txt"],
             Host::Bevy => &["wgsl"],
@@ -111,7 +119,7 @@ impl Host {
     /// What its module is: one that draws, in which all is computed from parameters and time.
     pub fn options(self) -> Options {
         let uniforms = match self {
-            Host::Html | Host::Vulkan | Host::Hlsl | Host::Msl => Uniforms::Block,
+            Host::Html | Host::WgpuPy | Host::Vulkan | Host::Hlsl | Host::Msl => Uniforms::Block,
             _ => Uniforms::Private,
         };
         // A renderer that encodes what it is given takes light's own numbers.
@@ -133,6 +141,7 @@ impl Host {
             Host::ThreeWebgl => three::write(compiled, parameters, title, true).map(String::into_bytes),
             Host::Babylon => engine::write(compiled, parameters, title, Engine::Babylon).map(String::into_bytes),
             Host::Playcanvas => engine::write(compiled, parameters, title, Engine::PlayCanvas).map(String::into_bytes),
+            Host::WgpuPy => wgpu_py::write(compiled, parameters, title).map(String::into_bytes),
             Host::Godot => godot::write(compiled, title).map(String::into_bytes),
             Host::Bevy => bevy::shader(compiled, title).map(String::into_bytes),
             Host::Hlsl => shader::hlsl(compiled, title).map(String::into_bytes),

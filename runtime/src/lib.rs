@@ -1,5 +1,7 @@
 //! Draws what the compiler emits, with wgpu, and swaps it while it runs. Knows no syntax.
 
+#![doc = include_str!("../README.md")]
+
 mod copied_block;
 pub mod explain;
 pub mod film;

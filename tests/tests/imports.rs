@@ -31,7 +31,7 @@ const FLOORS: [(&str, &[&str]); 4] = [
             "lib",
         ],
     ),
-    ("hosts", &["digest fields fill parameter", "drawn glsl", "bevy engine godot page shader shadertoy three", "lib"]),
+    ("hosts", &["digest fields fill parameter", "drawn glsl", "bevy engine godot page shader shadertoy three wgpu_py", "lib"]),
     ("runtime", &["copied_block images mesh view", "gpu", "module readback sheets", "passes physics", "frame", "film", "headless", "explain live tighten", "stage", "lib"]),
     ("editor", &["animation files measures meshes", "picture window", "command", "main"]),
 ];

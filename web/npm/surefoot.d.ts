@@ -1,6 +1,6 @@
 /** A host that takes a file of its own form. */
 export type Host =
-  | 'html' | 'three' | 'three-webgl' | 'babylon' | 'playcanvas' | 'godot' | 'bevy' | 'shadertoy' | 'vulkan' | 'hlsl' | 'msl';
+  | 'html' | 'three' | 'three-webgl' | 'babylon' | 'playcanvas' | 'wgpu-py' | 'godot' | 'bevy' | 'shadertoy' | 'vulkan' | 'hlsl' | 'msl';
 
 /** A language in which the functions of a scene are written. */
 export type Language = 'wgsl' | 'glsl' | 'glsl450' | 'hlsl' | 'msl' | 'spirv';

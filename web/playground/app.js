@@ -11,7 +11,7 @@ import { packed, unpacked } from './link.js';
 const REST = 120;
 // The file of a host that a person most likely wants first stands first.
 const HOSTS = {
-  html: 'a page', three: 'three.js, WebGPU', 'three-webgl': 'three.js, WebGL', babylon: 'Babylon.js', playcanvas: 'PlayCanvas', godot: 'Godot', bevy: 'Bevy',
+  html: 'a page', three: 'three.js, WebGPU', 'three-webgl': 'three.js, WebGL', babylon: 'Babylon.js', playcanvas: 'PlayCanvas', 'wgpu-py': 'Python, wgpu-py', godot: 'Godot', bevy: 'Bevy',
   shadertoy: 'shadertoy.com', wgsl: 'WGSL functions', glsl450: 'GLSL 4.50', vulkan: 'Vulkan, SPIR-V', hlsl: 'Direct3D, HLSL', msl: 'Metal, MSL',
 };
 const KEPT = 'surefoot.text';

@@ -69,7 +69,7 @@ for (const name of readdirSync(examples).filter((name) => name.endsWith('.sdf') 
   compared += 1;
 }
 assert(compared > 20);
-const hosts = [['three', 'js'], ['three-webgl', 'js'], ['babylon', 'js'], ['playcanvas', 'js'], ['godot', 'gdshader'], ['bevy', 'wgsl'], ['shadertoy', 'glsl'], ['vulkan', 'spv'], ['hlsl', 'hlsl'], ['msl', 'metal']];
+const hosts = [['three', 'js'], ['three-webgl', 'js'], ['babylon', 'js'], ['playcanvas', 'js'], ['wgpu-py', 'py'], ['godot', 'gdshader'], ['bevy', 'wgsl'], ['shadertoy', 'glsl'], ['vulkan', 'spv'], ['hlsl', 'hlsl'], ['msl', 'metal']];
 for (const [host, ending] of hosts) await same('still_life.sdf', { for: host }, ['--for', host], ending);
 await same('csg.sdf', { for: 'glsl', functions: ['field'], prefix: 'a_' }, ['--target', 'glsl', '--functions', 'field', '--prefix', 'a_'], 'glsl');
 // A page packs its shaders; what they unpack to is the same.

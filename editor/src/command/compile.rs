@@ -55,7 +55,8 @@ pub struct Args {
     #[arg(long, default_value = SCREEN, value_parser = PossibleValuesParser::new(COLORS.map(|(name, _)| name)), value_name = "FORM")]
     colors: String,
     /// Write the scene for a host, so that the file shows it: `html`, a page that draws by WebGPU, as one file that loads nothing;
-    /// `three` and `three-webgl`, `babylon` and `playcanvas`, modules whose object a page adds to its scene; `godot`, a shader for Godot 4;
+    /// `three` and `three-webgl`, `babylon` and `playcanvas`, modules whose object a page adds to its scene; `wgpu-py`, a module whose
+    /// object a program of Python draws; `godot`, a shader for Godot 4;
     /// `bevy`, a shader for Bevy 0.19, with its plugin in OUT.rs; `shadertoy`, a fragment shader for shadertoy.com; `vulkan`, both shaders as
     /// SPIR-V (.spv), or one in GLSL 4.50 (.frag, .vert); `hlsl` and `msl`, both shaders as text for Direct3D and Metal.
     #[arg(long = "for", value_name = "HOST", value_parser = PossibleValuesParser::new(Host::ALL.map(Host::name)),

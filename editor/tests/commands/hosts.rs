@@ -59,6 +59,10 @@ fn modules_for_engines_export_a_field() {
         let plain = module.replace("\\`", "").replace("`three-webgl`", "");
         assert_eq!(plain.lines().filter(|line| !line.starts_with("//")).map(|line| line.matches('`').count()).sum::<usize>() % 2, 0);
     }
+    let (code, module, says) = run(&folder, &["compile", "odd.sdf", "--for", "wgpu-py"]);
+    assert_eq!(code, 0, "{says}");
+    assert!(module.contains("class Field:") && module.contains("\"parameter\":\"cameraPosition\"") && !module.contains("%%"), "{module}");
+    assert_eq!(module.matches("'''").count(), 4, "{module}");
     fs::write(folder.join("baked.sdf"), "scene = sphere(1).baked(16)\n").unwrap();
     let (code, _, says) = run(&folder, &["compile", "baked.sdf", "--for", "three"]);
     assert_eq!(code, 2);
