@@ -27,5 +27,21 @@ export async function unpacked(fragment) {
   }
   const scene = JSON.parse(await new Blob(pieces).text());
   if (typeof scene?.text !== 'string') throw new Error('it holds no text');
-  return scene;
+  return { text: scene.text, title: typeof scene.title === 'string' ? scene.title : 'scene', set: only(scene.set, (value) => typeof value === 'string'), kept: moved(scene.kept) };
+}
+
+// The entries of what may be an object, as far as they fit.
+const only = (object, fits) => Object.fromEntries(Object.entries(Object(object)).filter(([, value]) => fits(value)));
+
+// What a person moved, as far as a link says it as `kept` of show.js does: anyone may write a link.
+function moved(kept) {
+  const numbers = (values) => values.every(Number.isFinite);
+  const { view, time, running } = Object(kept);
+  const { home, turn, rise, nearer } = Object(view);
+  return {
+    parameters: only(kept?.parameters, (pair) => Array.isArray(pair) && pair.length === 2 && numbers(pair)),
+    time: Number.isFinite(time) ? time : null,
+    running: running !== false,
+    view: numbers([turn, rise, nearer]) ? { home, turn, rise, nearer: Math.min(20, Math.max(0.05, nearer)) } : undefined,
+  };
 }

@@ -11,6 +11,7 @@ import { createServer } from 'node:http';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { extname, join, normalize, resolve } from 'node:path';
+import { deflateRawSync } from 'node:zlib';
 
 const { chromium } = createRequire(new URL('../../tests/package.json', import.meta.url))('playwright-core');
 const { PNG } = createRequire(new URL('../../tests/package.json', import.meta.url))('pngjs');
@@ -154,6 +155,16 @@ try {
   const again = differ(large, await seen(other, 'link'));
   assert(again < 0.001, `${again} of the picture differ`);
   await other.close();
+  await tab.bringToFront();
+
+  // A link with nonsense beside its text shows the text; one that can't be read says so.
+  const nonsense = { text: 'scene = sphere(1)', title: 5, set: [1, {}], kept: { parameters: { 'size.0': 5, 'a.0': ['x', null] }, view: { turn: 'x' }, time: 'never' } };
+  const odd = await page(browser, `${address}#s=${deflateRawSync(JSON.stringify(nonsense)).toString('base64url')}`);
+  await drawn(odd);
+  assert.equal(await text(odd), nonsense.text);
+  await odd.evaluate(() => { location.hash = '#s=AAAA'; });
+  await odd.waitForFunction(() => document.getElementById('status').textContent.startsWith("The link can't be read"));
+  await odd.close();
   await tab.bringToFront();
 
   // What is downloaded is what the package writes.
