@@ -5,7 +5,6 @@ use std::process::ExitCode;
 mod animation;
 mod command;
 mod files;
-mod hosts;
 mod measures;
 mod meshes;
 mod picture;

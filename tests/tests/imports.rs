@@ -9,7 +9,7 @@ use syn::visit::{self, Visit};
 
 /// Crates, and the floors of their rooms from the ground up. A room is a folder or a file of the crate; what stands on one floor may import each other,
 /// as long as no circle comes of it.
-const FLOORS: [(&str, &[&str]); 3] = [
+const FLOORS: [(&str, &[&str]); 4] = [
     (
         "compiler",
         &[
@@ -32,8 +32,9 @@ const FLOORS: [(&str, &[&str]); 3] = [
             "lib",
         ],
     ),
+    ("hosts", &["digest fields fill parameter", "drawn glsl", "bevy engine godot page shader shadertoy three wgpu_py", "lib"]),
     ("runtime", &["copied_block images mesh view", "gpu", "module readback sheets", "passes physics", "frame", "film", "headless", "explain live tighten", "stage", "lib"]),
-    ("editor", &["animation files hosts measures meshes texts", "picture window", "command", "main"]),
+    ("editor", &["animation files measures meshes texts", "picture window", "command", "main"]),
 ];
 
 type Module = Vec<String>;
@@ -223,7 +224,8 @@ fn imports_go_down() {
         let folder = root().join(name).join("src");
         let named = |file: &str| format!("{name}/src/{file}");
         let found = Crate::read(&folder).imports(&folder);
-        assert!(found.len() > 50, "{name}: {} imports", found.len());
+        let least = if name == "hosts" { 15 } else { 50 };
+        assert!(found.len() > least, "{name}: {} imports", found.len());
         let goes_up = |(from, to): &&(String, String)| floor(floors, from) < floor(floors, to);
         says.extend(found.iter().filter(goes_up).map(|(from, to)| format!("{} imports {}, which stands on a higher floor", named(from), named(to))));
         let imports: Vec<(&str, &str)> = found.iter().map(|(from, to)| (from.as_str(), to.as_str())).collect();

@@ -4,7 +4,7 @@ use super::manual;
 use super::walk::{meaning_of, parameters_of, type_of_item, Meaning};
 use super::world::World;
 use crate::graph::kernel::KERNEL;
-use crate::program::builtin::{argument_names, defaults};
+use crate::program::builtin::{argument_names, defaults, Usual};
 use crate::program::expression::kind_words;
 use crate::program::load::{ItemRef, item_name};
 use crate::syntax::ast::{FunctionKind, Item, ItemKind, Type};
@@ -81,12 +81,12 @@ impl Callable {
         let defaults = defaults(name);
         let parameters = names.iter().enumerate().map(|(at, name_of)| {
             let default = defaults.get(at).copied().flatten();
-            let seed = (*name_of == "seed").then_some(0.0);
+            let seed = (*name_of == "seed").then_some(Usual::Number(0.0));
             let ty = match (name, *name_of) {
                 ("at" | "material" | "paint" | "low_corner" | "high_corner" | "baked", "s") => Some(Type::Shape),
                 ("paint", "mask") => Some(Type::Shape),
                 ("material" | "paint", "m") => Some(Type::Material),
-                ("mesh_field", "file") => Some(Type::Str),
+                ("mesh_field", "file") | ("text", "words" | "font" | "align") | ("path", "data") => Some(Type::Str),
                 _ => None,
             };
             let text = default.or(seed).map_or((*name_of).to_owned(), |value| format!("{name_of} = {value}"));

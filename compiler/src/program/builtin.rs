@@ -552,6 +552,15 @@ pub enum Usual {
     Words(&'static str),
 }
 
+impl std::fmt::Display for Usual {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "{number}"),
+            Self::Words(words) => write!(f, "{words:?}"),
+        }
+    }
+}
+
 /// What the arguments of a built-in function are where they are left out; none of those that can't be.
 pub fn defaults(name: &str) -> &'static [Option<Usual>] {
     use Usual::{Number, Words};

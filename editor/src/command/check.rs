@@ -4,7 +4,7 @@ use super::console::{Exit, Failure, all_read, colored, count, print};
 use crate::files::{self, FileLoader};
 use serde_json::{Value, json};
 use std::path::Path;
-use surefoot_compiler::compiled::{Compiled, Parameter};
+use surefoot_compiler::compiled::Compiled;
 use surefoot_compiler::diagnostic::{self, Diagnostic, Severity};
 use surefoot_compiler::factors::{self, Explained, Ranged};
 use surefoot_compiler::graph::{Baked, Proof};
@@ -13,8 +13,8 @@ use surefoot_compiler::rules::{RULES, Row, RuleSet};
 use surefoot_compiler::skipped::{skipped, unseen};
 use surefoot_compiler::solid::SolidBox;
 use surefoot_compiler::source::Sources;
-use surefoot_compiler::syntax::ast::Type;
 use surefoot_compiler::{Options, Outcome};
+use surefoot_hosts::parameter_json;
 
 /// What to check.
 #[derive(Debug, clap::Args)]
@@ -284,39 +284,3 @@ fn rules_text(rules: &Rules) -> String {
 const STEEPEST: f64 = 1e4;
 /// No more rules of one factor are named.
 const MOST_RULES: usize = 3;
-
-/// A parameter: name, type, default, range, description; of a choice its names.
-pub fn parameter_json(parameter: &Parameter) -> Value {
-    let one_or_many = |numbers: &[f64]| match numbers {
-        [one] => json!(one),
-        many => json!(many),
-    };
-    if !parameter.choices.is_empty() {
-        return json!({
-            "name": parameter.name,
-            "type": "choice",
-            "default": parameter.choice(),
-            "choices": parameter.choices,
-            "description": parameter.description,
-        });
-    }
-    let ty = match &parameter.ty {
-        Type::Bool => "bool",
-        Type::Int => "int",
-        Type::Vec(2) => "vec2",
-        Type::Vec(3) => "vec3",
-        Type::Vec(_) => "vec4",
-        Type::Color => "color",
-        _ => "float",
-    };
-    json!({
-        "name": parameter.name,
-        "type": ty,
-        "degrees": parameter.degrees,
-        "unit": parameter.length.map(|(unit, _)| unit.name()),
-        "default": one_or_many(&parameter.default),
-        "min": one_or_many(&parameter.min),
-        "max": one_or_many(&parameter.max),
-        "description": parameter.description,
-    })
-}

@@ -1,10 +1,8 @@
 //! `surefoot compile`: the functions of a scene as shader text.
 
-use super::check::parameter_json;
 use super::values::{self, Setting};
 use super::console::{Exit, Failure, ends_wrong, print, show_broken, spare};
 use crate::files;
-use crate::hosts::Host;
 use clap::builder::PossibleValuesParser;
 use serde_json::{Value, json};
 use std::io::IsTerminal;
@@ -12,6 +10,7 @@ use std::path::{Path, PathBuf};
 use surefoot_compiler::compiled::{Colors, Compiled, Entry, Module, Uniform, UniformSource, Uniforms};
 use surefoot_compiler::emit::{Target, signature, translate, validate};
 use surefoot_compiler::{Export, Options};
+use surefoot_hosts::{Host, left_out, parameter_json, parameters};
 
 const BLOCK: &str = "block";
 const SCREEN: &str = "screen";
@@ -189,7 +188,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     for skipped in &compiled.module.skipped {
         eprintln!("note: left out: {skipped}");
     }
-    left_out(compiled, module);
+    say_left_out(compiled, module);
     if !module.draws && !compiled.functions.surface.layers.is_empty() {
         eprintln!("note: left out: images; {}layers says where they lie", args.prefix);
     }
@@ -244,7 +243,7 @@ fn only_choices(args: &Args, compiled: &Compiled) -> Result<(), Failure> {
 /// What a host shows of a scene beside its picture: its name, and its parameters as data.
 pub fn shown(scene: &str, compiled: &Compiled) -> (String, Vec<Value>) {
     let title = Path::new(scene).file_stem().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-    (title, compiled.parameters.iter().filter(|p| p.choices.is_empty()).map(parameter_json).collect())
+    (title, parameters(compiled))
 }
 
 /// Writes the file of a host.
@@ -257,9 +256,7 @@ fn for_host(args: &Args, host: Host) -> Result<Exit, Failure> {
     if show_broken(&outcome, &crate::picture::broken_meshes(compiled)) == Exit::Errors {
         return Ok(Exit::Errors);
     }
-    if compiled.module.grids && !host.has_buffers() {
-        return Err(Failure::usage(format!("what is written for {} reads no storage buffers, where `mesh_field` and `baked` have their grids: write --for html, or a module with --entry draw", host.name())));
-    }
+    host.takes(compiled).map_err(Failure::usage)?;
     let beside = file.zip(host.beside()).map(|(file, ending)| file.with_extension(ending));
     for path in file.into_iter().chain(beside.as_deref()) {
         spare(path, &outcome)?;
@@ -271,7 +268,7 @@ fn for_host(args: &Args, host: Host) -> Result<Exit, Failure> {
         let ending = host.endings().first().copied().unwrap_or_default();
         return Err(Failure::usage(format!("{} is the second file that is written: say -o {}", second.display(), first.with_extension(ending).display())));
     }
-    left_out(compiled, &compiled.module);
+    say_left_out(compiled, &compiled.module);
     let (title, parameters) = shown(&args.scene, compiled);
     let invalid = |why| Failure { exit: Exit::Errors, words: format!("{}: nothing is written: {why}", args.scene) };
     let ending = file.and_then(|file| file.extension()).map_or(String::new(), |ending| ending.to_string_lossy().to_lowercase());
@@ -289,21 +286,8 @@ fn for_host(args: &Args, host: Host) -> Result<Exit, Failure> {
 }
 
 /// Says what of the scene a module does not hold.
-pub fn left_out(compiled: &Compiled, module: &Module) {
-    for (count, what) in [(compiled.blocks.meshes.len(), "meshes"), (compiled.blocks.balls.len(), "balls")] {
-        if count > 0 {
-            eprintln!("note: left out: {what}; the module holds the field alone");
-        }
-    }
-    if module.draws && !compiled.functions.surface.layers.is_empty() {
-        eprintln!("note: left out: images; what lies on a surface is drawn without them");
-    }
-    if module.draws && (compiled.blocks.environment.is_some() || compiled.blocks.capture.is_some()) {
-        eprintln!("note: left out: images of the sky; the module draws the sky of a scene that names none");
-    }
-    if module.draws && compiled.blocks.bloom.is_some() {
-        eprintln!("note: left out: bloom; bright places have no glow");
-    }
+pub fn say_left_out(compiled: &Compiled, module: &Module) {
+    left_out(compiled, module).iter().for_each(|what| eprintln!("note: left out: {what}"));
 }
 
 /// WGSL's types of one to four numbers.

@@ -1,17 +1,17 @@
 //! `surefoot export`: a scene as one page to show.
 
 use super::bar::LateBar;
-use super::compile::{left_out, shown};
+use super::compile::{say_left_out, shown};
 use super::console::{Exit, Failure, compile_file, ends_wrong, show_broken, spare};
 use super::render;
 use super::values::{self, Setting};
 use crate::files;
-use crate::hosts::{Host, Showing, page};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot};
 use image::{ExtendedColorType, codecs::jpeg::JpegEncoder};
 use std::path::PathBuf;
 use surefoot_compiler::Options;
 use surefoot_compiler::compiled::Live;
+use surefoot_hosts::{Host, Showing, page};
 
 /// How large a poster is where no size is said.
 const POSTER: (u32, u32) = (640, 360);
@@ -59,7 +59,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         return Ok(Exit::Errors);
     }
     spare(&args.output, &outcome)?;
-    left_out(compiled, &compiled.module);
+    say_left_out(compiled, &compiled.module);
     let poster = if args.no_poster { None } else { Some(poster(args, &live)?) };
     let (title, parameters) = shown(&args.scene, compiled);
     let showing = Showing { size: args.size, bare: args.bare, poster };

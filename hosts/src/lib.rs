@@ -1,13 +1,17 @@
 //! What `compile --for` writes: a scene in the form in which one host takes it, so that a single command ends with a picture.
 
+#![doc = include_str!("../README.md")]
+
 mod bevy;
 mod digest;
+mod drawn;
 mod engine;
 mod fields;
 mod fill;
 mod glsl;
 mod godot;
 mod page;
+mod parameter;
 mod shader;
 mod shadertoy;
 mod three;
@@ -15,10 +19,12 @@ mod wgpu_py;
 
 use engine::Engine;
 use fields::PREFIX;
-pub use page::Showing;
+pub use drawn::Drawn;
+pub use page::{DRAW, SHOW, Showing};
+pub use parameter::{parameter_json, parameters};
 use serde_json::Value;
 use surefoot_compiler::Options;
-use surefoot_compiler::compiled::{Colors, Compiled, Entry, Live, Uniforms};
+use surefoot_compiler::compiled::{Colors, Compiled, Entry, Live, Module, Uniforms};
 use surefoot_compiler::emit::{Target, translate, vertex_shader};
 
 const UNDRAWN: &str = "the scene can't be drawn";
@@ -102,9 +108,12 @@ impl Host {
         }
     }
 
-    /// Whether it has storage buffers, from which grids are read.
-    pub fn has_buffers(self) -> bool {
-        self == Host::Html
+    /// Refuses a scene that it can't draw: `mesh_field` and `baked` read storage buffers, and most of these files have none.
+    pub fn takes(self, compiled: &Compiled) -> Result<(), String> {
+        match compiled.module.grids && self != Host::Html {
+            false => Ok(()),
+            true => Err(format!("what is written for {} reads no storage buffers, where `mesh_field` and `baked` have their grids: write --for html, or a module with --entry draw", self.name())),
+        }
     }
 
     /// What its module is: one that draws, in which all is computed from parameters and time.
@@ -161,4 +170,22 @@ pub fn page(compiled: &Compiled, live: &Live, parameters: &[Value], title: &str,
         return Err(UNDRAWN.to_owned());
     }
     Ok(page::write(compiled, live, parameters, title, showing).into_bytes())
+}
+
+/// What of a scene a module does not hold: each with what that means for the picture.
+pub fn left_out(compiled: &Compiled, module: &Module) -> Vec<String> {
+    let (blocks, draws) = (&compiled.blocks, module.draws);
+    let mut words: Vec<String> = Vec::new();
+    for (count, what) in [(blocks.meshes.len(), "meshes"), (blocks.balls.len(), "balls")] {
+        if count > 0 {
+            words.push(format!("{what}; the module holds the field alone"));
+        }
+    }
+    let kinds = [
+        (draws && !compiled.functions.surface.layers.is_empty(), "images; what lies on a surface is drawn without them"),
+        (draws && (blocks.environment.is_some() || blocks.capture.is_some()), "images of the sky; the module draws the sky of a scene that names none"),
+        (draws && blocks.bloom.is_some(), "bloom; bright places have no glow"),
+    ];
+    words.extend(kinds.into_iter().filter(|(is, _)| *is).map(|(_, words)| words.to_owned()));
+    words
 }
