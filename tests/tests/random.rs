@@ -167,7 +167,9 @@ fn a_scene_shrinks_to_what_matters() {
         let text = term.text();
         // The twist of a loop is a part of its form, and stays with all of that.
         let twists = |line: &str| line.replace(".twist(y, 0.1 * i)", "").contains(".twist(");
-        text.lines().any(|line| line.starts_with("scene") && line.contains("(torus(") && twists(line))
+        // A mask stays a mask, with the material that it paints.
+        let holds = |line: &str| line.replace(".paint(torus(", "").contains("(torus(");
+        text.lines().any(|line| line.starts_with("scene") && holds(line) && twists(line))
     };
     let large = (0..).map(scene).find(|s| matters(s) && s.text().len() > 600).unwrap();
     let small = shrink(&large, 2000, matters);

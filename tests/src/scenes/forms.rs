@@ -274,7 +274,7 @@ const DRAWING: &[&str] = &[
     "<same>.repeat((<size>, 0), (<count>, 1))",
     "<same>.repeat_polar(<whole>)",
     "<same>.stroke(<small>)",
-    "text(\"Ag\", size: <size>)",
+    "text(\"Ag\", size: 0.9)",
     "path(\"M 0 0 C 1 2 2 -1 2 1 S 0 1 -1 1 Z\")",
     "<same>.wave(<small>)",
     "(for c in grid((<size>, <size>)) { circle(0.1 + 0.3 * hash(c)) })",
