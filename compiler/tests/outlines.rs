@@ -186,6 +186,15 @@ fn words_stand_where_they_are_set() {
 }
 
 #[test]
+fn a_book_is_set_in_a_moment() {
+    let words = "The quick brown fox jumps over the lazy dog.\n".repeat(60);
+    let pieces = typeset(&words, None, &SETTING).unwrap();
+    let outline = Outline::new(pieces).unwrap();
+    // Few pieces matter for a place, so that little is held for each.
+    assert!(outline.pieces() > 40_000 && outline.bytes() < 400 * outline.pieces(), "{} pieces, {} bytes", outline.pieces(), outline.bytes());
+}
+
+#[test]
 fn a_text_is_proven_with_a_factor_of_one() {
     let scene = compiled("scene = text(\"Surefoot\").extrude(0.3)");
     assert_eq!(scene.graph.factors.len(), 0, "a text needs no factor");

@@ -58,7 +58,7 @@ impl Drawn {
 /// The fragment shader for WebGL 2; none where that has no place for what the scene reads.
 fn glsl(compiled: &Compiled) -> Option<String> {
     let module = &compiled.module;
-    if module.grids || module.tables.as_ref().is_some_and(|tables| tables.tables.rows.len() > MOST_ROWS) {
+    if module.needs_buffers || module.tables.as_ref().is_some_and(|tables| tables.tables.rows.len() > MOST_ROWS) {
         return None;
     }
     let text = String::from_utf8(translate(module, PREFIX, Target::Glsl).ok()?).ok()?;

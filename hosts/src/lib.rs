@@ -108,11 +108,11 @@ impl Host {
         }
     }
 
-    /// Refuses a scene that it can't draw: `mesh_field` and `baked` read storage buffers, and most of these files have none.
+    /// Refuses a scene that it can't draw: `mesh_field`, `baked` and long texts read storage buffers, and most of these files have none.
     pub fn takes(self, compiled: &Compiled) -> Result<(), String> {
-        match compiled.module.grids && self != Host::Html {
+        match compiled.module.needs_buffers && self != Host::Html {
             false => Ok(()),
-            true => Err(format!("what is written for {} reads no storage buffers, where `mesh_field` and `baked` have their grids: write --for html, or a module with --entry draw", self.name())),
+            true => Err(format!("what is written for {} reads no storage buffers, from which `mesh_field`, `baked` and long texts are read: write --for html, or a module with --entry draw", self.name())),
         }
     }
 

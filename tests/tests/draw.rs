@@ -220,7 +220,7 @@ fn every_form_is_valid_in_every_language() {
             };
             assert_eq!(count, expected + if module.tables.is_some() { 2 } else { 0 }, "{what}");
             for target in [Target::Glsl, Target::Glsl450, Target::Hlsl, Target::Msl, Target::Spirv] {
-                if module.grids && matches!(target, Target::Glsl | Target::Glsl450) {
+                if module.needs_buffers && matches!(target, Target::Glsl | Target::Glsl450) {
                     continue;
                 }
                 let written = translate(module, "my_", target).unwrap_or_else(|e| panic!("{what} {target:?}: {e}"));

@@ -92,7 +92,7 @@ fn names_of_examples_are_the_same_in_every_language() {
         let drawn = compiled(&path, &options).module;
         assert_eq!(wrong(&drawn), Vec::<String>::new(), "{name}\n{}", drawn.wgsl);
         // Tables of grids have no text of their own.
-        if !scene.module.grids {
+        if !scene.module.needs_buffers {
             assert_eq!(changed(&scene.module, "sf_"), Vec::<String>::new(), "{name}");
         }
     }

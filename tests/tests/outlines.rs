@@ -68,9 +68,16 @@ fn both_machines_draw_the_same() {
 }
 
 #[test]
+fn long_texts_stand_beside_a_module() {
+    let words = "The quick brown fox jumps over the lazy dog. ".repeat(5);
+    let scene = compile_text(&format!("scene = text(\"{words}\").extrude(0.3)")).unwrap();
+    assert!(scene.module.needs_buffers && scene.module.wgsl.contains("var<storage, read>") && scene.module.wgsl.len() < 100_000);
+}
+
+#[test]
 fn words_stand_in_the_text_of_a_module() {
     let scene = compile_text("scene = text(\"Surefoot\").extrude(0.3)").unwrap();
-    assert!(!scene.module.grids && !scene.module.wgsl.contains("var<storage"), "it needs no buffer");
+    assert!(!scene.module.needs_buffers && !scene.module.wgsl.contains("var<storage"), "it needs no buffer");
     let (with, [_, lists]) = scene.module.with_buffers(&Options::default()).unwrap();
     assert!(with.wgsl.contains("var<storage, read>") && lists.len() > 4 * 1_000);
 }

@@ -127,10 +127,10 @@ fn compile(asked: &Parcel, memory: &mut Memory) -> Result<Parcel, String> {
     let outcome = outcome(asked, &options, memory)?;
     let mut answer = Parcel::of(said(&outcome));
     let Some(compiled) = &outcome.compiled else { return Ok(answer) };
-    if compiled.module.grids && target == Target::Glsl {
-        return Err("GLSL ES 3.0 has no storage buffers, from which `mesh_field` and `baked` are read: choose another language".to_owned());
+    if compiled.module.needs_buffers && target == Target::Glsl {
+        return Err("GLSL ES 3.0 has no storage buffers, from which `mesh_field`, `baked` and long texts are read: choose another language".to_owned());
     }
-    let buffered = compiled.module.with_buffers(&options).filter(|_| compiled.module.grids);
+    let buffered = compiled.module.with_buffers(&options).filter(|_| compiled.module.needs_buffers);
     let module = buffered.as_ref().map_or(&compiled.module, |(module, _)| module);
     let bytes = validate(&module.wgsl).and_then(|_| translate(module, &options.prefix, target)).map_err(invalid)?;
     let ending = match target {

@@ -231,8 +231,8 @@ pub fn emit(
             let _ = write!(text, "\nstruct {prefix}Carry {{\n  point: vec3f,\n  x: vec3f,\n  y: vec3f,\n  z: vec3f,\n}}\n");
         }
     };
-    // Grids are too large for a text.
-    declared(context.has_grids(), &mut wgsl);
+    let needs_buffers = context.needs_buffers();
+    declared(needs_buffers, &mut wgsl);
     wgsl.push_str(&texts);
     let mut buffered = context.has_tables().then(|| {
         let mut code = String::with_capacity(texts.len() + 4096);
@@ -240,7 +240,6 @@ pub fn emit(
         code.push_str(&texts);
         code
     });
-    let has_grids = context.has_grids();
     let mut origin = format!("{}.origin", context.uniform_name);
     if options.uniforms == Uniforms::Separate {
         let scope = &mut context.module;
@@ -267,7 +266,7 @@ pub fn emit(
         meshes: meshes_text,
         one,
         ways,
-        grids: has_grids,
+        needs_buffers,
         draws: drawing.is_some(),
         tables: buffered.map(|code| Arc::new(ModuleTables::new(tables, code))),
     })

@@ -44,9 +44,9 @@ pub struct Module {
     pub ways: Ways,
     /// Whether it draws the scene by itself.
     pub draws: bool,
-    /// Whether it reads grids: then its text has buffers too.
-    pub grids: bool,
-    /// The unions of many operands, which are tables, and the grids; none in most modules.
+    /// Whether it reads what is too large for a text, grids or outlines of many curves: then its text has buffers too.
+    pub needs_buffers: bool,
+    /// The unions of many operands, which are tables, the grids and the outlines; none in most modules.
     pub tables: Option<Arc<ModuleTables>>,
 }
 
@@ -76,7 +76,7 @@ impl Module {
         let lists = tables.lists().iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>();
         let (group, binding) = (options.group, u64::from(options.first_buffer(self.uniforms.len())));
         let wgsl = format!(
-            "{}//\n// The tables of its unions and the grids of its meshes are two storage buffers of group {group}, read only, little-endian:\n//\n\
+            "{}//\n// The tables of its unions and the grids and outlines that it reads are two storage buffers of group {group}, read only, little-endian:\n//\n\
              //   binding {}: array<vec4f>, {} bytes\n//   binding {}: array<u32>, {} bytes\n{}",
             self.head(),
             binding,

@@ -12,8 +12,8 @@ const CELLS: f64 = 8.0;
 /// The fewest and the most cells.
 const FEWEST: f64 = 256.0;
 const MOST: f64 = 131_072.0;
-/// How far cells reach beyond the outline: so many times its shorter side, and its longer side.
-const MARGIN: [f64; 2] = [0.5, 0.1];
+/// How far cells reach beyond the outline: so many times its shorter side.
+const MARGIN: f64 = 0.5;
 /// Nearer to an end than this, along a piece, the direction of the joint tells the sides apart.
 const END: f64 = 1e-5;
 
@@ -67,7 +67,7 @@ impl Outline {
         };
         let (from, to) = (of(f64::min, 0)?, of(f64::max, 1)?);
         let size = sub(to, from);
-        let margin = (MARGIN[0] * size[0].min(size[1])).max(MARGIN[1] * size[0].max(size[1]));
+        let margin = MARGIN * size[0].min(size[1]);
         let (low, high) = (single(from.map(|c| c - margin)), to.map(|c| c + margin));
         let [wide, tall] = sub(high, low);
         let cell = f64::from(((wide * tall / (CELLS * pieces.len() as f64).clamp(FEWEST, MOST)).sqrt()) as f32);

@@ -46,8 +46,45 @@ pub fn boundary(contours: &[Vec<Curve>], fill: Fill) -> Vec<Piece> {
         return Vec::new();
     }
     let quantum = (size.log2().ceil()).exp2() / UNITS;
+    let all = groups(contours).into_iter().flat_map(|group| sided(&group, fill, quantum));
+    joined(all.collect())
+}
+
+/// Contours that may meet: those of other groups lie beside the rectangle of each, so that they wind around nothing of it.
+fn groups(contours: &[Vec<Curve>]) -> Vec<Vec<&Curve>> {
+    let corner = |contour: &[Curve]| contour.iter().map(Curve::bounds).reduce(|[a, b], [c, d]| [[a[0].min(c[0]), a[1].min(c[1])], [b[0].max(d[0]), b[1].max(d[1])]]);
+    let mut boxes: Vec<([Vec2; 2], &[Curve])> = contours.iter().filter_map(|contour| Some((corner(contour)?, contour.as_slice()))).collect();
+    boxes.sort_by(|(a, _), (b, _)| a[0][0].total_cmp(&b[0][0]));
+    // Groups that the sweep from left to right has not passed, with their rectangles; and those that it has.
+    let mut open: Vec<([Vec2; 2], Vec<&Curve>)> = Vec::new();
+    let mut closed: Vec<Vec<&Curve>> = Vec::new();
+    for (mut bounds, contour) in boxes {
+        let mut group: Vec<&Curve> = contour.iter().collect();
+        let mut left = Vec::with_capacity(open.len());
+        for (other, curves) in open {
+            if other[1][0] < bounds[0][0] {
+                closed.push(curves);
+            } else {
+                left.push((other, curves));
+            }
+        }
+        // A group that has grown may meet others.
+        while let Some(at) = left.iter().position(|(other, _)| other[0][1] <= bounds[1][1] && other[1][1] >= bounds[0][1]) {
+            let (other, curves) = left.swap_remove(at);
+            bounds = [[bounds[0][0].min(other[0][0]), bounds[0][1].min(other[0][1])], [bounds[1][0].max(other[1][0]), bounds[1][1].max(other[1][1])]];
+            group.extend(curves);
+        }
+        left.push((bounds, group));
+        open = left;
+    }
+    closed.extend(open.into_iter().map(|(_, curves)| curves));
+    closed
+}
+
+/// The pieces of some contours that have the fill on one side, which is turned to the left; their joints are their own directions.
+fn sided(contours: &[&Curve], fill: Fill, quantum: f64) -> Vec<Piece> {
     let round = |p: Vec2| p.map(|c| (c / quantum).round() * quantum);
-    let gentle = contours.iter().flatten().flat_map(Curve::gentle);
+    let gentle = contours.iter().flat_map(|curve| curve.gentle());
     let rounded = gentle.map(|curve| Piece { curve: Curve { a: round(curve.a), b: curve.b, c: round(curve.c) }, joints: curve.ends() });
     let whole: Vec<Piece> = rounded.filter(|piece| piece.curve.a != piece.curve.c).collect();
     let parts = divided(&whole, quantum, round);
@@ -72,7 +109,7 @@ pub fn boundary(contours: &[Vec<Curve>], fill: Fill) -> Vec<Piece> {
             kept.push(piece);
         }
     }
-    joined(kept)
+    kept
 }
 
 /// The pieces, divided where they meet others. Their directions at the ends are those of the curves before any place is rounded.

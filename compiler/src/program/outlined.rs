@@ -9,6 +9,7 @@ use crate::graph::interval::Interval;
 use crate::graph::{Claim, ClaimGroup, Leaf, Node, ValueRange};
 use crate::kept::Kept;
 use crate::outline::{Align, Fill, MOST_CURVES, Outline, Piece, Typesetting, boundary, path, typeset};
+use crate::sampled::MOST_DEVICE_BYTES;
 use crate::source::Span;
 use std::sync::Arc;
 
@@ -78,6 +79,11 @@ impl Elaborator<'_> {
     fn outline(&mut self, pieces: Vec<Piece>, span: Span) -> Elaborated<Value> {
         let Some(outline) = Outline::new(pieces) else { return Ok(Value::Nothing) };
         let kept = Kept::new(Arc::new(outline));
+        let bytes: usize = self.graph.outlines.iter().map(|known| known.data.bytes()).sum::<usize>() + kept.data.bytes();
+        if bytes > MOST_DEVICE_BYTES {
+            let words = format!("the texts and paths of this scene take {} MiB, and a device reads {} at most", bytes >> 20, MOST_DEVICE_BYTES >> 20);
+            return Err(self.error(Code::TooLarge, span, words, "write fewer letters, or fewer curves"));
+        }
         let [x, y, _] = self.graph.point();
         let value = self.graph.outlined(&kept, [x, y]);
         let steepest = self.graph.leaf(Leaf::Variable(0));

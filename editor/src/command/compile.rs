@@ -152,14 +152,14 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     if show_broken(&outcome, &crate::picture::broken_meshes(compiled)) == Exit::Errors {
         return Ok(Exit::Errors);
     }
-    // Grids are too large for a text.
-    if compiled.module.grids && file.is_none() {
-        return Err(Failure::usage("the grids of its meshes are a file of their own: say where to write with -o FILE"));
+    // What is too large for a text stands beside it.
+    if compiled.module.needs_buffers && file.is_none() {
+        return Err(Failure::usage("its grids and its long texts stand in files of their own: say where to write with -o FILE"));
     }
-    if compiled.module.grids && target == Target::Glsl {
-        return Err(Failure::usage("GLSL ES 3.0 has no storage buffers, from which `mesh_field` and `baked` are read: write another target"));
+    if compiled.module.needs_buffers && target == Target::Glsl {
+        return Err(Failure::usage("GLSL ES 3.0 has no storage buffers, from which `mesh_field`, `baked` and long texts are read: write another target"));
     }
-    let buffered = buffered || compiled.module.grids;
+    let buffered = buffered || compiled.module.needs_buffers;
     let with_buffers = compiled.module.with_buffers(&options).filter(|_| buffered);
     let (module, tables): (&Module, Vec<(PathBuf, &Vec<u8>)>) = match &with_buffers {
         Some((module, bytes)) => (module, file.into_iter().flat_map(|file| ["table.bin", "lists.bin"].map(|end| file.with_extension(end))).zip(bytes).collect()),

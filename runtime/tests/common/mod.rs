@@ -59,7 +59,7 @@ pub fn sphere_in(wgsl: &str, radius: f64, (min, max): (f64, f64)) -> Compiled {
         one: false,
         draws: false,
         ways: Default::default(),
-        grids: false,
+        needs_buffers: false,
     };
     compiled
 }

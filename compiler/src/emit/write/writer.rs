@@ -14,6 +14,9 @@ use crate::interface::Rounding;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
+/// Outlines of more bytes do not stand in a text.
+const MOST_WRITTEN: usize = 256 << 10;
+
 /// What writing a function needs to know of the module.
 pub struct Context<'a> {
     /// The graph, for names.
@@ -66,6 +69,12 @@ impl Context<'_> {
     /// Whether a function that is written reads an outline.
     pub fn has_outlines(&self) -> bool {
         self.helpers.pieces().any(|piece| piece.name == OUTLINES)
+    }
+
+    /// Whether what is read is too large for a text: grids, and outlines of many curves.
+    pub fn needs_buffers(&self) -> bool {
+        let bytes = || self.tables.outlines.iter().map(|kept| kept.data.bytes()).sum::<usize>();
+        self.has_grids() || (self.has_outlines() && bytes() > MOST_WRITTEN)
     }
 
     /// Whether a function that is written reads a table, a grid, or an outline.
