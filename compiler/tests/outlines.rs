@@ -1,7 +1,7 @@
 //! Drawings with outlines of curves: distances, sides, letters and paths.
 
 use surefoot_compiler::diagnostic::Severity;
-use surefoot_compiler::outline::{Align, Curve, Fill, Outline, Typesetting, Vec2, boundary, path, typeset};
+use surefoot_compiler::outline::{Align, Curve, Fill, Nearest, Outline, Typesetting, Vec2, boundary, path, typeset};
 use surefoot_compiler::random::Random;
 use surefoot_compiler::{Compiled, MemoryLoader, Options, Outcome, compile};
 
@@ -79,9 +79,41 @@ fn holds(name: &str, contours: &[Vec<Curve>], fill: Fill, count: usize) {
         let (low, high) = ([a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]);
         let [least, most] = outline.value_within(low, high);
         let q = [number(&mut random, low[0], high[0]), number(&mut random, low[1], high[1])];
-        let value = outline.at(q).value;
+        let Nearest { value, .. } = outline.at(q);
         assert!(least <= value && value <= most, "{name}: {value} at {q:?} is not in {least}..{most}");
     }
+}
+
+/// Slopes within small rectangles, which may lie on the outline and at its corners.
+fn slopes_hold(name: &str, outline: &Outline) {
+    let mut random = Random(5);
+    let bounds = outline.bounds();
+    let size = distance(bounds[0], bounds[1]);
+    let mut narrow = 0;
+    for _ in 0..2000 {
+        let half = size * 10f64.powf(-1.0 - 4.0 * random.next());
+        let middle = within(&mut random, bounds, 0.0);
+        let (low, high) = (middle.map(|c| c - half), middle.map(|c| c + half));
+        let slopes = outline.gradient_within(low, high);
+        narrow += usize::from(slopes.iter().any(|[a, b]| b - a < 0.5));
+        for _ in 0..5 {
+            let q = [number(&mut random, low[0], high[0]), number(&mut random, low[1], high[1])];
+            let near = outline.at(q);
+            // At the outline itself its direction is rounded.
+            let holds = (0..2).all(|i| slopes[i][0] - 1e-4 <= near.gradient[i] && near.gradient[i] <= slopes[i][1] + 1e-4);
+            assert!(holds || near.value.abs() < 1e-5 * size, "{name}: {near:?} at {q:?} is not in {slopes:?} of {low:?} {high:?}");
+        }
+    }
+    assert!(narrow > 500, "{name}: something is known of {narrow} rectangles");
+}
+
+#[test]
+fn slopes_lie_within_their_intervals() {
+    let star = path("M 0 -1 L 0.588 0.809 L -0.951 -0.309 L 0.951 -0.309 L -0.588 0.809 Z").unwrap();
+    slopes_hold("star", &outline(&star, Fill::NonZero));
+    let curves = path("M 0 0 C 1 2 3 -2 4 0 S 6 3 4 4 Q 2 6 0 4 T 0 0 Z").unwrap();
+    slopes_hold("curves", &outline(&curves, Fill::EvenOdd));
+    slopes_hold("words", &Outline::new(typeset("Sure", None, &SETTING).unwrap()).unwrap());
 }
 
 #[test]

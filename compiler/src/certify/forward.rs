@@ -440,7 +440,10 @@ fn slopes(op: Op, [a, b, c, d]: [Interval; 4], out: Interval) -> ([Interval; 4],
             let by = |op: Op| (op.row().interval)([a, b, c, d]);
             ([ZERO, by(Op::SampledX), by(Op::SampledY), by(Op::SampledZ)], false)
         }
-        Op::Outlined => ([ZERO, UNIT, UNIT, ZERO], false),
+        Op::Outlined => {
+            let by = |op: Op| (op.row().interval)([a, b, c, d]);
+            ([ZERO, by(Op::OutlinedX), by(Op::OutlinedY), ZERO], false)
+        }
         // The others are told apart before.
         _ => ([Interval::ALL; 4], true),
     }

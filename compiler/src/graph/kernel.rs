@@ -246,19 +246,25 @@ kernel! {
         |[n, x, y, _]| outlined(n, [x, y], |near| near.value), |[n, x, y, _]| outlined_interval(n, [x, y]),
         "The signed distance to the outline of this number, in a plane.";
     OutlinedX "outlined_x" 3 false Number true 9 Inherited, "sf_outlined({0}, {1}, {2}).y",
-        |[n, x, y, _]| outlined(n, [x, y], |near| near.gradient[0]), |_| UNIT,
+        |[n, x, y, _]| outlined(n, [x, y], |near| near.gradient[0]), |[n, x, y, _]| outlined_slope(n, [x, y], |[slope, _]| slope),
         "How fast the distance to an outline changes along x.";
     OutlinedY "outlined_y" 3 false Number true 9 Inherited, "sf_outlined({0}, {1}, {2}).z",
-        |[n, x, y, _]| outlined(n, [x, y], |near| near.gradient[1]), |_| UNIT,
+        |[n, x, y, _]| outlined(n, [x, y], |near| near.gradient[1]), |[n, x, y, _]| outlined_slope(n, [x, y], |[_, slope]| slope),
         "How fast the distance to an outline changes along y.";
 }
-
-/// What a direction's coordinates lie between.
-const UNIT: Interval = Interval { lo: -1.0, hi: 1.0 };
 
 /// What an outline says; nought where there is none.
 fn outlined(number: f64, p: [f64; 2], of: impl Fn(Nearest) -> f64) -> f64 {
     Kept::<Outline>::find(number).map_or(0.0, |outline| of(outline.at(p)))
+}
+
+fn outlined_slope(number: Interval, [x, y]: [Interval; 2], of: impl Fn([[f64; 2]; 2]) -> [f64; 2]) -> Interval {
+    if x.is_empty() || y.is_empty() {
+        return I::EMPTY;
+    }
+    let outline = if number.is_point() { Kept::<Outline>::find(number.lo) } else { None };
+    let [lo, hi] = outline.map_or([-1.0, 1.0], |outline| of(outline.gradient_within([x.lo, y.lo], [x.hi, y.hi])));
+    I { lo, hi }
 }
 
 fn outlined_interval(number: Interval, [x, y]: [Interval; 2]) -> Interval {

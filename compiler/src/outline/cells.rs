@@ -4,6 +4,7 @@ use super::clean::Piece;
 use super::curve::{Curve, Vec2, add, cross, length, scale, sub};
 use crate::kept::{Data, HEAD, Known};
 use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Words of a piece.
 const PIECE: usize = 10;
@@ -14,6 +15,8 @@ const FEWEST: f64 = 256.0;
 const MOST: f64 = 131_072.0;
 /// How far cells reach beyond the outline: so many times its shorter side.
 const MARGIN: f64 = 0.5;
+/// A rectangle over more cells may have any gradient.
+const MOST_LOOKED_AT: usize = 16;
 /// Nearer to an end than this, along a piece, the direction of the joint tells the sides apart.
 const END: f64 = 1e-5;
 
@@ -119,7 +122,11 @@ impl Outline {
 
     fn near(&self, q: Vec2) -> impl Iterator<Item = &Piece> {
         let along = |c: f64, low: f64, count: usize| (((c - low) / self.cell).max(0.0) as usize).min(count - 1);
-        let cell = along(q[1], self.low[1], self.counts[1]) * self.counts[0] + along(q[0], self.low[0], self.counts[0]);
+        self.listed(along(q[1], self.low[1], self.counts[1]) * self.counts[0] + along(q[0], self.low[0], self.counts[0]))
+    }
+
+    /// The pieces of a cell's list.
+    fn listed(&self, cell: usize) -> impl Iterator<Item = &Piece> {
         let begin = self.cells.get(cell).map_or(0, |begin| *begin as usize);
         let count = self.lists.get(begin).map_or(0, |count| *count as usize);
         self.lists.iter().skip(begin + 1).take(count).filter_map(|i| self.pieces.get(*i as usize))
@@ -183,6 +190,26 @@ impl Outline {
         [least.max(value - off).min(value), value + off]
     }
 
+    /// What the gradient's coordinates lie between in a rectangle of places. It is the normal of the nearest piece where that is nearest, and at an end of it lies between
+    /// the normals of both pieces that meet there.
+    pub fn gradient_within(&self, low: Vec2, high: Vec2) -> [Vec2; 2] {
+        const ALL: [Vec2; 2] = [[-1.0, 1.0]; 2];
+        let is_inside = low[0] >= self.low[0] && low[1] >= self.low[1] && high[0] <= self.high[0] && high[1] <= self.high[1];
+        let along = |c: f64, low: f64, count: usize| (((c - low) / self.cell).max(0.0) as usize).min(count - 1);
+        let [from, to] = [low, high].map(|p| [along(p[0], self.low[0], self.counts[0]), along(p[1], self.low[1], self.counts[1])]);
+        if !is_inside || (to[0] - from[0] + 1) * (to[1] - from[1] + 1) > MOST_LOOKED_AT {
+            return ALL;
+        }
+        let (middle, size) = (scale(add(low, high), 0.5), length(sub(high, low)));
+        let cells = (from[1]..=to[1]).flat_map(|j| (from[0]..=to[0]).map(move |i| j * self.counts[0] + i));
+        let pieces: Vec<(&Piece, f64)> = cells.flat_map(|cell| self.listed(cell)).map(|piece| (piece, piece.curve.nearest(middle).1.sqrt())).collect();
+        let least = pieces.iter().fold(f64::INFINITY, |least, (_, way)| least.min(*way));
+        let reach = least + size * (1.0 + 1e-6) + 1e-6 * least;
+        let near = pieces.iter().filter(|(_, way)| *way <= reach).map(|(piece, _)| piece.normals());
+        let hull = |[a, b]: [Vec2; 2], [c, d]: [Vec2; 2]| [[a[0].min(c[0]), a[1].max(c[1])], [b[0].min(d[0]), b[1].max(d[1])]];
+        near.reduce(hull).unwrap_or(ALL)
+    }
+
     /// The longest side of the rectangle of cells, and how far it is from the origin.
     pub fn size(&self) -> f64 {
         self.low.iter().chain(&self.high).fold(0.0, |size: f64, c| size.max(c.abs()))
@@ -231,6 +258,25 @@ impl Data for Outline {
 }
 
 impl Piece {
+    /// What the coordinates of its normal lie between, out of the fill, with those halfway to the pieces that it meets.
+    fn normals(&self) -> [Vec2; 2] {
+        let [first, last] = self.curve.ends();
+        let turn = |a: Vec2, b: Vec2| cross(a, b).atan2(a[0] * b[0] + a[1] * b[1]);
+        // A normal is a quarter of a turn to the right of the way.
+        let begin = first[1].atan2(first[0]) - FRAC_PI_2;
+        let end = begin + turn(first, last);
+        let angles = [begin, end, begin - turn(self.joints[0], first), end + turn(last, self.joints[1])];
+        let low = angles.iter().copied().fold(f64::INFINITY, f64::min) - 1e-6;
+        let high = angles.iter().copied().fold(f64::NEG_INFINITY, f64::max) + 1e-6;
+        // A cosine is largest and smallest at the ends, or where the angle is a multiple of half a turn.
+        let cosines = |low: f64, high: f64| {
+            let at = (low / PI).ceil();
+            let turned = [at, at + 1.0].into_iter().filter(|k| k * PI <= high).map(|k| if k % 2.0 == 0.0 { 1.0 } else { -1.0 });
+            turned.chain([low.cos(), high.cos()]).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], c| [a.min(c), b.max(c)])
+        };
+        [cosines(low, high), cosines(low - FRAC_PI_2, high - FRAC_PI_2)]
+    }
+
     fn numbers(&self) -> [f64; PIECE] {
         let Self { curve: Curve { a, b, c }, joints: [from, to] } = *self;
         [a[0], a[1], b[0], b[1], c[0], c[1], from[0], from[1], to[0], to[1]]

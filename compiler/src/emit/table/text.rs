@@ -317,6 +317,10 @@ pub fn declare_text(context: &Context, wgsl: &mut String) {
     if context.has_outlines() {
         entries.extend(outline_words(context.tables, entries.len()));
     }
+    if entries.is_empty() {
+        // No array is empty.
+        entries.push(0);
+    }
     let bytes = size_of::<[f32; 4]>() * rows.len().max(1) + size_of::<u32>() * entries.len();
     let held = if bytes <= MOST_PRIVATE { PRIVATE } else { CONSTANT };
     if !tables.is_empty() {
