@@ -9,9 +9,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Words of a piece.
 const PIECE: usize = 10;
 /// Cells for each piece.
-const CELLS: f64 = 8.0;
+const CELLS: f64 = 3.0;
 /// The fewest and the most cells.
-const FEWEST: f64 = 256.0;
+const FEWEST: f64 = 64.0;
 const MOST: f64 = 131_072.0;
 /// How far cells reach beyond the outline: so many times its shorter side.
 const MARGIN: f64 = 0.5;

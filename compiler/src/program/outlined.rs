@@ -17,8 +17,10 @@ use std::sync::Arc;
 const MOST_FONT: u64 = 64 << 20;
 const ALIGNS: [(&str, Align); 3] = [("left", Align::Left), ("center", Align::Center), ("right", Align::Right)];
 
+// What these need of the stack is none of who calls built-in functions, one within the other.
 impl Elaborator<'_> {
     /// `text("words", size, font, align, spacing, leading)`.
+    #[inline(never)]
     pub(super) fn text(&mut self, args: [&(Value, Span); 6], span: Span, env: &Env) -> Elaborated<Value> {
         let [words, size, font, align, spacing, leading] = args;
         let (said, at) = (self.words(words, "text(\"Surefoot\")")?, words.1);
@@ -52,6 +54,7 @@ impl Elaborator<'_> {
     }
 
     /// `path("M 0 0 L 1 0 …")`.
+    #[inline(never)]
     pub(super) fn path(&mut self, data: &(Value, Span), span: Span) -> Elaborated<Value> {
         let said = self.words(data, "path(\"M 0 0 H 1 V 1 Z\")")?;
         let contours = path(&said).map_err(|why| {
@@ -67,6 +70,7 @@ impl Elaborator<'_> {
     }
 
     /// A text among arguments.
+    #[inline(never)]
     fn words(&mut self, (value, span): &(Value, Span), example: &str) -> Elaborated<std::rc::Rc<str>> {
         if let Value::Text(words) = value {
             return Ok(words.clone());
@@ -76,6 +80,7 @@ impl Elaborator<'_> {
     }
 
     /// The drawing that pieces of an outline bound.
+    #[inline(never)]
     fn outline(&mut self, pieces: Vec<Piece>, span: Span) -> Elaborated<Value> {
         let Some(outline) = Outline::new(pieces) else { return Ok(Value::Nothing) };
         let kept = Kept::new(Arc::new(outline));

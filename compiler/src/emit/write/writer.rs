@@ -14,8 +14,8 @@ use crate::interface::Rounding;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
 
-/// Outlines of more bytes do not stand in a text.
-const MOST_WRITTEN: usize = 256 << 10;
+/// Lists of more bytes do not stand in a text: browsers take no larger constant (65,536 bytes, by Tint).
+const MOST_WRITTEN: usize = 60_000;
 
 /// What writing a function needs to know of the module.
 pub struct Context<'a> {
@@ -73,8 +73,9 @@ impl Context<'_> {
 
     /// Whether what is read is too large for a text: grids, and outlines of many curves.
     pub fn needs_buffers(&self) -> bool {
-        let bytes = || self.tables.outlines.iter().map(|kept| kept.data.bytes()).sum::<usize>();
-        self.has_grids() || (self.has_outlines() && bytes() > MOST_WRITTEN)
+        let outlines = || self.tables.outlines.iter().map(|kept| kept.data.bytes()).sum::<usize>();
+        let entries = || self.tables.tables.values().map(|table| size_of::<u32>() * table.entries.len()).sum::<usize>();
+        self.has_grids() || (self.has_outlines() && outlines() + entries() > MOST_WRITTEN)
     }
 
     /// Whether a function that is written reads a table, a grid, or an outline.
