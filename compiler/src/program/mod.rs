@@ -64,7 +64,7 @@ pub const NODE_LIMIT: usize = 400_000;
 /// How many expressions may be evaluated.
 const STEP_LIMIT: u64 = 1_000_000;
 /// How deep expressions may nest, calls counted in. In WebAssembly the stack is the host's, mostly of 1 MiB, and can't grow.
-const NESTING_LIMIT: usize = if cfg!(target_family = "wasm") { 200 } else { 4000 };
+const NESTING_LIMIT: usize = if cfg!(target_family = "wasm") { 128 } else { 4000 };
 /// How deep calls may nest.
 const CALL_LIMIT: usize = 200;
 
