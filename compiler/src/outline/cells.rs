@@ -210,7 +210,7 @@ impl Outline {
         near.reduce(hull).unwrap_or(ALL)
     }
 
-    /// The longest side of the rectangle of cells, and how far it is from the origin.
+    /// The greatest coordinate of the rectangle of cells, without its sign.
     pub fn size(&self) -> f64 {
         self.low.iter().chain(&self.high).fold(0.0, |size: f64, c| size.max(c.abs()))
     }

@@ -21,9 +21,9 @@ impl Fill {
     }
 }
 
-/// The most curves that drawings are cleaned of.
+/// The most curves that a path may have.
 pub const MOST_CURVES: usize = 40_000;
-/// Looks for crossings of one pair of curves: those that lie on each other cross everywhere.
+/// The most steps of the search for crossings of two curves. Curves that lie on each other would cross everywhere.
 const MOST_LOOKS: usize = 100_000;
 /// Places are multiples of a unit that the size of the drawing holds so many times: 32 bits hold them exactly.
 const UNITS: f64 = 4_194_304.0;

@@ -101,8 +101,7 @@ impl Curve {
     }
 
     /// Where on it the nearest point to `q` is, from 0 to 1, and the square of the way. It is gentle, so that the place along the chord is near enough for
-    /// Newton's method, or an end is nearest: of 14,000 random parts and places none was taken that is farther than the nearest by 2e-7
-    /// of the drawing's size. The twin of `sf_outlined` in `emit/library.rs`.
+    /// Newton's method, or an end is nearest; `compiler/tests/outlines.rs` compares it with many points. The twin of `sf_outlined` in `emit/library.rs`.
     pub fn nearest(&self, q: Vec2) -> (f64, f64) {
         let (b, c) = self.powers();
         let start = sub(self.a, q);

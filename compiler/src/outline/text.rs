@@ -4,7 +4,7 @@ use super::clean::{Fill, Piece, boundary};
 use super::curve::{Curve, Vec2};
 use super::path::contours;
 use harfrust::{ShaperData, UnicodeBuffer};
-use kurbo::{Affine, BezPath, Point};
+use kurbo::{BezPath, Point};
 use skrifa::instance::{LocationRef, Size};
 use skrifa::outline::{DrawSettings, OutlinePen};
 use skrifa::{FontRef, GlyphId, MetadataProvider};
@@ -114,7 +114,7 @@ pub fn typeset(words: &str, font: Option<&[u8]>, setting: &Typesetting) -> Resul
                     // A glyph that can't be read is empty, as fonts ask.
                     let _ = outline.draw(settings, &mut pen);
                 }
-                contours(&(Affine::scale(1.0) * pen.0))
+                contours(&pen.0)
             });
             let place = |p: Vec2| [(p[0] + x + start) * scale, (p[1] + y) * scale - down];
             all.extend(shape.iter().map(|contour| contour.iter().map(|curve| Curve { a: place(curve.a), b: place(curve.b), c: place(curve.c) }).collect::<Vec<_>>()));

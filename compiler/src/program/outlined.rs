@@ -17,7 +17,7 @@ use std::sync::Arc;
 const MOST_FONT: u64 = 64 << 20;
 const ALIGNS: [(&str, Align); 3] = [("left", Align::Left), ("center", Align::Center), ("right", Align::Right)];
 
-// What these need of the stack is none of who calls built-in functions, one within the other.
+// Calls of built-in functions nest. These are kept out of line, so that their room on the stack is not taken at each level.
 impl Elaborator<'_> {
     /// `text("words", size, font, align, spacing, leading)`.
     #[inline(never)]
