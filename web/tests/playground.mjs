@@ -173,14 +173,13 @@ try {
   assert(readFileSync(await download.path(), 'utf8').includes('shader_type spatial'));
 
   // Typing does not wait for a compilation: a key is seen at once while one runs that takes long.
-  const costly = `scene = ${Array.from({ length: 6 }, (_, i) => `box(1).twist(y, 0.${i + 1}).twist(x, 0.${i + 1}).twist(z, 0.${i + 1}).translate(${3 * i}, 0, 0)`).join(' | ')}`;
-  // What the page says for less than a second is noticed too while pictures are drawn slowly.
+  const costly = `scene = ${Array.from({ length: 24 }, (_, i) => `box(1).twist(y, 0.${i + 1}).twist(x, 0.${i + 1}).twist(z, 0.${i + 1}).translate(${3 * i}, 0, 0)`).join(' | ')}`;
+  // A state that the page has for a short time only is noticed too.
   await tab.evaluate(() => {
-    const status = document.getElementById('status');
-    new MutationObserver(() => { window.compiled ||= status.textContent === 'Compiling …'; }).observe(status, { childList: true, characterData: true, subtree: true });
+    new MutationObserver(() => { window.busy ||= document.body.dataset.state === 'busy'; }).observe(document.body, { attributeFilter: ['data-state'] });
   });
   await type(tab, costly);
-  await tab.waitForFunction(() => window.compiled);
+  await tab.waitForFunction(() => window.busy);
   const since = Date.now();
   await tab.keyboard.type('/');
   await tab.waitForFunction(() => document.querySelector('.cm-content').textContent.endsWith('/'));
