@@ -169,6 +169,9 @@ codes! {
     BrokenFile, "broken-file", Error,
         "A mesh that can't be read, or whose content does not match its file name: empty, cut short, or with invalid numbers. The rest of the scene is drawn without it.",
         "";
+    Shader, "shader", Error,
+        "A shader that can't be read, or a function of it that the language can't say: one that reads textures or pixels beside, that works on the bits of numbers, or whose loops have no end that can be found. The message says where in the shader.",
+        "";
     ImportCircle, "import-circle", Error,
         "Files that import each other in a circle. Move what both need into a third file, and import that.",
         "import \"main.sdf\"\nscene = sphere(1)";

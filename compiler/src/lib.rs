@@ -5,6 +5,7 @@
 pub mod ablation;
 pub mod analysis;
 pub mod blocks;
+pub mod by_hand;
 pub mod camera;
 pub mod cells;
 pub mod certify;
@@ -39,6 +40,7 @@ pub mod rules;
 pub mod reference_text;
 pub mod sampled;
 pub mod shading;
+pub mod shader;
 pub mod skipped;
 pub mod solid;
 pub mod source;

@@ -23,6 +23,7 @@ use surefoot_compiler::{Loader, MemoryLoader, Options, Outcome};
 const WITHOUT_A_PROGRAM: &[(Code, &str)] =
     &[
         (Code::BrokenFile, "the compiler opens no mesh"),
+        (Code::Shader, "the shader is another file, and no program: tests/shaders.rs"),
         (Code::BadImage, "who draws reads the images"),
     ];
 

@@ -27,6 +27,7 @@ mod ranges;
 mod reference;
 mod rules;
 mod scene_pass;
+mod shaders;
 mod sound;
 mod tightness;
 mod verify;

@@ -13,7 +13,7 @@ const FLOORS: [(&str, &[&str]); 4] = [
     (
         "compiler",
         &[
-            "kept loader outline prelude random rules sampled source spread srgb unit vector",
+            "kept loader outline prelude random rules sampled shader source spread srgb unit vector",
             "diagnostic",
             "graph syntax",
             "live interface images camera",
@@ -25,7 +25,7 @@ const FLOORS: [(&str, &[&str]); 4] = [
             "cells compiled",
             "followed physics",
             "mesh reference",
-            "ablation certify contour factors home measure outlook skipped solid verify",
+            "ablation by_hand certify contour factors home measure outlook skipped solid verify",
             "program",
             "pipeline reference_text",
             "language_service",

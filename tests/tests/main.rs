@@ -24,6 +24,7 @@ mod outlines;
 mod pictures;
 mod random;
 mod sampled;
+mod shaders;
 mod shadows;
 mod still;
 mod textures;

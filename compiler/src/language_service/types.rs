@@ -45,7 +45,7 @@ pub(super) fn widest(types: &[Option<Type>]) -> Option<Type> {
 pub(super) fn built_in_type(name: &str, types: &[Option<Type>]) -> Option<Type> {
     let first = types.first().cloned().flatten();
     match name {
-        "length" | "distance" | "dot" | "determinant" | "at" | "hash" | "float" | "value" | "atan2" => Some(Type::Float),
+        "shader" | "length" | "distance" | "dot" | "determinant" | "at" | "hash" | "float" | "value" | "atan2" => Some(Type::Float),
         "int" => Some(Type::Int),
         "cross" | "hash3" | "turn_about" | "low_corner" | "high_corner" | "vec3" => Some(Type::Vec(3)),
         "hash2" | "turn" | "vec2" => Some(Type::Vec(2)),

@@ -17,7 +17,7 @@ pub const FUNCTIONS: &[&str] = &[
     "acos", "atan", "atan2", "tanh", "length", "distance", "dot", "cross", "normalize", "vec2", "vec3", "vec4", "mat2",
     "mat3", "mat4", "transpose", "determinant", "inverse", "hash", "hash2", "hash3", "turn", "turn_about", "at",
     "material", "paint", "float", "int", "grid", "polar", "value",
-    "low_corner", "high_corner", "mesh_field", "baked", "text", "path",
+    "low_corner", "high_corner", "mesh_field", "baked", "text", "path", "shader",
 ];
 
 /// Names that stand for a value and are not declared in the prelude.
@@ -538,6 +538,7 @@ pub fn argument_names(name: &str, count: usize) -> &'static [&'static str] {
         "baked" => &["s", "resolution", "padding"],
         "text" => &["words", "size", "font", "align", "spacing", "leading"],
         "path" => &["data"],
+        "shader" => &["file", "function"],
         _ if KERNEL.iter().any(|row| row.callable && row.name == name) => &["a"],
         _ => &[],
     }
@@ -587,6 +588,7 @@ fn usage(name: &str) -> (String, usize) {
         "baked" => ("s.baked(resolution: 128)".into(), 3),
         "text" => ("text(\"Surefoot\", size: 1)".into(), 6),
         "path" => ("path(\"M 0 0 H 1 V 1 Z\")".into(), 1),
+        "shader" => ("shader(\"rock.glsl\", map)".into(), 2),
         "vec2" => ("vec2(x, y)".into(), 1),
         "vec3" => ("vec3(x, y, z)".into(), 1),
         "vec4" => ("vec4(x, y, z, w)".into(), 1),

@@ -244,6 +244,9 @@ impl Elaborator<'_> {
         {
             return Ok(value.clone());
         }
+        if name == "shader" {
+            return self.shader(args, span, env);
+        }
         let names = super::builtin::argument_names(name, known.len() + args.len());
         let mut values: Vec<Option<(Value, Span)>> = known.into_iter().map(Some).collect();
         let mut failed = false;

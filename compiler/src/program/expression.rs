@@ -250,6 +250,9 @@ impl Elaborator<'_> {
         if self.is_known(Code::UnknownName, span) || self.modules.lacks(env.module, name) {
             return Stop;
         }
+        if let Some((file, why)) = self.modules.left_out(env.module, name) {
+            return self.unsaid(name, file, why, span);
+        }
         let mut candidates: Vec<&str> = self.modules.visible(env.module);
         candidates.extend(super::builtin::NAMES);
         let mut locals = Vec::new();

@@ -3,9 +3,10 @@
 use crate::loader::Loader;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::prelude::PRELUDE;
+use crate::shader::{self, Failure, Language};
 use crate::source::{FileId, Sources, Span};
 use crate::syntax::ast::{self, BlockKind, Item, ItemKind, Name};
-use crate::syntax::parser;
+use crate::syntax::{lexer, literals, parser, words};
 use rustc_hash::FxHashMap;
 use std::sync::{Arc, LazyLock};
 
@@ -66,12 +67,14 @@ pub struct Module {
     pub imports: Vec<Import>,
     /// The names of imports that could not be read; none where one has no name.
     lacking: Vec<Option<String>>,
+    /// What is known of the shader that it was translated from, where it was.
+    shader: Option<Arc<Shader>>,
     names: FxHashMap<Arc<str>, Vec<ItemRef>>,
 }
 
 impl Module {
     fn new(file: FileId, path: String, ast: ast::File) -> Self {
-        Self { file, path, ast, imports: Vec::new(), lacking: Vec::new(), names: FxHashMap::default() }
+        Self { file, path, ast, imports: Vec::new(), lacking: Vec::new(), shader: None, names: FxHashMap::default() }
     }
 
     /// Finds its names. `module` is its own index.
@@ -81,6 +84,24 @@ impl Module {
                 self.names.entry(name.text.clone()).or_default().push(ItemRef { module, item });
             }
         }
+    }
+}
+
+/// A shader whose functions are those of a module.
+#[derive(Debug)]
+pub struct Shader {
+    /// The shader's text.
+    pub file: FileId,
+    /// Its functions.
+    pub functions: Vec<shader::Function>,
+    /// Its functions that can't be said, and why.
+    pub left_out: Vec<(String, Failure)>,
+}
+
+impl Shader {
+    /// Why a function can't be said, and where that is.
+    pub fn left_out(&self, name: &str) -> Option<(FileId, &Failure)> {
+        self.left_out.iter().find(|(known, _)| known == name).map(|(_, why)| (self.file, why))
     }
 }
 
@@ -210,12 +231,20 @@ impl Reader<'_> {
                 return None;
             }
         };
-        let text: Arc<str> = text.into();
-        let file = self.sources.add(path, text.clone());
+        let mut text: Arc<str> = text.into();
+        let mut file = self.sources.add(path, text.clone());
+        let mut shader = None;
+        if let Some(language) = Language::of(path) {
+            let (translated, known) = self.translate(path, file, &text, language)?;
+            text = translated.into();
+            file = self.sources.add(format!("<shader>/{path}"), text.clone());
+            shader = Some(Arc::new(known));
+        }
         let (ast, found) = parser::parse(file, &text);
         self.broken |= !found.is_empty();
         self.diagnostics.extend(found);
         let mut module = Module::new(file, path.to_owned(), ast);
+        module.shader = shader;
         let index = self.list.len();
         module.index_names(index);
         self.report_doubles(&module);
@@ -231,6 +260,10 @@ impl Reader<'_> {
                 Some(target) => imports.push(Import { alias, module: target }),
                 None => lacking.push(alias),
             }
+        }
+        // What a formula takes from a shader is read here too; its names stay there.
+        for (target, span) in shaders(file, &text) {
+            self.import(path, &target, span);
         }
         self.stack.pop();
         (module.imports, module.lacking) = (imports, lacking);
@@ -265,6 +298,22 @@ impl Reader<'_> {
             return None;
         }
         self.read(&path, Some(span))
+    }
+
+    /// A shader as text of the language.
+    fn translate(&mut self, path: &str, file: FileId, text: &str, language: Language) -> Option<(String, Shader)> {
+        let said = |failure: &Failure| {
+            let span = Span::new(file, failure.range.start, failure.range.end);
+            Diagnostic::new(Code::Shader, span, failure.message.clone(), failure.help.clone())
+        };
+        match translate(path, text, language) {
+            Ok(made) => Some((made.text, Shader { file, functions: made.functions, left_out: made.left_out })),
+            Err(failures) => {
+                self.broken = true;
+                self.diagnostics.extend(failures.iter().map(said));
+                None
+            }
+        }
     }
 
     /// One name may be declared once in a text; so may the scene and each block.
@@ -328,6 +377,34 @@ impl Reader<'_> {
             }
         }
     }
+}
+
+/// The functions of a shader as a file of the language. `path` is that of the shader.
+pub fn translate(path: &str, text: &str, language: Language) -> Result<shader::Translation, Vec<Failure>> {
+    let keywords: Vec<&str> = words::DECLARATIONS.iter().chain(words::EXPRESSIONS).copied().collect();
+    let made = shader::translate(text, language, &keywords)?;
+    let whole = format!("//! From {}.\n\n{}", path.rsplit('/').next().unwrap_or(path), made.text);
+    Ok(shader::Translation { text: crate::syntax::format(&whole).unwrap_or(whole), ..made })
+}
+
+/// The files of the shaders that a text's formulas name, `shader("rock.glsl", …)`, and where.
+fn shaders(file: FileId, text: &str) -> Vec<(String, Span)> {
+    if !text.contains("shader") {
+        return Vec::new();
+    }
+    let tokens: Vec<lexer::Token> = lexer::lex(file, text).0.into_iter().filter(|token| !is_comment(token.kind)).collect();
+    let named = tokens.windows(3).filter_map(|three| match three {
+        [name, open, path] if name.text(text) == "shader" && open.kind == lexer::TokenKind::ParenOpen && path.kind == lexer::TokenKind::Str => {
+            Some((literals::read_string(path.text(text)).ok()?, path.span(file)))
+        }
+        _ => None,
+    });
+    named.filter(|(path, _)| Language::of(path).is_some()).collect()
+}
+
+fn is_comment(kind: lexer::TokenKind) -> bool {
+    use lexer::TokenKind::{BlockComment, Doc, FileDoc, LineComment};
+    matches!(kind, LineComment | BlockComment | Doc | FileDoc)
 }
 
 /// The path of an import, relative to the file that names it, with `.` and `..` resolved.
@@ -452,6 +529,17 @@ impl Modules {
             .iter()
             .find(|i| i.alias.as_deref() == Some(name))
             .map(|i| i.module)
+    }
+
+    /// What is known of the shader that a module was translated from, where it was.
+    pub fn shader(&self, module: usize) -> Option<&Shader> {
+        self.list.get(module)?.shader.as_deref()
+    }
+
+    /// Why a function of a shader that a text imports can't be said, and where that is.
+    pub fn left_out(&self, module: usize, name: &str) -> Option<(FileId, &Failure)> {
+        let imports = self.list.get(module)?.imports.iter();
+        imports.filter_map(|import| self.shader(import.module)).find_map(|shader| shader.left_out(name))
     }
 
     /// Whether a name may come from an import that could not be read, which has been said.

@@ -35,6 +35,7 @@ pub mod polar;
 mod reach;
 pub mod repeat;
 mod sampled;
+mod shaders;
 mod surroundings;
 mod texture;
 mod turn;

@@ -1,9 +1,10 @@
 //! `surefoot check`: what is wrong with scenes, and what the compiler knows of them.
 
+use super::shaders::{Stepped, stepped};
 use super::console::{Exit, Failure, all_read, colored, count, print};
 use crate::files::{self, FileLoader};
 use serde_json::{Value, json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use surefoot_compiler::compiled::Compiled;
 use surefoot_compiler::diagnostic::{self, Diagnostic, Severity};
 use surefoot_compiler::factors::{self, Explained, Ranged};
@@ -31,6 +32,9 @@ pub struct Args {
     /// Make it an error where a factor is measured and not proven.
     #[arg(long)]
     strict: bool,
+    /// Draw what the step of a shader's own loop misses, in red, beside the same without holes: of the first shader that a scene reads.
+    #[arg(long, value_name = "FILE.png")]
+    holes: Option<PathBuf>,
     /// Do without a rule for bounds (docs/rules.md lists them): what it gains is seen in the factors.
     #[arg(long, value_name = "RULE", value_parser = rule)]
     without_rule: Vec<&'static Row>,
@@ -58,6 +62,10 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
             false => report.in_words(colored(&std::io::stdout())),
         };
         print(text.as_bytes())?;
+        if let (Some(path), Some(known)) = (&args.holes, &report.known) {
+            let first = known.shaders.first().ok_or_else(|| Failure::usage(format!("{scene} reads no shader whose `map` could be stepped by")))?;
+            first.draw(path).map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
+        }
         exit = exit.max(match (&readable, outcome.has_errors()) {
             (Err(_), _) => Exit::Usage,
             (Ok(_), true) => Exit::Errors,
@@ -90,6 +98,7 @@ struct Known<'a> {
     solid: Option<SolidBox>,
     skipped: Vec<String>,
     unseen: Vec<String>,
+    shaders: Vec<Stepped>,
 }
 
 impl<'a> Report<'a> {
@@ -102,6 +111,7 @@ impl<'a> Report<'a> {
             solid: compiled.solid_box(),
             skipped: skipped(compiled, sources),
             unseen: unseen(compiled, sources),
+            shaders: stepped(compiled, outcome),
         });
         Self { scene, outcome, known }
     }
@@ -118,7 +128,8 @@ impl<'a> Report<'a> {
         }
         let solid = known.solid.iter().map(SolidBox::words).collect();
         let baked = known.compiled.graph.baked.iter().map(|baked| self.baked_words(baked)).collect();
-        for (title, lines) in [("left out", &known.skipped), ("never seen", &known.unseen), ("solid", &solid), ("baked", &baked)] {
+        let shaders = known.shaders.iter().map(Stepped::words).collect();
+        for (title, lines) in [("left out", &known.skipped), ("never seen", &known.unseen), ("solid", &solid), ("baked", &baked), ("shaders", &shaders)] {
             if !lines.is_empty() {
                 text.push_str(&format!("  {title}:\n    {}\n", lines.join("\n    ")));
             }
@@ -149,6 +160,7 @@ impl<'a> Report<'a> {
             "functions": known.map_or_else(Vec::new, |k| k.compiled.module.exports.iter().map(|e| e.name()).collect()),
             "skipped": known.map_or(&[][..], |k| &k.skipped),
             "unseen": known.map_or(&[][..], |k| &k.unseen),
+            "shaders": known.map_or_else(Vec::new, |k| k.shaders.iter().map(Stepped::in_json).collect()),
             "files": all_read(self.outcome),
         })
     }

@@ -11,12 +11,14 @@ mod explain;
 mod export;
 mod fmt;
 mod grammar;
+mod import;
 mod lsp;
 mod measure;
 mod mesh;
 mod page;
 mod reference;
 mod render;
+mod shaders;
 mod simulate;
 #[cfg(feature = "gpu")]
 mod stress;
@@ -60,6 +62,8 @@ enum Command {
     Export(export::Args),
     /// Format the text of scenes.
     Fmt(fmt::Args),
+    /// Write the functions of a shader, GLSL or WGSL, as a scene.
+    Import(import::Args),
     /// Serve editors: completion, diagnostics, renaming and more, over stdin and stdout.
     Lsp(lsp::Args),
     /// Draw pictures of a scene into files.
@@ -106,6 +110,7 @@ pub fn run() -> ExitCode {
         Some(Command::Compile(args)) => compile::run(&args),
         Some(Command::Export(args)) => export::run(&args),
         Some(Command::Fmt(args)) => fmt::run(&args),
+        Some(Command::Import(args)) => import::run(&args),
         Some(Command::Lsp(args)) => lsp::run(&args),
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Mesh(args)) => mesh::run(&args),

@@ -6,6 +6,7 @@ mod hosts;
 mod measure;
 #[cfg(feature = "gpu")]
 mod meshes;
+mod shaders;
 
 use serde_json::{Value, json};
 use std::fs;
