@@ -3,6 +3,7 @@
 use crate::analysis::{Box3, Domain, Facts};
 use crate::camera::Basis;
 use crate::compiled::{Compiled, Live};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::evaluate::TooLarge;
 use crate::reference::Reference;
 use crate::reference::march::Ray;
@@ -27,11 +28,11 @@ pub struct ByHand {
 }
 
 /// Follows the rays of the scene's first camera through the pixels of a picture of `size`, each step by `share` of the field's value, and compares where
-/// they end with what the scene's own bound finds. The error is a field that is too large to evaluate.
-pub fn by_hand(scene: &Compiled, live: &Live, share: f64, size: (u32, u32)) -> Result<ByHand, TooLarge> {
+/// they end with what the scene's own bound finds. `said` is what the compiler said of the scene. The error is a field that is too large to evaluate.
+pub fn by_hand(scene: &Compiled, said: &[Diagnostic], live: &Live, share: f64, size: (u32, u32)) -> Result<ByHand, TooLarge> {
     let reference = Reference::new(scene, live)?;
     let frame = scene.frame(live);
-    let Some((_, camera)) = frame.cameras.first() else { return Ok(ByHand { proven: proven(scene), rays: 0, holes: Vec::new() }) };
+    let Some((_, camera)) = frame.cameras.first() else { return Ok(ByHand { proven: proven(scene, said), rays: 0, holes: Vec::new() }) };
     let basis = Basis::of(camera);
     let footprint = basis.footprint(size.1);
     let mut pixels = Vec::new();
@@ -73,11 +74,14 @@ pub fn by_hand(scene: &Compiled, live: &Live, share: f64, size: (u32, u32)) -> R
     }
     passed.sort_unstable();
     let hole = |ray: usize| Some((rays.get(ray)?.at(met.get(ray)?.t), *pixels.get(ray)?));
-    Ok(ByHand { proven: proven(scene), rays: count, holes: passed.into_iter().filter_map(hole).collect() })
+    Ok(ByHand { proven: proven(scene, said), rays: count, holes: passed.into_iter().filter_map(hole).collect() })
 }
 
-/// The largest share of the whole field that no ray steps too far with.
-fn proven(scene: &Compiled) -> Option<f64> {
+/// The largest share of the whole field that no ray steps too far with. A field that jumps has none: at a jump it is as steep as a wall.
+fn proven(scene: &Compiled, said: &[Diagnostic]) -> Option<f64> {
+    if said.iter().any(|said| matches!(said.code, Code::Jump | Code::Unproven)) {
+        return None;
+    }
     let value = scene.graph.shape(scene.root)?.value;
     let domain = Domain::of(Box3::cube(scene.blocks.extent));
     let constant = Facts::default().constant(&scene.graph, value, &domain, SEARCH).lipschitz;

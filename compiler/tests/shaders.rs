@@ -101,14 +101,15 @@ fn what_is_given_from_outside_is_a_slider() {
     let shader = "uniform float size;\nuniform vec3 off;\nfloat map(vec3 p) { return length(p - off) - size - 0.1 * sin(iTime); }";
     let scene = compiled(&[("main.sdf", "scene = shader(\"a.glsl\")\nrender { extent: 5 }"), ("a.glsl", shader)]);
     let names: Vec<&str> = scene.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-    assert_eq!(names, ["a.glsl.size", "a.glsl.off"]);
+    assert_eq!(names, ["a.size", "a.off"]);
 }
 
 /// What is wrong, where it stands (file, line), and a piece of what is said.
 const WRONG: &[(&str, &str, &str)] = &[
     ("float map(vec3 p) {\n  float t = 0.0;\n  while (true) { t += 0.1; if (t > p.x) break; }\n  return t;\n}", "a.glsl:3", "how often this loop turns"),
     ("float map(vec3 p) {\n  for (float t = 1.0; t > 0.0; t += 1.0) { p *= 0.5; }\n  return p.x;\n}", "a.glsl:2", "more than 4096"),
-    ("float map(vec3 p) {\n  for (int i = 0; i < int(p.x); i++) { p *= 0.5; }\n  return p.x;\n}", "main.sdf", ""),
+    ("float map(vec3 p) {\n  for (int i = 0; i < int(p.x); i++) { p *= 0.5; }\n  return p.x;\n}", "a.glsl:2", "how often this loop turns"),
+    ("float map(vec3 p) {\n  float s = 0.0;\n  for (int i = 0; i < int(p.x); i++) { s += 0.5; }\n  return s;\n}", "", ""),
     ("float map(vec3 p) {\n  return texture(iChannel0, p.xy).x;\n}", "a.glsl:2", "no textures"),
     ("float map(vec3 p) {\n  return dFdx(p.x);\n}", "a.glsl:2", "pixels beside"),
     ("float map(vec3 p) {\n  uint h = uint(p.x) ^ 3u;\n  return float(h);\n}", "a.glsl:2", "bits"),

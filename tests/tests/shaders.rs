@@ -6,7 +6,8 @@ use surefoot_compiler::compiled::{Compiled, Export, Live};
 use surefoot_compiler::random::Random;
 use surefoot_compiler::shader::Language;
 use surefoot_compiler::verify::{Settings, WORK, verify};
-use surefoot_compiler::{MemoryLoader, Options, compile, diagnostic};
+use surefoot_compiler::diagnostic::{self, Code, Diagnostic};
+use surefoot_compiler::{MemoryLoader, Options, compile};
 use surefoot_runtime::evaluate;
 
 /// Points of each shader.
@@ -27,10 +28,25 @@ fn shaders() -> Vec<(String, String)> {
 }
 
 fn scene(name: &str, text: &str) -> Compiled {
+    compiled(name, text).0
+}
+
+/// The scene that is a shader's function, and what the compiler says of it.
+fn compiled(name: &str, text: &str) -> (Compiled, Vec<Diagnostic>) {
     let main = format!("field it = shader(\"{name}\", map)\nscene = it\nrender {{ extent: 6 }}");
     let loader = MemoryLoader::new().with("main.sdf", main).with(name, text);
     let outcome = compile(&loader, "main.sdf", &Options::default());
-    outcome.compiled.unwrap_or_else(|| panic!("{name}: {}", diagnostic::render(&outcome.sources, &outcome.diagnostics, false)))
+    let said = || diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
+    (outcome.compiled.clone().unwrap_or_else(|| panic!("{name}: {}", said())), outcome.diagnostics.clone())
+}
+
+/// naga writes no case of a `switch` whose `break` stands between braces: it takes it to go on.
+fn ended(statement: &mut naga::Statement) {
+    if let naga::Statement::Switch { cases, .. } = statement {
+        for case in cases.iter_mut().filter(|case| !case.body.is_empty()) {
+            case.fall_through = false;
+        }
+    }
 }
 
 /// The shader as naga writes it, with a number in place of what is given from outside.
@@ -39,7 +55,10 @@ fn own(name: &str, text: &str) -> String {
         Language::Wgsl => text.to_owned(),
         Language::Glsl => {
             let whole = format!("#version 450\n#define uniform layout(binding = 0) uniform\nuniform float iTime;\n{text}\nvoid main() {{}}");
-            let module = naga::front::glsl::Frontend::default().parse(&naga::front::glsl::Options::from(naga::ShaderStage::Fragment), &whole).unwrap();
+            let mut module = naga::front::glsl::Frontend::default().parse(&naga::front::glsl::Options::from(naga::ShaderStage::Fragment), &whole).unwrap();
+            for (_, function) in module.functions.iter_mut() {
+                function.body.iter_mut().for_each(ended);
+            }
             let flags = naga::valid::ValidationFlags::all() - naga::valid::ValidationFlags::BINDINGS;
             let info = naga::valid::Validator::new(flags, naga::valid::Capabilities::all()).validate(&module).unwrap();
             let written = naga::back::wgsl::write_string(&module, &info, naga::back::wgsl::WriterFlags::empty()).unwrap();
@@ -99,12 +118,13 @@ fn values_are_those_of_the_shader() {
 fn no_ray_steps_through_a_shader() {
     let mut wrong = Vec::new();
     for (name, text) in shaders() {
-        let scene = scene(&name, &text);
+        let (scene, said) = compiled(&name, &text);
         let settings = Settings { samples: 1000, certified: 0, seed: 7, work: WORK };
         let report = verify(&scene, settings, None, &|_| {}).unwrap();
-        let factors: Vec<String> = surefoot_compiler::factors::explain(&scene, &Default::default()).iter().map(|factor| factor.headline()).collect();
-        println!("{name:24} {} violations; {}", report.violations.len(), factors.join("; "));
-        if !report.violations.is_empty() {
+        // What has no proven bound is marked so wherever it is shown, and then `verify` may find what is wrong with it.
+        let is_unproven = said.iter().any(|said| said.code == Code::Unproven);
+        println!("{name:24} {} violations{}", report.violations.len(), if is_unproven { ", unproven" } else { "" });
+        if !report.violations.is_empty() && !is_unproven {
             wrong.push(format!("{name}: {:?}", report.violations.first()));
         }
     }
@@ -115,10 +135,11 @@ fn no_ray_steps_through_a_shader() {
 fn steps_by_hand_leave_holes_and_proven_ones_none() {
     let (mut holed, mut wrong) = (Vec::new(), Vec::new());
     for (name, text) in shaders() {
-        let scene = scene(&name, &text);
+        let (scene, said) = compiled(&name, &text);
         let live = scene.live();
-        let whole = by_hand(&scene, &live, 1.0, (96, 72)).unwrap();
-        let proven = whole.proven.map(|share| (share, by_hand(&scene, &live, share, (96, 72)).unwrap().holes.len()));
+        let holes = |share: f64| by_hand(&scene, &said, &live, share, (96, 72)).unwrap();
+        let whole = holes(1.0);
+        let proven = whole.proven.map(|share| (share, holes(share).holes.len()));
         println!("{name:24} {:5} of {:5} rays pass by the whole value; by what is proven {proven:.3?}", whole.holes.len(), whole.rays);
         if whole.holes.len() > 10 {
             holed.push(name.clone());

@@ -517,7 +517,8 @@ impl Modules {
         alias.or_else(|| {
             let path = self.path(module);
             let file = path.rsplit('/').next().unwrap_or(path);
-            Some(file.strip_suffix(".sdf").unwrap_or(file).to_owned())
+            let stem = if Language::of(file).is_some() { file.rsplit_once('.').map(|(stem, _)| stem) } else { file.strip_suffix(".sdf") };
+            Some(stem.unwrap_or(file).to_owned())
         })
     }
 

@@ -90,7 +90,7 @@ impl Function {
 
 /// Words that no name may be, and names that the text uses for what the language has.
 const OWN: &[&str] = &[
-    "time", "world", "normal", "nothing", "true", "false", "on", "off", "min", "max", "abs", "sign", "floor", "ceil", "trunc", "round", "sqrt", "exp", "log", "pow", "sin",
+    "time", "true", "false", "min", "max", "abs", "sign", "floor", "ceil", "trunc", "round", "sqrt", "exp", "log", "pow", "sin",
     "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "length", "distance", "dot", "cross", "normalize", "vec2", "vec3", "vec4",
     "mat2", "mat3", "mat4", "transpose", "determinant", "inverse", "int", "clamp", "saturate", "mix", "step", "smoothstep", "fract", "exp2", "log2", "inversesqrt",
     "radians", "degrees", "fma", "reflect", "refract", "faceforward", "p",

@@ -67,8 +67,9 @@ fn of_shader(scene: &Compiled, file: &str) -> Option<Vec<Stepped>> {
             None => (1.0, 0),
         };
         let main = format!("scene = shader({file:?}, {})\nrender {{ extent: {} }}", function.name, scene.blocks.extent);
-        let Some(alone) = surefoot_compiler::compile(&Alone(main), MAIN, &Options::default()).compiled else { continue };
-        let Ok(found) = by_hand(&alone, &alone.live(), share, RAYS) else { continue };
+        let outcome = surefoot_compiler::compile(&Alone(main), MAIN, &Options::default());
+        let Some(alone) = outcome.compiled else { continue };
+        let Ok(found) = by_hand(&alone, &outcome.diagnostics, &alone.live(), share, RAYS) else { continue };
         all.push(Stepped { place: (file.to_owned(), line), function: function.name.clone(), share, found, alone });
     }
     Some(all)
@@ -102,7 +103,7 @@ impl Stepped {
         let (mut painter, _) = Painter::new(Device::Cpu, &self.alone, Mode::Shaded, Some(1)).map_err(|_| "the processor draws no picture".to_owned())?;
         let camera = self.alone.frame(&live).cameras.first().map(|(_, camera)| *camera).ok_or("there is no camera")?;
         let whole = painter.paint(&self.alone, &live, &Shot { width, height, camera }, &|_| {})?;
-        let found = by_hand(&self.alone, &live, self.share, HALF).map_err(|_| "the function is too large to follow rays through it".to_owned())?;
+        let found = by_hand(&self.alone, &[], &live, self.share, HALF).map_err(|_| "the function is too large to follow rays through it".to_owned())?;
         let mut holed = whole.clone();
         for (_, [x, y]) in &found.holes {
             let at = 4 * (*y as usize * width as usize + *x as usize);
