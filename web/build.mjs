@@ -87,7 +87,7 @@ function vendored(folder) {
 // The examples that a page can show: those that name no file but other texts, which the page has too.
 async function examples(compiler) {
   const folder = join(root, 'examples');
-  const files = Object.fromEntries(readdirSync(join(folder, 'parts')).filter((name) => name.endsWith('.sdf')).map((name) => [`parts/${name}`, readFileSync(join(folder, 'parts', name), 'utf8')]));
+  const files = Object.fromEntries(readdirSync(join(folder, 'parts')).filter((name) => /\.(sdf|glsl)$/.test(name)).map((name) => [`parts/${name}`, readFileSync(join(folder, 'parts', name), 'utf8')]));
   const scenes = [];
   const left = [];
   for (const file of readdirSync(folder).filter((name) => name.endsWith('.sdf')).sort()) {

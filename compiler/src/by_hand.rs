@@ -14,7 +14,7 @@ const LOOKS: u32 = 2000;
 /// Rays that end farther behind the surface than this share of the way to it have passed a part of it.
 const OFF: f64 = 0.01;
 /// Steps of a search for the constant of the whole field.
-const SEARCH: usize = 4096;
+const SEARCH: usize = 512;
 
 /// What rays of a camera meet that step by a share of the field.
 #[derive(Clone, Debug, PartialEq)]

@@ -51,6 +51,8 @@ fn ended(statement: &mut naga::Statement) {
 
 /// The shader as naga writes it, with a number in place of what is given from outside.
 fn own(name: &str, text: &str) -> String {
+    // What draws the picture is none of it.
+    let text = text.split("void mainImage").next().unwrap();
     let text = match Language::of(name).unwrap() {
         Language::Wgsl => text.to_owned(),
         Language::Glsl => {
