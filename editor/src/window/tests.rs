@@ -2,6 +2,7 @@
 
 mod assist;
 mod changing;
+mod looking;
 mod measures;
 mod typing;
 mod unsaved;
