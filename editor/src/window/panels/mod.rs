@@ -5,6 +5,7 @@ pub mod balls;
 pub mod cursor;
 mod history;
 pub mod icons;
+pub mod legend;
 pub mod lines;
 pub mod measures;
 pub mod notes;
