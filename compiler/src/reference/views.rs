@@ -34,7 +34,7 @@ impl Reference {
         let (bounds, distances) = (self.values(&self.bound, &points), self.values(&self.distance, &points));
         let part = |((seen, bound), distance): ((&Seen, f64), f64)| {
             let high = high(seen);
-            shade::factor_color(bound / high.min(distance.abs()).max(1e-3 * high))
+            shade::factor_color(bound.abs() / high.min(distance.abs()).max(1e-3 * high))
         };
         places.iter().zip(bounds).zip(distances).map(part).collect()
     }
