@@ -14,8 +14,11 @@ pub mod march;
 mod scene;
 pub mod shade;
 mod shadow;
+pub mod steps;
 pub mod tone;
+mod views;
 
+pub use follow::Kind;
 pub use scene::{Area, Hit, Reference, View};
 use scene::{BLOCK, LIMIT, Rest, numbered};
 
@@ -161,6 +164,18 @@ impl Reference {
     /// First hits along rays. `footprint` is the width of a pixel at distance one; beyond `extent` from the scene's origin there is
     /// nothing.
     pub fn trace(&self, rays: &[Ray], footprint: f64, extent: f64) -> Vec<Hit> {
+        self.traced(rays, footprint, extent, |_, _, _, _, _, _| {})
+    }
+
+    /// The same. `record` hears of each look: the part of its ray that is looked at, how near is near enough there, where the ray is in its search before
+    /// and after, what comes of it, and whether its looks are spent.
+    fn traced(
+        &self,
+        rays: &[Ray],
+        footprint: f64,
+        extent: f64,
+        mut record: impl FnMut(&Look, &Ray, f64, [&Follow; 2], &Turn, bool),
+    ) -> Vec<Hit> {
         let whole: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
         // The first plane ends the search for everything else.
         let planes = self.planes.as_ref().map_or_else(|| vec![f64::INFINITY; rays.len()], |planes| planes.ahead(&whole));
@@ -198,8 +213,10 @@ impl Reference {
                 let hit = hits.get_mut(look.ray)?;
                 let ray = clipped.get(look.ray).copied().flatten()?;
                 let end = rays.get(look.ray)?.t_max;
-                let mut follow = state(look);
+                let before = state(look);
+                let mut follow = before;
                 let turn = follow.turn(look, distance, &small(look), &ray);
+                record(look, &ray, before.tolerance(&small(look)), [&before, &follow], &turn, follow.steps >= TRACER.budget);
                 states.get(look.ray)?.set(follow);
                 *hit = Hit { t: look.t, hit: false, steps: follow.steps };
                 match turn {
@@ -331,7 +348,7 @@ impl Reference {
         area: Area,
         sample: u32,
     ) -> Vec<[f32; 4]> {
-        let shading = Shading { part: Part::of(sample), ..Shading::of(frame, self.images.environment.clone()) };
+        let shading = Shading { part: Part::of(sample), spacing: shade::slice_spacing(camera), ..Shading::of(frame, self.images.environment.clone()) };
         let offset = sample_offset(sample);
         let basis = Basis::of(camera);
         let mut pixels = vec![[0.0; 4]; area.width as usize * area.height as usize];
@@ -371,24 +388,31 @@ impl Reference {
         rays: &[Ray],
         footprint: f64,
     ) -> Vec<[f32; 4]> {
+        if let View::Slice(axis) = view {
+            return self.sliced(frame, axis, shading.spacing, rays, footprint);
+        }
         let hits = self.trace(rays, footprint, frame.extent);
         let met = numbered(rays, &hits);
         let mut colors: Vec<Vec3> = match view {
             View::Shaded => {
                 rays.iter().map(|r| shading.exposed(shading.behind(r.direction))).collect()
             }
-            View::Normals => vec![[0.12; 3]; rays.len()],
             View::Steps => hits.iter().map(|hit| shade::steps_color(hit.steps)).collect(),
             View::Depth => vec![[0.0; 3]; rays.len()],
+            _ => vec![shade::NOTHING; rays.len()],
         };
         let places = match view {
-            View::Shaded | View::Normals => self.places(&met),
             View::Steps | View::Depth => Vec::new(),
+            _ => self.places(&met),
         };
         let found: Vec<Vec3> = match view {
             View::Shaded => self.light(frame, shading, &places, footprint),
             View::Normals => places.iter().map(|s| shade::normal_color(s.normal)).collect(),
-            View::Steps => Vec::new(),
+            View::Steps | View::Slice(_) => Vec::new(),
+            View::Gradient => self.steepness(&places),
+            View::Factor => self.parts_of_distance(&places, footprint),
+            View::Occlusion => self.occlusion(&places, frame.ambient_occlusion.0, frame.ambient_occlusion.1).into_iter().map(|open| [open; 3]).collect(),
+            View::Shadow => self.lights_arriving(frame, shading, &places, footprint),
             View::Depth => {
                 met.iter().map(|(_, _, h)| shade::depth_color(h.t, frame.max_distance)).collect()
             }

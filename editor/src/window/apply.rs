@@ -2,6 +2,7 @@
 
 use crate::window::command::{Answer, Command, DROP};
 use crate::window::document::{Disk, Document, Resolution};
+use crate::window::looking::Asked;
 use crate::window::orbit::Orbit;
 use crate::window::recovery::{Found, Recovery};
 use crate::window::session::{Question, Session, factors, problems};
@@ -106,9 +107,17 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::TakeBall { at, size } => take_ball(session, at, size),
         Command::PullBall { at, size } => pull_ball(session, at, size),
         Command::ThrowBall { speed } => throw_ball(session, speed),
+        Command::Pick { at, size } => pick(session, at, size),
+        Command::Unpick => session.looking.found = None,
+        Command::ShowRay(open) => session.open.ray = open,
+        Command::ChooseStep(step) => session.looking.chosen = Some(step),
+        Command::Closer(step) => session.looking.closer(step),
         Command::Turn(right, down) => move_camera(session, |orbit| orbit.turn(right, down)),
         Command::Pan(right, down) => move_camera(session, |orbit| orbit.pan(right, down)),
         Command::Dolly(factor) => move_camera(session, |orbit| orbit.dolly(factor)),
+        Command::LookFrom(side) => move_camera(session, |orbit| orbit.look_from(side)),
+        Command::FrameSelection => frame_selection(session),
+        Command::Slice(at) => session.stage.set_slice(at),
         Command::Home => session.look.orbit = None,
         Command::KeepView => keep_view(session),
         Command::Camera(name) => {
@@ -310,6 +319,21 @@ fn move_camera(session: &mut Session, change: impl FnOnce(&mut Orbit)) {
     }
 }
 
+/// Comes nearer to what was picked; where nothing was, so far away that the whole solid is seen.
+fn frame_selection(session: &mut Session) {
+    let picked = session.looking.point().filter(|_| session.looking.is_of(session.scene(), session.stage.live()));
+    let solid = session.scene().and_then(|scene| scene.functions.ahead.solid).filter(|solid| solid.0.iter().all(|side| side.is_finite()));
+    match (picked, solid) {
+        (Some(point), _) => move_camera(session, |orbit| orbit.frame(point, None)),
+        (None, Some(solid)) => {
+            let half = solid.0.map(|side| 0.5 * side.width());
+            let middle = solid.0.map(|side| 0.5 * (side.lo + side.hi));
+            move_camera(session, |orbit| orbit.frame(middle, Some(length(half))));
+        }
+        (None, None) => session.look.orbit = None,
+    }
+}
+
 /// The ray of a place of the picture, and how the camera stands.
 fn ray_at(session: &Session, at: [f64; 2], size: [u32; 2]) -> Option<(Ray, Camera, Basis)> {
     let (camera, scene, live) = (session.camera()?, session.scene()?, session.stage.live()?);
@@ -323,6 +347,14 @@ fn seen_at(session: &Session, ray: Ray, footprint: f64) -> Option<f64> {
     let (scene, live) = (session.scene()?, session.stage.live()?);
     let hits = Reference::new(scene, live).ok()?.trace(&[ray], footprint, scene.blocks.extent);
     hits.first().filter(|hit| hit.hit).map(|hit| hit.t)
+}
+
+/// Looks for what made a pixel.
+fn pick(session: &mut Session, at: [f64; 2], size: [u32; 2]) {
+    let (Some((ray, _, basis)), Some((scene, live))) = (ray_at(session, at, size), session.scene().zip(session.stage.live())) else { return };
+    let footprint = basis.footprint(size[1]);
+    let asked = Asked { scene: scene.clone(), live: live.clone(), words: session.said.drawn.clone(), ray, footprint, up: basis.up, from: 0 };
+    session.looking.begin(asked);
 }
 
 /// Balls above what is seen at a place of the picture; where nothing is, as far as what the camera looks at.
@@ -426,6 +458,7 @@ fn arrived(session: &mut Session, world: &mut World, update: Update) {
     if let Some(ready) = update.ready {
         session.said.reads_time = ready.compiled.reads_time();
         session.said.factors = factors(&ready.compiled, &update.words);
+        session.said.drawn = update.words.clone();
         let before = session.scene().cloned().zip(session.stage.live().cloned());
         session.stage.put(ready);
         session.said.swaps += 1;

@@ -1,6 +1,7 @@
 //! What a person or the world outside asks of the session.
 
 use crate::window::document::{Disk, Resolution};
+use crate::window::orbit::Side;
 use crate::window::session::{Mend, Place, Search};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -90,12 +91,33 @@ pub enum Command {
         /// To the right and down, in parts of the picture's height a second.
         speed: [f64; 2],
     },
+    /// Find out what made a pixel: its place from the picture's upper left corner, and the picture's size.
+    Pick {
+        /// Where.
+        at: [f64; 2],
+        /// Width and height.
+        size: [u32; 2],
+    },
+    /// No longer show what was picked.
+    Unpick,
+    /// Show the steps of the ray of what was picked, or no longer.
+    ShowRay(bool),
+    /// Let a step of that ray stand out.
+    ChooseStep(usize),
+    /// Show that ray from a step on.
+    Closer(usize),
     /// Turn around the target: by parts of the picture's height, to the right and down.
     Turn(f64, f64),
     /// Move sideways, likewise.
     Pan(f64, f64),
     /// Go nearer or farther by a factor.
     Dolly(f64),
+    /// Look along an axis: from the front, from the right or from above.
+    LookFrom(Side),
+    /// Come nearer to what was picked, or see the whole solid.
+    FrameSelection,
+    /// Put the plane of a slice to a place along its axis.
+    Slice(f64),
     /// Back to the scene's camera.
     Home,
     /// Write where the camera stands into the scene's text.

@@ -6,10 +6,12 @@ mod canvas;
 mod command;
 mod document;
 mod log;
+mod looking;
 mod measuring;
 mod meter;
 mod orbit;
 mod panels;
+mod places;
 mod recovery;
 mod refine;
 mod session;
@@ -139,6 +141,9 @@ impl App {
             apply(&mut self.session, &mut self.world, command);
         }
         self.session.measuring.hear();
+        if let Some(place) = self.session.looking.hear() {
+            apply(&mut self.session, &mut self.world, Command::Jump(place));
+        }
         self.session.said.loading = self.world.loading();
         self.session.said.work = self.world.work();
         self.world.lend_edits(&mut self.session);
@@ -238,6 +243,8 @@ impl App {
             ui.ctx().request_repaint_after(again);
         }
         panels::picture::paint(ui, rect, &self.session, shown);
+        panels::legend::show(ui, rect, &self.session, &mut commands);
+        panels::picked::show(ui, rect, &self.session, &mut commands);
         panels::picture::band(ui, rect, &self.session, &mut commands);
         self.apply(commands);
     }
@@ -278,7 +285,7 @@ impl App {
         if self.session.stage.animates() {
             ctx.request_repaint();
         }
-        if self.session.said.work.is_some() || self.session.measuring.part().is_some() || self.session.stage.settles() {
+        if self.session.said.work.is_some() || self.session.measuring.part().is_some() || self.session.looking.is_busy() || self.session.stage.settles() {
             ctx.request_repaint_after(TICK);
         }
         let now = Instant::now();

@@ -2,6 +2,7 @@
 
 mod assist;
 mod changing;
+mod looking;
 mod measures;
 mod typing;
 mod unsaved;
@@ -334,7 +335,8 @@ fn a_choice_compiles_again_and_values_stay() {
     ready(&mut harness);
     let app = harness.state_mut();
     apply(&mut app.session, &mut app.world, Command::Set("size".to_owned(), vec![0.5]));
-    harness.get_by_role(Role::ComboBox).click();
+    // The toolbar has a list too.
+    harness.query_all_by_role(Role::ComboBox).last().unwrap().click();
     harness.run_steps(3);
     harness.get_by_label("ball").click();
     until(&mut harness, |app| app.session.said.swaps == 2);

@@ -16,6 +16,8 @@ pub enum Icon {
     Rewind,
     /// Back to the scene's camera.
     Home,
+    /// No longer shown.
+    Close,
     /// An error.
     Error,
     /// A warning.
@@ -90,6 +92,11 @@ fn paint(painter: &Painter, square: Rect, icon: Icon, color: Color32) {
         Icon::Home => {
             fill(&[(0.5, 0.0), (1.05, 0.52), (-0.05, 0.52)]);
             fill(&[(0.15, 0.52), (0.85, 0.52), (0.85, 1.0), (0.15, 1.0)]);
+        }
+        Icon::Close => {
+            let stroke = Stroke::new(1.6, color);
+            painter.line_segment([at(0.1, 0.1), at(0.9, 0.9)], stroke);
+            painter.line_segment([at(0.9, 0.1), at(0.1, 0.9)], stroke);
         }
         Icon::Error => {
             painter.circle_filled(square.center(), 5.5, color);

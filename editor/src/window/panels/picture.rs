@@ -2,6 +2,7 @@
 
 use crate::window::canvas::Shown;
 use crate::window::command::Command;
+use crate::window::orbit::Side;
 use crate::window::panels::icons::{self, Icon};
 use crate::window::panels::status::working;
 use crate::window::session::Session;
@@ -39,7 +40,12 @@ pub fn sense(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> Res
             commands.push(Command::Dolly(1.0 / f64::from(pinch)));
         }
     }
-    if response.double_clicked() {
+    let picks = ui.input(|i| i.modifiers.alt) && response.clicked_by(PointerButton::Primary);
+    if let (true, Some(at)) = (picks, response.interact_pointer_pos()) {
+        let size = [response.rect.width(), height as f32].map(|side| side.max(1.0) as u32);
+        commands.push(Command::Pick { at: [f64::from(at.x - response.rect.min.x), f64::from(at.y - response.rect.min.y)], size });
+    }
+    if response.double_clicked() && !picks {
         commands.push(Command::Home);
     }
     if response.clicked() || response.drag_started() {
@@ -60,6 +66,16 @@ pub fn keys(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
     }
     if ui.input(|i| i.key_pressed(Key::Home)) {
         commands.push(Command::Home);
+    }
+    // A key with Control or Alt is another.
+    let plain = |key| ui.input(|i| i.modifiers.is_none() && i.key_pressed(key));
+    for (key, side) in [(Key::Num1, Side::Front), (Key::Num3, Side::Right), (Key::Num7, Side::Top)] {
+        if plain(key) {
+            commands.push(Command::LookFrom(side));
+        }
+    }
+    if plain(Key::F) {
+        commands.push(Command::FrameSelection);
     }
     if ui.input(|i| i.key_pressed(Key::Space)) {
         commands.push(Command::Play(!session.stage.playing));
