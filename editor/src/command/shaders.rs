@@ -1,13 +1,14 @@
 //! The steps that a shader's own loop takes by a function that a scene uses: which holes they leave, and what would do.
 
 use crate::files::{self, FileLoader};
-use crate::picture::{Device, Mode, Painter, Shot, write_png};
+use crate::picture::{Device, Painter, Shot, write_png};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Arc;
 use surefoot_compiler::by_hand::{ByHand, by_hand};
 use surefoot_compiler::compiled::Compiled;
 use surefoot_compiler::program::load::translate;
+use surefoot_compiler::reference::View;
 use surefoot_compiler::sampled::{Grid, Settings};
 use surefoot_compiler::shader::Language;
 use surefoot_compiler::source::Sources;
@@ -100,7 +101,7 @@ impl Stepped {
     /// Draws the function twice: as rays find it that step by the share, with its holes in red, and as rays find it by its bound.
     pub fn draw(&self, path: &Path) -> Result<(), String> {
         let (live, (width, height)) = (self.alone.live(), HALF);
-        let (mut painter, _) = Painter::new(Device::Cpu, &self.alone, Mode::Shaded, Some(1)).map_err(|_| "the processor draws no picture".to_owned())?;
+        let (mut painter, _) = Painter::new(Device::Cpu, &self.alone, View::Shaded, Some(1)).map_err(|_| "the processor draws no picture".to_owned())?;
         let camera = self.alone.frame(&live).cameras.first().map(|(_, camera)| *camera).ok_or("there is no camera")?;
         let whole = painter.paint(&self.alone, &live, &Shot { width, height, camera }, &|_| {})?;
         let found = by_hand(&self.alone, &[], &live, self.share, HALF).map_err(|_| "the function is too large to follow rays through it".to_owned())?;
