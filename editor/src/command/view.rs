@@ -54,6 +54,18 @@ fn window(args: &Args) -> Result<Option<String>, Failure> {
     Ok(crate::window::open(&args.scene, args.options(), recovery, log).err())
 }
 
+/// Shows the page with which one begins, until the window is closed. Answers whether there was a window.
+#[cfg(feature = "gui")]
+pub fn start() -> bool {
+    crate::window::has_display() && crate::window::start(crate::window::Recovery::of_user()).is_ok()
+}
+
+/// There is no window in this program.
+#[cfg(not(feature = "gui"))]
+pub fn start() -> bool {
+    false
+}
+
 #[cfg(not(feature = "gui"))]
 fn window(args: &Args) -> Result<Option<String>, Failure> {
     let _ = &args.log;

@@ -22,6 +22,8 @@ pub enum Icon {
     Warning,
     /// Not saved.
     Dot,
+    /// Close it.
+    Close,
 }
 
 /// The sign of a severity, told apart without its colour.
@@ -35,7 +37,16 @@ pub fn of(severity: Severity) -> Icon {
 /// A button with a sign. `name` is what a screen reader says.
 pub fn button(ui: &mut Ui, icon: Icon, name: &str, enabled: bool) -> Response {
     let side = ui.spacing().interact_size.y + 2.0;
-    let response = ui.add_enabled(enabled, Button::new("").min_size(vec2(side + 6.0, side)));
+    signed(ui, Button::new("").min_size(vec2(side + 6.0, side)), icon, name, enabled)
+}
+
+/// A button among text.
+pub fn small(ui: &mut Ui, icon: Icon, name: &str) -> Response {
+    signed(ui, Button::new("").small().frame(false).min_size(vec2(18.0, 16.0)), icon, name, true)
+}
+
+fn signed(ui: &mut Ui, button: Button<'_>, icon: Icon, name: &str, enabled: bool) -> Response {
+    let response = ui.add_enabled(enabled, button);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, name));
     if ui.is_rect_visible(response.rect) {
         let color = ui.style().interact(&response).fg_stroke.color;
@@ -101,6 +112,11 @@ fn paint(painter: &Painter, square: Rect, icon: Icon, color: Color32) {
             fill(&[(0.5, -0.05), (1.1, 1.0), (-0.1, 1.0)]);
             painter.line_segment([at(0.5, 0.32), at(0.5, 0.65)], Stroke::new(1.4, dark));
             painter.circle_filled(pos2(square.center().x, at(0.5, 0.83).y), 0.8, dark);
+        }
+        Icon::Close => {
+            let stroke = Stroke::new(1.3, color);
+            painter.line_segment([at(0.15, 0.15), at(0.85, 0.85)], stroke);
+            painter.line_segment([at(0.85, 0.15), at(0.15, 0.85)], stroke);
         }
         Icon::Dot => {
             painter.circle_filled(square.center(), 3.5, color);

@@ -61,7 +61,7 @@ fn row(ui: &mut Ui, session: &Session, parameter: &Parameter, commands: &mut Vec
     let short = parameter.name.rsplit('.').next().unwrap_or(&parameter.name);
     let moved = session.is_moved(parameter);
     let label = ui.horizontal(|ui| {
-        let color = if moved { theme::ACCENT } else { theme::TEXT };
+        let color = if moved { *theme::ACCENT } else { *theme::TEXT };
         let label = egui::Label::new(RichText::new(short.replace('_', " ")).color(color))
             .selectable(false)
             .truncate()

@@ -79,7 +79,7 @@ pub fn paint(ui: &mut Ui, rect: Rect, session: &Session, shown: Option<Shown>) {
             }
         }
         None => {
-            ui.painter().rect_filled(rect, 0.0, theme::GROUND);
+            ui.painter().rect_filled(rect, 0.0, *theme::GROUND);
             let words = match (wrong(session), working(session, LONG)) {
                 (Some(_), _) => "no picture yet".to_owned(),
                 (None, Some((work, time))) => format!("{work} {time}"),
@@ -112,7 +112,7 @@ pub fn band(ui: &mut Ui, rect: Rect, session: &Session, commands: &mut Vec<Comma
     let builder = UiBuilder::new().max_rect(rect.shrink(10.0)).sense(Sense::hover());
     ui.scope_builder(builder, |ui| {
         let frame = Frame::new()
-            .fill(Color32::from_rgba_unmultiplied(0x3a, 0x14, 0x14, 0xe8))
+            .fill(theme::WRONG.gamma_multiply(0.91))
             .stroke(egui::Stroke::new(1.0, theme::ERROR.gamma_multiply(0.6)))
             .corner_radius(CornerRadius::same(5))
             .inner_margin(Margin::symmetric(10, 7));
@@ -120,7 +120,7 @@ pub fn band(ui: &mut Ui, rect: Rect, session: &Session, commands: &mut Vec<Comma
             ui.set_min_width(ui.available_width());
             ui.horizontal_wrapped(|ui| {
                 ui.spacing_mut().item_spacing.x = 6.0;
-                icons::sign(ui, Icon::Error, theme::ERROR);
+                icons::sign(ui, Icon::Error, *theme::ERROR);
                 if let Some(problem) = error {
                     let (line, column) = problem.place.start;
                     let at = format!("{}:{line}:{column}", problem.place.file);
@@ -128,7 +128,7 @@ pub fn band(ui: &mut Ui, rect: Rect, session: &Session, commands: &mut Vec<Comma
                 }
                 // What a device says can be a page long; the list of problems has all of it.
                 let first: String = words.lines().take(3).collect::<Vec<_>>().join("\n");
-                ui.label(RichText::new(first).color(Color32::WHITE));
+                ui.label(RichText::new(first).color(theme::STRONG));
             });
             if let Some(help) = error.map(|e| &e.help).filter(|help| !help.is_empty()) {
                 ui.label(RichText::new(help).small().color(theme::TEXT));

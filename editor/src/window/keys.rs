@@ -1,0 +1,146 @@
+//! The keys, in one table; and those that work wherever the keyboard is.
+
+use crate::window::command::Command;
+use crate::window::session::{Purpose, Session};
+use crate::window::theme::TEXT_SIZE;
+use egui::{Key, Modifiers, Ui};
+
+/// A part of the window, with its keys and what they do.
+type Part = (&'static str, &'static [(&'static str, &'static str)]);
+
+/// All keys, and what the mouse does: F1 shows them, and `docs/editor.md` has the same table.
+pub const KEYS: &[Part] = &[
+    (
+        "Files",
+        &[
+            ("Ctrl+N", "a new scene"),
+            ("Ctrl+O", "open a scene"),
+            ("Ctrl+S", "save"),
+            ("Ctrl+Shift+S", "save under another name"),
+            ("F1", "this list"),
+            ("Ctrl+Tab, Ctrl+Shift+Tab", "the next tab, the one before"),
+            ("Ctrl+W", "close the tab"),
+        ],
+    ),
+    (
+        "Text",
+        &[
+            ("Ctrl+Z, Ctrl+Y", "undo, redo"),
+            ("Ctrl+Space", "what may be written here"),
+            ("Ctrl+.", "take the advice of the nearest problem"),
+            ("F12, or Ctrl and a click", "go to where a name is declared"),
+            ("F2", "another name, wherever it stands"),
+            ("Ctrl+Shift+I", "lay out, as `surefoot fmt` does"),
+            ("Ctrl and drag, or Alt and drag", "change a number; with Shift finer"),
+            ("Alt+Up, Alt+Down", "change the number at the cursor; with Shift finer"),
+            ("Ctrl+K, or a click on its square", "pick a colour"),
+            ("Ctrl+/", "make comments of lines, or code again"),
+            ("Tab, Shift+Tab", "move the selected lines in and out"),
+            ("Ctrl++, Ctrl+-, Ctrl+0", "larger text, smaller, as at first"),
+            ("Alt+Z", "wrap long lines, or not"),
+        ],
+    ),
+    (
+        "Search",
+        &[
+            ("Ctrl+F, then Enter; F3, Shift+F3", "find, the next, the one before"),
+            ("Ctrl+H", "find and replace; Enter replaces one, Ctrl+Enter all"),
+            ("Ctrl+G", "go to a line"),
+            ("Escape", "back to the text"),
+        ],
+    ),
+    (
+        "Picture",
+        &[
+            ("Drag", "turn the camera"),
+            ("Shift and drag, or the right button", "move it sideways"),
+            ("Wheel", "come nearer"),
+            ("Home, or a double click", "the scene's own camera"),
+            ("Space", "let time run or stand"),
+            ("B, or Ctrl and a click", "more balls here, in a scene with balls"),
+            ("Ctrl and drag", "take a ball and throw it"),
+        ],
+    ),
+    ("Sliders", &[("Left, Right", "change the one that has the keyboard"), ("Double click", "the value that the text gives")]),
+];
+
+/// Hears the keys that work wherever the keyboard is. Before the panels see them.
+pub fn hear(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
+    // What is asked is answered first.
+    if session.question.is_some() || session.notice.is_some() || session.asked.is_some() || session.open.keys {
+        return;
+    }
+    let pressed = |modifiers, key| ui.input_mut(|i| i.consume_key(modifiers, key));
+    let forth = Modifiers::COMMAND | Modifiers::SHIFT;
+    // With Shift first, which the one without it would take as well.
+    if pressed(forth, Key::S) {
+        commands.push(Command::AskPath(Some(Purpose::SaveAs)));
+    } else if pressed(Modifiers::COMMAND, Key::S) {
+        commands.push(Command::Save);
+    }
+    if pressed(Modifiers::COMMAND, Key::O) {
+        commands.push(Command::AskPath(Some(Purpose::Open)));
+    }
+    if pressed(Modifiers::COMMAND, Key::N) {
+        commands.push(Command::New);
+    }
+    if pressed(Modifiers::NONE, Key::F1) {
+        commands.push(Command::ShowKeys(true));
+    }
+    if pressed(forth, Key::Tab) {
+        commands.push(Command::Turnover { forth: false });
+    } else if pressed(Modifiers::COMMAND, Key::Tab) {
+        commands.push(Command::Turnover { forth: true });
+    }
+    if pressed(Modifiers::COMMAND, Key::W) {
+        commands.push(Command::CloseText(session.documents.current().name.clone()));
+    }
+    if pressed(forth, Key::I) {
+        commands.push(Command::Format);
+    }
+    let size = session.open.text_size;
+    let plus = [Key::Plus, Key::Equals].map(|key| pressed(Modifiers::COMMAND, key) || pressed(forth, key));
+    if plus.contains(&true) {
+        commands.push(Command::TextSize(size + 1.0));
+    }
+    if pressed(Modifiers::COMMAND, Key::Minus) {
+        commands.push(Command::TextSize(size - 1.0));
+    }
+    if pressed(Modifiers::COMMAND, Key::Num0) {
+        commands.push(Command::TextSize(TEXT_SIZE));
+    }
+    if pressed(Modifiers::ALT, Key::Z) {
+        commands.push(Command::Wrap(!session.open.wrap));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::KEYS;
+
+    /// The table of `docs/editor.md`.
+    fn page() -> String {
+        let mut page = String::from("| keys | what they do |\n|---|---|\n");
+        for (part, keys) in KEYS {
+            page += &format!("| **{part}** | |\n");
+            for (key, what) in *keys {
+                page += &format!("| {key} | {what} |\n");
+            }
+        }
+        page
+    }
+
+    #[test]
+    fn the_page_has_the_same_table() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/editor.md");
+        let text = std::fs::read_to_string(path).unwrap();
+        let (begin, end) = ("<!-- keys -->\n\n", "\n<!-- end of keys -->");
+        let (before, rest) = text.split_once(begin).unwrap();
+        let (table, after) = rest.split_once(end).unwrap();
+        if std::env::var_os("SUREFOOT_WRITE").is_some() {
+            std::fs::write(path, format!("{before}{begin}{}{end}{after}", page())).unwrap();
+            return;
+        }
+        assert_eq!(table, page(), "SUREFOOT_WRITE=1 cargo test --workspace --bin surefoot keys:: writes it");
+    }
+}
