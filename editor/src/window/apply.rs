@@ -36,6 +36,13 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
             session.open.source |= !save(session, world, shown) && session.notice.is_none();
         }
         Command::SaveAs(path) => save_as(session, world, &path),
+        Command::SavePicture(path) => {
+            session.asked = None;
+            if let (Some(scene), Some(live), Some(camera)) = (session.scene().cloned(), session.stage.live().cloned(), session.camera()) {
+                session.export.begin(&scene, &live, camera, session.look.mode, path, world.waker());
+            }
+        }
+        Command::ToSliders(wanted) => session.open.to_sliders = wanted,
         Command::AskPath(purpose) => match purpose {
             Some(purpose) => ask_path(session, purpose),
             None => session.asked = None,
@@ -552,6 +559,7 @@ fn ask_path(session: &mut Session, purpose: Purpose) {
     let typed = match purpose {
         Purpose::Open => String::new(),
         Purpose::SaveAs => session.documents.current().short_name().to_owned(),
+        Purpose::Picture => path.with_extension("png").file_name().unwrap_or_default().to_string_lossy().into_owned(),
     };
     session.asked = Some(PathAsked { purpose, folder: PathBuf::new(), typed, entries: Vec::new() });
     look_into(session, path.parent().unwrap_or(Path::new("/")));

@@ -7,6 +7,10 @@ use super::theme::Choice;
 /// Takes what a session is like now.
 pub fn take(state: &mut State, session: &Session) {
     let open = &session.open;
+    // What is only looked at leaves no trace.
+    if open.alone {
+        return;
+    }
     state.recent.clone_from(&session.recent);
     state.recent.truncate(MOST);
     state.layout = Layout {

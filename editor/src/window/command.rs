@@ -23,6 +23,10 @@ pub enum Command {
     Save,
     /// Write it under another name, and go on with that.
     SaveAs(String),
+    /// Write the picture into a file.
+    SavePicture(PathBuf),
+    /// The keyboard goes to the first slider, or it is there.
+    ToSliders(bool),
     /// Ask for a path, or no longer.
     AskPath(Option<Purpose>),
     /// Look into a folder for it.

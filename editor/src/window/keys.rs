@@ -1,9 +1,14 @@
 //! The keys, in one table; and those that work wherever the keyboard is.
 
 use crate::window::command::Command;
+use crate::window::panels::cursor::id;
+use crate::window::panels::toolbar::MODES;
 use crate::window::session::{Purpose, Session};
 use crate::window::theme::TEXT_SIZE;
 use egui::{Key, Modifiers, Ui};
+
+/// How far a key moves the camera, in parts of the picture's height.
+const STEP: f64 = 0.03;
 
 /// A part of the window, with its keys and what they do.
 type Part = (&'static str, &'static [(&'static str, &'static str)]);
@@ -17,7 +22,9 @@ pub const KEYS: &[Part] = &[
             ("Ctrl+O", "open a scene"),
             ("Ctrl+S", "save"),
             ("Ctrl+Shift+S", "save under another name"),
+            ("Ctrl+Shift+E", "save the picture"),
             ("F1", "this list"),
+            ("F6", "from the text to the sliders, to the picture, and back"),
             ("Ctrl+Tab, Ctrl+Shift+Tab", "the next tab, the one before"),
             ("Ctrl+W", "close the tab"),
         ],
@@ -55,6 +62,9 @@ pub const KEYS: &[Part] = &[
             ("Drag", "turn the camera"),
             ("Shift and drag, or the right button", "move it sideways"),
             ("Wheel", "come nearer"),
+            ("Arrows, and with Shift", "turn the camera, move it sideways"),
+            ("Page Up, Page Down", "come nearer, go farther"),
+            ("Ctrl+1, Ctrl+2, …", "the views of the toolbar"),
             ("Home, or a double click", "the scene's own camera"),
             ("Space", "let time run or stand"),
             ("B, or Ctrl and a click", "more balls here, in a scene with balls"),
@@ -84,6 +94,18 @@ pub fn hear(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
     if pressed(Modifiers::COMMAND, Key::N) {
         commands.push(Command::New);
     }
+    if pressed(forth, Key::E) {
+        commands.push(Command::AskPath(Some(Purpose::Picture)));
+    }
+    if pressed(Modifiers::NONE, Key::F6) {
+        next_pane(ui, session, commands);
+    }
+    let digits = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
+    for (key, (mode, ..)) in digits.into_iter().zip(MODES) {
+        if pressed(Modifiers::COMMAND, key) {
+            commands.push(Command::Mode(mode));
+        }
+    }
     if pressed(Modifiers::NONE, Key::F1) {
         commands.push(Command::ShowKeys(true));
     }
@@ -111,6 +133,41 @@ pub fn hear(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
     }
     if pressed(Modifiers::ALT, Key::Z) {
         commands.push(Command::Wrap(!session.open.wrap));
+    }
+}
+
+/// From the text to the sliders, from there to the picture, and to the text again. What is closed is passed over.
+fn next_pane(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
+    let focused = ui.memory(|m| m.focused());
+    let text = id(session.documents.current());
+    let sliders = session.open.parameters && session.scene().is_some_and(|scene| !scene.parameters.is_empty());
+    match focused {
+        Some(focused) if focused == text && sliders => commands.push(Command::ToSliders(true)),
+        Some(focused) => ui.memory_mut(|m| m.surrender_focus(focused)),
+        None if session.open.source => commands.push(Command::Focus),
+        None if sliders => commands.push(Command::ToSliders(true)),
+        None => {}
+    }
+}
+
+/// Hears the keys that move the camera, where nothing else has the keyboard.
+pub fn hear_picture(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
+    let is_asked = session.question.is_some() || session.notice.is_some() || session.asked.is_some() || session.open.keys || session.open.start;
+    if is_asked || ui.memory(|m| m.focused().is_some()) {
+        return;
+    }
+    let pressed = |modifiers, key| ui.input_mut(|i| i.consume_key(modifiers, key));
+    for (key, right, down) in [(Key::ArrowLeft, -1.0, 0.0), (Key::ArrowRight, 1.0, 0.0), (Key::ArrowUp, 0.0, -1.0), (Key::ArrowDown, 0.0, 1.0)] {
+        if pressed(Modifiers::SHIFT, key) {
+            commands.push(Command::Pan(STEP * right, STEP * down));
+        } else if pressed(Modifiers::NONE, key) {
+            commands.push(Command::Turn(STEP * right, STEP * down));
+        }
+    }
+    for (key, factor) in [(Key::PageUp, 1.0 / 1.1), (Key::PageDown, 1.1)] {
+        if pressed(Modifiers::NONE, key) {
+            commands.push(Command::Dolly(factor));
+        }
     }
 }
 

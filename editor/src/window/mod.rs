@@ -7,6 +7,7 @@ mod canvas;
 mod command;
 mod document;
 mod examples;
+mod export;
 mod kept;
 mod keys;
 mod log;
@@ -46,9 +47,14 @@ use surefoot_runtime::live::SharedLoader;
 use trial::Trial;
 use world::World;
 
-/// Shows a scene until the window is closed; the error is why there is no window. `asked` is what the compiler is asked for.
-pub fn open(scene: &str, asked: Options, recovery: Recovery, log: Log) -> Result<(), String> {
-    run(scene, move |cc, scene| App::new(cc, scene, asked, Arc::new(FileLoader), recovery, log))
+/// Shows a scene until the window is closed; the error is why there is no window. `asked` is what the compiler is asked for, and `alone` whether only
+/// the picture is shown.
+pub fn open(scene: &str, asked: Options, alone: bool, recovery: Recovery, log: Log) -> Result<(), String> {
+    run(scene, move |cc, scene| {
+        let mut app = App::new(cc, scene, asked, Arc::new(FileLoader), recovery, log)?;
+        app.session.open.alone = alone;
+        Ok(app)
+    })
 }
 
 /// Shows the page with which one begins, until the window is closed; the error is why there is no window.
@@ -166,6 +172,9 @@ impl App {
             apply(&mut self.session, &mut self.world, command);
         }
         self.session.measuring.hear();
+        if let Some(words) = self.session.export.hear() {
+            self.session.notice = Some(words);
+        }
         self.session.said.loading = self.world.loading();
         self.session.said.work = self.world.work();
         self.world.lend_edits(&mut self.session);
@@ -195,6 +204,10 @@ impl App {
     /// Everything but the picture; the commands of the panels.
     fn panels(&self, ui: &mut egui::Ui, commands: &mut Vec<Command>) {
         let session = &self.session;
+        if session.open.alone {
+            panels::picture::keys(ui, session, commands);
+            return panels::questions::show(ui, session, commands);
+        }
         let bar = Frame::new().fill(*theme::PANEL).inner_margin(Margin::symmetric(8, 2));
         let top = Panel::top("toolbar").frame(bar).exact_size(34.0).resizable(false);
         top.show(ui, |ui| panels::toolbar::show(ui, session, commands));
@@ -317,7 +330,7 @@ impl App {
         if self.session.stage.animates() {
             ctx.request_repaint();
         }
-        if self.session.said.work.is_some() || self.session.measuring.part().is_some() || self.session.stage.settles() {
+        if self.session.said.work.is_some() || self.session.measuring.part().is_some() || self.session.export.part().is_some() || self.session.stage.settles() {
             ctx.request_repaint_after(TICK);
         }
         let now = Instant::now();
@@ -350,6 +363,7 @@ impl eframe::App for App {
         self.let_time_pass();
         let mut commands = Vec::new();
         keys::hear(ui, &self.session, &mut commands);
+        keys::hear_picture(ui, &self.session, &mut commands);
         panels::search::keys(ui, &self.session, &mut commands);
         self.apply(commands);
         let mut commands = Vec::new();

@@ -1,6 +1,7 @@
 //! All that the window knows. Panels read it and push [`Command`](super::command::Command)s.
 
 use super::document::Document;
+use super::export::Export;
 use super::kept::SceneState;
 use super::measuring::Measuring;
 use super::orbit::Orbit;
@@ -52,6 +53,8 @@ pub struct Session {
     pub found: Vec<Found>,
     /// What the scene measures.
     pub measuring: Measuring,
+    /// The picture as a file.
+    pub export: Export,
     /// How far into the picture the ball is that a hand holds, if one does.
     pub held: Option<f64>,
 }
@@ -197,10 +200,14 @@ pub struct Open {
     pub theme: Choice,
     /// How wide the panels at the left and right are, in points.
     pub widths: [f32; 2],
+    /// Only the picture.
+    pub alone: bool,
     /// The page with which the program begins, in place of all else.
     pub start: bool,
     /// All keys.
     pub keys: bool,
+    /// Whether the keyboard shall go to the first slider.
+    pub to_sliders: bool,
     /// The scenes beside the one that is open, as they were found last.
     pub beside: Vec<String>,
 }
@@ -247,6 +254,8 @@ pub enum Purpose {
     Open,
     /// Where the text that is shown is to be written.
     SaveAs,
+    /// Where the picture is to be written.
+    Picture,
 }
 
 /// A path that a person is asked for.
@@ -266,6 +275,10 @@ impl PathAsked {
     /// The path that is meant. What has no ending is a scene.
     pub fn path(&self) -> PathBuf {
         let path = self.folder.join(self.typed.trim());
+        // A picture is never written over a scene.
+        if self.purpose == Purpose::Picture && !path.is_dir() {
+            return path.with_extension("png");
+        }
         if self.typed.ends_with(['/', '\\']) || path.is_dir() || path.extension().is_some() { path } else { path.with_extension("sdf") }
     }
 }
@@ -297,7 +310,7 @@ impl Session {
             stage,
             said: Said::default(),
             look: Look { wide: f64::INFINITY, ..Look::default() },
-            open: Open { source: true, parameters: true, measures: false, text_size: TEXT_SIZE, wrap: false, zoom: 1.0, theme: Choice::Dark, widths: [470.0, 250.0], start: false, keys: false, beside: Vec::new() },
+            open: Open { source: true, parameters: true, measures: false, text_size: TEXT_SIZE, wrap: false, zoom: 1.0, theme: Choice::Dark, widths: [470.0, 250.0], alone: false, start: false, keys: false, to_sliders: false, beside: Vec::new() },
             search: None,
             asked: None,
             recent: Vec::new(),
@@ -308,6 +321,7 @@ impl Session {
             meter: Meter::default(),
             found: Vec::new(),
             measuring: Measuring::default(),
+            export: Export::default(),
             held: None,
         }
     }

@@ -3,6 +3,7 @@
 mod assist;
 mod changing;
 mod files;
+mod keyboard;
 mod measures;
 mod numbers;
 mod tabs;

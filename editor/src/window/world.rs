@@ -156,6 +156,12 @@ impl World {
         self.recovery.follow(&session.documents.all, Instant::now())
     }
 
+    /// What another thread calls where there is something to hear.
+    pub fn waker(&self) -> impl FnOnce() + Send + 'static {
+        let wake = self.wake.clone();
+        move || wake()
+    }
+
     /// What was built on the device so far.
     pub fn stats(&self) -> Stats {
         self.gpu.as_ref().map(Gpu::stats).unwrap_or_default()

@@ -16,6 +16,7 @@ pub fn files(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             ("Open…", "Ctrl+O", true, Command::AskPath(Some(Purpose::Open))),
             ("Save", "Ctrl+S", document.can_save(), Command::Save),
             ("Save as…", "Ctrl+Shift+S", document.is_editable(), Command::AskPath(Some(Purpose::SaveAs))),
+            ("Save the picture…", "Ctrl+Shift+E", session.scene().is_some(), Command::AskPath(Some(Purpose::Picture))),
             ("Start page", "", true, Command::ShowStart(true)),
         ];
         for (name, key, enabled, command) in entries {

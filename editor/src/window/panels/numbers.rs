@@ -34,7 +34,9 @@ struct Drag {
     literal: Literal,
     /// What stands in its place by now.
     written: String,
-    /// How far it was dragged, in points, and the part of it with Shift.
+    /// Where the hand was last.
+    x: f32,
+    /// How far it was dragged, in points, and how far with Shift.
     coarse: f32,
     fine: f32,
 }
@@ -108,53 +110,62 @@ pub fn keys(ui: &Ui, document: &Document, text: &mut String) -> bool {
 /// Lets a hand drag the number under the pointer. After the text was shown.
 pub fn show(ui: &Ui, document: &Document, output: &TextEditOutput, commands: &mut Vec<Command>) {
     let slot = Id::unique(("dragged number", &document.name));
-    let held = ui.data(|data| data.get_temp::<Drag>(slot));
-    let under = || {
-        let is_asked = ui.input(|i| i.modifiers.command || i.modifiers.alt);
-        let at = ui.input(|i| i.pointer.hover_pos()).filter(|_| is_asked && document.is_editable() && ui.rect_contains_pointer(output.response.rect))?;
-        let at = at - output.galley_pos;
-        let is_text = output.galley.rows.iter().any(|row| row.rect().contains(at.to_pos2()));
-        Literal::at(&document.text, byte(&document.text, output.galley.cursor_from_pos(at).index.0)).filter(|_| is_text)
-    };
-    let Some(range) = held.as_ref().map(|drag| drag.literal.range.start..drag.literal.range.start + drag.written.len()).or_else(|| Some(under()?.range)) else { return };
-    let end_it = || {
+    let Some(mut drag) = ui.data(|data| data.get_temp::<Drag>(slot)).or_else(|| begin(ui, document, output, slot)) else { return };
+    let (is_down, at, is_fine) = ui.input(|i| (i.pointer.primary_down(), i.pointer.latest_pos(), i.modifiers.shift));
+    let range = drag.literal.range.start..drag.literal.range.start + drag.written.len();
+    let is_there = document.text.get(range.clone()) == Some(drag.written.as_str());
+    // Kept in sight of egui, so that nothing else takes the drag.
+    ui.interact(place(document, output, &range).intersect(ui.clip_rect()), slot, Sense::CLICK | Sense::DRAG);
+    ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
+    if let Some(at) = at.filter(|at| is_there && at.x != drag.x) {
+        let part = if is_fine { &mut drag.fine } else { &mut drag.coarse };
+        *part += at.x - drag.x;
+        drag.x = at.x;
+        let [coarse, fine] = [drag.coarse, drag.fine].map(|points| f64::from((points / POINTS).round()));
+        let written = drag.literal.stepped(coarse, fine);
+        if written != drag.written {
+            let mut text = document.text.clone();
+            text.replace_range(range, &written);
+            drag.written = written;
+            commands.push(Command::EditOn(text));
+        }
+    }
+    if is_down && is_there {
+        ui.data_mut(|data| data.insert_temp(slot, drag));
+    } else {
         history::release(ui, document);
         ui.data_mut(|data| data.remove::<Drag>(slot));
-    };
-    if held.as_ref().is_some_and(|drag| document.text.get(range.clone()) != Some(drag.written.as_str())) {
-        return end_it();
     }
-    let place = |byte: usize| {
+}
+
+/// Takes the number that a hand presses on. The pointer says over which one it may.
+fn begin(ui: &Ui, document: &Document, output: &TextEditOutput, slot: Id) -> Option<Drag> {
+    let (is_asked, is_pressed) = ui.input(|i| (i.modifiers.command || i.modifiers.alt, i.pointer.primary_pressed()));
+    // Where the hand pressed: on a busy machine it may be farther by now.
+    let at = ui.input(|i| if is_pressed { i.pointer.press_origin() } else { i.pointer.hover_pos() });
+    let at = at.filter(|at| is_asked && document.is_editable() && ui.clip_rect().contains(*at) && ui.rect_contains_pointer(output.response.rect))?;
+    let within = at - output.galley_pos;
+    if !output.galley.rows.iter().any(|row| row.rect().contains(within.to_pos2())) {
+        return None;
+    }
+    let literal = Literal::at(&document.text, byte(&document.text, output.galley.cursor_from_pos(within).index.0))?;
+    ui.interact(place(document, output, &literal.range).intersect(ui.clip_rect()), slot, Sense::CLICK | Sense::DRAG).on_hover_cursor(CursorIcon::ResizeHorizontal);
+    if !is_pressed {
+        return None;
+    }
+    ui.ctx().set_dragged_id(slot);
+    history::hold(ui, document);
+    let written = document.text.get(literal.range.clone())?.to_owned();
+    Some(Drag { literal, written, x: at.x, coarse: 0.0, fine: 0.0 })
+}
+
+/// Where a piece of the text is on the screen.
+fn place(document: &Document, output: &TextEditOutput, range: &Range<usize>) -> Rect {
+    let at = |byte: usize| {
         let character = document.text.get(..byte).unwrap_or_default().chars().count();
         output.galley.pos_from_cursor(CCursor::new(character)).translate(output.galley_pos.to_vec2())
     };
-    let rect = Rect::from_min_max(place(range.start).min, place(range.end).max);
-    let response = ui.interact(rect.intersect(ui.clip_rect()), slot, Sense::click_and_drag()).on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
-    let drag = match held {
-        None if response.drag_started() => Literal::at(&document.text, range.start).map(|literal| {
-            history::hold(ui, document);
-            Drag { written: document.text.get(literal.range.clone()).unwrap_or_default().to_owned(), literal, coarse: 0.0, fine: 0.0 }
-        }),
-        held => held,
-    };
-    let Some(mut drag) = drag else { return };
-    // A drag begins some points beside where the hand took it.
-    let began = ui.input(|i| Some(i.pointer.latest_pos()?.x - i.pointer.press_origin()?.x)).filter(|_| response.drag_started());
-    let moved = began.unwrap_or(response.drag_delta().x);
-    let part = if ui.input(|i| i.modifiers.shift) { &mut drag.fine } else { &mut drag.coarse };
-    *part += moved;
-    let [coarse, fine] = [drag.coarse, drag.fine].map(|points| f64::from((points / POINTS).round()));
-    let written = drag.literal.stepped(coarse, fine);
-    if moved != 0.0 && written != drag.written {
-        let mut text = document.text.clone();
-        text.replace_range(range, &written);
-        drag.written = written;
-        commands.push(Command::EditOn(text));
-    }
-    if response.drag_stopped() || !response.dragged() && !response.drag_started() {
-        return end_it();
-    }
-    ui.data_mut(|data| data.insert_temp(slot, drag));
+    Rect::from_min_max(at(range.start).min, at(range.end).max)
 }
 
 #[cfg(test)]

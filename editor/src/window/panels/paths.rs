@@ -17,6 +17,7 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.heading(match asked.purpose {
             Purpose::Open => "Open a scene",
             Purpose::SaveAs => "Save as",
+            Purpose::Picture => "Save the picture",
         });
         ui.add_space(4.0);
         ui.horizontal(|ui| {
@@ -50,6 +51,7 @@ fn list(ui: &mut Ui, asked: &PathAsked, commands: &mut Vec<Command>) {
                 (true, _) => commands.push(Command::LookInto(asked.folder.join(name))),
                 (false, Purpose::Open) => commands.push(Command::Open(asked.folder.join(name).to_string_lossy().into_owned())),
                 (false, Purpose::SaveAs) => commands.push(Command::TypePath(name.clone())),
+                (false, Purpose::Picture) => commands.push(Command::TypePath(Path::new(name).with_extension("png").to_string_lossy().into_owned())),
             }
         }
         if asked.entries.is_empty() {
@@ -70,7 +72,7 @@ fn name(ui: &mut Ui, asked: &PathAsked, commands: &mut Vec<Command>) -> bool {
     let before = ui.data_mut(|data| data.get_temp_mut_or_default::<Option<PathBuf>>(field).replace(asked.folder.clone()));
     let is_new = before.is_none_or(|folder| folder != asked.folder);
     if is_new || !ui.memory(|m| m.focused().is_some()) && !response.lost_focus() {
-        let stem = asked.typed.strip_suffix(".sdf").unwrap_or(&asked.typed).chars().count();
+        let stem = asked.typed.rsplit_once('.').map_or(asked.typed.as_str(), |(stem, _)| stem).chars().count();
         let mut state = TextEditState::load(ui.ctx(), field).unwrap_or_default();
         state.cursor.set_char_range(Some(CCursorRange::two(CCursor::new(0), CCursor::new(stem))));
         state.store(ui.ctx(), field);
@@ -81,15 +83,15 @@ fn name(ui: &mut Ui, asked: &PathAsked, commands: &mut Vec<Command>) -> bool {
 
 fn bottom(ui: &mut Ui, asked: &PathAsked, entered: bool, commands: &mut Vec<Command>) {
     let path = asked.path();
-    let is_there = path.is_file() && asked.purpose == Purpose::SaveAs;
+    let is_there = path.is_file() && asked.purpose != Purpose::Open;
     if is_there {
         ui.label(RichText::new("There is such a file already: it is written over.").color(theme::WARNING));
     }
     ui.horizontal(|ui| {
         let words = match (asked.purpose, is_there) {
             (Purpose::Open, _) => "Open it",
-            (Purpose::SaveAs, true) => "Write over it",
-            (Purpose::SaveAs, false) => "Save it",
+            (_, true) => "Write over it",
+            (_, false) => "Save it",
         };
         let take = ui.add_enabled(!asked.typed.trim().is_empty(), Button::new(words)).clicked();
         // Enter alone writes over nothing.
@@ -107,5 +109,6 @@ fn taken(asked: &PathAsked, path: &Path) -> Command {
         _ if path.is_dir() => Command::LookInto(path.to_owned()),
         Purpose::Open => Command::Open(path.to_string_lossy().into_owned()),
         Purpose::SaveAs => Command::SaveAs(path.to_string_lossy().into_owned()),
+        Purpose::Picture => Command::SavePicture(path.to_owned()),
     }
 }

@@ -21,6 +21,7 @@ const WHEEL: f64 = 0.0022;
 /// Takes the room of the picture, and what a hand does there.
 pub fn sense(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> Response {
     let response = ui.allocate_response(ui.available_size(), Sense::click_and_drag());
+    icons::name(ui, response.id, "Picture");
     let height = f64::from(response.rect.height().max(1.0));
     let throws = super::balls::sense(ui, session, &response, commands);
     let drag = response.drag_delta();
@@ -140,6 +141,7 @@ pub fn band(ui: &mut Ui, rect: Rect, session: &Session, commands: &mut Vec<Comma
         });
         if let Some(problem) = error {
             let response = inner.response.interact(Sense::click());
+            icons::name(ui, response.id, "Go to the error");
             if response.on_hover_cursor(egui::CursorIcon::PointingHand).clicked() {
                 commands.push(Command::Jump(problem.place.clone()));
             }

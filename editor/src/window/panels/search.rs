@@ -133,7 +133,7 @@ pub fn show(ui: &mut Ui, session: &Session, document: &Document, commands: &mut 
 
 /// How wide the fields are: the buttons behind them have room too.
 fn width(ui: &Ui) -> f32 {
-    (ui.available_width() - 300.0).clamp(70.0, 200.0)
+    (ui.available_width() - 325.0).clamp(70.0, 200.0)
 }
 
 /// The row that says what comes instead.

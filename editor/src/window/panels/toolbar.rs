@@ -8,7 +8,8 @@ use egui::scroll_area::ScrollBarVisibility;
 use egui::{Align, Layout, ScrollArea, Ui};
 use surefoot_runtime::ViewMode;
 
-const MODES: [(ViewMode, &str, &str); 4] = [
+/// What the picture may show, with words for each.
+pub const MODES: [(ViewMode, &str, &str); 4] = [
     (ViewMode::Shaded, "Shaded", "the scene in its light"),
     (ViewMode::Normals, "Normals", "the surface's normals, as colours"),
     (ViewMode::Steps, "Steps", "how many steps a ray takes: dark is few"),

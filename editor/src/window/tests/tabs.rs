@@ -2,7 +2,7 @@
 
 use super::*;
 
-const PART: &str = "export shape part = sphere(0.5)\n";
+const PART: &str = "shape part = sphere(0.5)\n";
 
 fn two(test: &str) -> (Folder, Harness<'static, App>) {
     let folder = Folder::new(test, "import \"part.sdf\" as part\nscene = part.part | box(1)\n");
@@ -47,7 +47,7 @@ fn texts_are_opened_turned_over_and_closed() {
     harness.run_steps(3);
 
     // One with edits asks.
-    write(&mut harness, "export shape part = sphere(0.25)\n");
+    write(&mut harness, "shape part = sphere(0.25)\n");
     harness.get_by_role_and_label(Role::Tab, "part.sdf, not saved");
     pixel(&mut harness, MIDDLE);
     press(&mut harness, Modifiers::COMMAND, Key::W);
