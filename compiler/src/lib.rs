@@ -30,6 +30,7 @@ pub mod mesh;
 pub mod outline;
 pub mod outlook;
 pub mod physics;
+pub mod pick;
 pub mod pipeline;
 pub mod program;
 pub mod prelude;

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 mod animation;
 mod command;
 mod files;
+mod marched;
 mod measures;
 mod meshes;
 mod picture;

@@ -25,7 +25,7 @@ const FLOORS: [(&str, &[&str]); 4] = [
             "cells compiled",
             "followed physics",
             "mesh reference",
-            "ablation certify contour factors home measure outlook skipped solid verify",
+            "ablation certify contour factors home measure outlook pick skipped solid verify",
             "program",
             "pipeline reference_text",
             "language_service",
@@ -34,7 +34,7 @@ const FLOORS: [(&str, &[&str]); 4] = [
     ),
     ("hosts", &["digest fields fill parameter", "drawn glsl", "bevy engine godot page shader shadertoy three wgpu_py", "lib"]),
     ("runtime", &["copied_block images mesh view", "gpu", "module readback sheets", "passes physics", "frame", "film", "headless", "explain live tighten", "stage", "lib"]),
-    ("editor", &["animation files measures meshes texts", "picture window", "command", "main"]),
+    ("editor", &["animation files marched measures meshes texts", "picture window", "command", "main"]),
 ];
 
 type Module = Vec<String>;

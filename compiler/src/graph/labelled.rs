@@ -2,7 +2,7 @@
 
 use crate::graph::kernel::Op;
 use crate::graph::labels::Made;
-use crate::graph::{Graph, Node, NodeId};
+use crate::graph::{Graph, Node, NodeId, ShapeId};
 use crate::source::Span;
 
 /// A formula of fewer nodes is as good where it stands as by the name of what made it.
@@ -11,6 +11,9 @@ const LONG: usize = 40;
 /// So many nodes more counts each hash but the first. A formula of several, as of a point that is strewn in a cell, is long; of one alone, as of noise's
 /// lattice, drivers make better code where it stands.
 const HASH: usize = 20;
+
+/// What is moved ends at most so many bytes before what moves it: between them stands what changes no shape, as a material.
+const BESIDE: u32 = 80;
 
 impl Graph {
     /// Gives a node the name that it has in the source. The first name stays.
@@ -67,5 +70,22 @@ impl Graph {
     /// Where a node came from.
     pub fn location(&self, id: NodeId) -> Option<Span> {
         self.labels.place_of(id)
+    }
+
+    /// Notes that a shape, which is one for all places that say the same, stands here too.
+    pub fn note_place(&mut self, id: ShapeId, span: Span) {
+        if self.shape(id).is_some_and(|shape| shape.span != span) {
+            self.labels.note_place(id, span);
+        }
+    }
+
+    /// Where a shape stands that another one calls, which stands at `outer`: within it, or right before it as what it moves, or where it was met first.
+    pub fn place_in(&self, id: ShapeId, outer: Option<Span>) -> Option<Span> {
+        let first = self.shape(id)?.span;
+        let Some(outer) = outer else { return Some(first) };
+        let all = || std::iter::once(first).chain(self.labels.places_of(id).iter().copied()).filter(|place| place.file == outer.file);
+        let within = all().find(|place| place.start >= outer.start && place.end <= outer.end);
+        let before = || all().filter(|place| place.end <= outer.start && outer.start - place.end <= BESIDE).max_by_key(|place| place.end);
+        Some(within.or_else(before).unwrap_or(first))
     }
 }

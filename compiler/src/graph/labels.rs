@@ -1,6 +1,6 @@
 //! What nodes are called in the source, where they come from, and which function made them: for readers of the output and of diagnostics.
 
-use crate::graph::id::NodeId;
+use crate::graph::id::{NodeId, ShapeId};
 use crate::graph::list::NodeList;
 use crate::source::Span;
 use rustc_hash::FxHashMap;
@@ -16,7 +16,12 @@ pub struct Labels {
     places: Vec<Option<Span>>,
     results: FxHashMap<NodeId, Made>,
     apart: Vec<NodeId>,
+    /// Where shapes stand in the source beside the first place.
+    again: FxHashMap<ShapeId, Vec<Span>>,
 }
+
+/// So many places of one shape are remembered beside the first.
+const MOST_PLACES: usize = 256;
 
 /// What made a node.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,6 +101,19 @@ impl Labels {
     /// Whether no simplification looks into a node: into what is written as a function, or what one is made of.
     pub fn stands_apart(&self, id: NodeId) -> bool {
         self.apart.contains(&id) || self.result(id).is_some()
+    }
+
+    /// Notes that a shape stands in another place too.
+    pub fn note_place(&mut self, id: ShapeId, place: Span) {
+        let places = self.again.entry(id).or_default();
+        if places.len() < MOST_PLACES && !places.contains(&place) {
+            places.push(place);
+        }
+    }
+
+    /// Where a shape stands beside the first place.
+    pub fn places_of(&self, id: ShapeId) -> &[Span] {
+        self.again.get(&id).map_or(&[], |places| places)
     }
 
     fn number(&self, id: NodeId) -> u32 {

@@ -128,7 +128,13 @@ impl Elaborator<'_> {
         if let Some(key) = &memo_key
             && let Some(known) = self.memo.get(key)
         {
-            return known.clone().ok_or(Stop);
+            let known = known.clone();
+            // It is one shape for all calls that say the same, and stands where each of them does; a person's own shape stands where it is declared.
+            let is_declared = matches!(function.kind, FunctionKind::Shape | FunctionKind::Shape2) && !modules.is_prelude(item.module);
+            if let (Some(Value::Shape(id)), false) = (&known, is_declared) {
+                self.graph.note_place(*id, self.place(span));
+            }
+            return known.ok_or(Stop);
         }
         // In a formula an argument may vary with `p`; then the formula stands there itself, not a shape.
         let varies = in_formula.is_some()

@@ -17,6 +17,55 @@ pub enum Turn {
     Go(f64),
 }
 
+/// What a ray does after a look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// It goes as far as the bound says.
+    Whole,
+    /// It goes farther than the bound says, as the slope along the ray allows.
+    Longer,
+    /// It goes straight to where the line through the last two looks is zero.
+    Leap,
+    /// It goes back to the end of the last sphere: the two spheres do not touch, and a surface may lie between.
+    Back,
+    /// It has arrived, and looks once more where the surface is by the line.
+    Closer,
+    /// It met the surface.
+    Hit,
+    /// It is at its end.
+    Missed,
+    /// It has spent its looks.
+    Spent,
+}
+
+impl Kind {
+    /// In a word or two.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Whole => "bound",
+            Self::Longer => "longer",
+            Self::Leap => "leap",
+            Self::Back => "back",
+            Self::Closer => "closer",
+            Self::Hit => "hit",
+            Self::Missed => "end",
+            Self::Spent => "spent",
+        }
+    }
+
+    /// Of a look: where the ray was in its search before and after it, what came of it, the bound, and whether the looks are spent.
+    pub fn of(before: &Follow, after: &Follow, turn: &Turn, free: f64, is_spent: bool) -> Self {
+        match turn {
+            Turn::Hit(_) => Self::Hit,
+            Turn::Missed => Self::Missed,
+            Turn::Go(_) if is_spent => Self::Spent,
+            Turn::Go(_) if after.last => Self::Closer,
+            Turn::Go(_) if before.has_gap(free) => Self::Back,
+            Turn::Go(_) => after.kind(),
+        }
+    }
+}
+
 /// What is small where a ray looks.
 #[derive(Clone, Copy, Debug)]
 pub struct Small {
@@ -51,6 +100,20 @@ impl Follow {
     /// At the ray's beginning, before the first look.
     pub const START: Self = Self { radius: 0.0, seen: 0.0, stride: 0.0, slope: -1.0, before: -1.0, leapt: false, last: false, steps: 0 };
 
+    /// Whether the sphere of a bound here does not touch the last one that is known to be empty: a gap between the two may hold a surface.
+    fn has_gap(&self, free: f64) -> bool {
+        self.stride > self.radius.max(self.radius + free)
+    }
+
+    /// What the step is that it takes now, of a ray that goes on.
+    fn kind(&self) -> Kind {
+        match self.leapt {
+            true => Kind::Leap,
+            false if self.stride > self.radius => Kind::Longer,
+            false => Kind::Whole,
+        }
+    }
+
     /// How near is near enough at the next look.
     pub fn tolerance(&self, small: &Small) -> f64 {
         let spent = f64::from(self.steps + 1) / f64::from(TRACER.budget);
@@ -66,7 +129,7 @@ impl Follow {
         let change = if self.stride != 0.0 { (free - self.seen) / self.stride } else { -1.0 };
         let fall = (-change).max(Tracer::FLATTEST);
         let ahead = (free - small.rounding) / fall;
-        let gap = self.stride > self.radius.max(self.radius + free);
+        let gap = self.has_gap(free);
         let near = free <= tolerance && (!gap || self.leapt && free >= 0.0) && distance.is_some_and(|d| d <= tolerance);
         if self.last || near {
             let stride = self.stride.abs();

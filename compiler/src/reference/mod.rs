@@ -14,8 +14,10 @@ pub mod march;
 mod scene;
 pub mod shade;
 mod shadow;
+pub mod steps;
 pub mod tone;
 
+pub use follow::Kind;
 pub use scene::{Area, Hit, Reference, View};
 use scene::{BLOCK, LIMIT, Rest, numbered};
 
@@ -161,6 +163,18 @@ impl Reference {
     /// First hits along rays. `footprint` is the width of a pixel at distance one; beyond `extent` from the scene's origin there is
     /// nothing.
     pub fn trace(&self, rays: &[Ray], footprint: f64, extent: f64) -> Vec<Hit> {
+        self.traced(rays, footprint, extent, |_, _, _, _, _, _| {})
+    }
+
+    /// The same. `record` hears of each look: the part of its ray that is looked at, how near is near enough there, where the ray is in its search before
+    /// and after, what comes of it, and whether its looks are spent.
+    fn traced(
+        &self,
+        rays: &[Ray],
+        footprint: f64,
+        extent: f64,
+        mut record: impl FnMut(&Look, &Ray, f64, [&Follow; 2], &Turn, bool),
+    ) -> Vec<Hit> {
         let whole: Vec<Option<Ray>> = rays.iter().map(|ray| ray.clip(extent)).collect();
         // The first plane ends the search for everything else.
         let planes = self.planes.as_ref().map_or_else(|| vec![f64::INFINITY; rays.len()], |planes| planes.ahead(&whole));
@@ -198,8 +212,10 @@ impl Reference {
                 let hit = hits.get_mut(look.ray)?;
                 let ray = clipped.get(look.ray).copied().flatten()?;
                 let end = rays.get(look.ray)?.t_max;
-                let mut follow = state(look);
+                let before = state(look);
+                let mut follow = before;
                 let turn = follow.turn(look, distance, &small(look), &ray);
+                record(look, &ray, before.tolerance(&small(look)), [&before, &follow], &turn, follow.steps >= TRACER.budget);
                 states.get(look.ray)?.set(follow);
                 *hit = Hit { t: look.t, hit: false, steps: follow.steps };
                 match turn {

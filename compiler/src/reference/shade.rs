@@ -415,6 +415,33 @@ pub fn steps_color(steps: u32) -> Vec3 {
     sum.map(|c| c.clamp(0.0, 1.0))
 }
 
+/// The nearest of 1, 2 and 5 times a power of ten that is not below a length.
+pub fn isolines_spacing(least: f64) -> f64 {
+    let least = least.clamp(1e-12, 1e12);
+    let power = 10f64.powf(least.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].map(|times| times * power).into_iter().find(|spacing| *spacing >= least * (1.0 - 1e-9)).unwrap_or(least)
+}
+
+/// The colour of a field's value in a plane: blue outside, orange and hatched inside, darker the farther from the surface, which is a white line; lines
+/// where the value is a multiple of `spacing`. `slope`: how much the value changes over a pixel; `across`: the sum of the place's two
+/// coordinates in the plane, along which the hatching runs.
+pub fn isolines_color(value: f64, slope: f64, spacing: f64, across: f64) -> Vec3 {
+    const OUTSIDE: Vec3 = [0.42, 0.62, 0.82];
+    const INSIDE: Vec3 = [0.95, 0.62, 0.28];
+    let slope = slope.max(1e-6 * spacing);
+    let ground = if value < 0.0 { INSIDE } else { OUTSIDE };
+    let deep = 1.0 / (1.0 + 0.12 * value.abs() / spacing);
+    let stripe = 5.0 * across / spacing;
+    let hatched = if value < 0.0 && stripe - stripe.floor() < 0.3 { 0.78 } else { 1.0 };
+    let nearest = value - spacing * (value / spacing).round_ties_even();
+    // Where lines are closer than they can be told apart, there is none.
+    let clear = (0.25 * spacing / slope - 0.5).clamp(0.0, 1.0);
+    let line = clear * (1.2 - nearest.abs() / slope).clamp(0.0, 1.0);
+    let surface = (1.8 - value.abs() / slope).clamp(0.0, 1.0);
+    let color = scale(ground, deep * hatched * (1.0 - 0.45 * line));
+    mix(color, [1.0; 3], surface)
+}
+
 /// The grey of a distance: white at the eye, falling with the logarithm, black at the far end.
 pub fn depth_color(t: f64, max_distance: f64) -> Vec3 {
     let share = (t / max_distance).clamp(0.0, 1.0);

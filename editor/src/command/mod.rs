@@ -1,5 +1,6 @@
 //! The command line: one file for each command.
 
+mod aim;
 #[cfg(feature = "gpu")]
 mod bake;
 mod bar;
@@ -15,6 +16,8 @@ mod lsp;
 mod measure;
 mod mesh;
 mod page;
+mod pick;
+mod ray;
 mod reference;
 mod render;
 mod simulate;
@@ -67,6 +70,10 @@ enum Command {
     Mesh(mesh::Args),
     /// Measure a scene's solid: box, volume, area, centre of mass, pieces, each with its error.
     Measure(measure::Args),
+    /// Name the shape of the text that made a pixel of a scene's picture.
+    Pick(pick::Args),
+    /// Follow the ray of a pixel step by step.
+    Ray(ray::Args),
     /// Simulate a scene's balls and write their positions.
     Simulate(simulate::Args),
     /// Convert a mesh into a grid of signed distances.
@@ -112,6 +119,8 @@ pub fn run() -> ExitCode {
         Some(Command::Render(args)) => render::run(&args),
         Some(Command::Mesh(args)) => mesh::run(&args),
         Some(Command::Measure(args)) => measure::run(&args),
+        Some(Command::Pick(args)) => pick::run(&args),
+        Some(Command::Ray(args)) => ray::run(&args),
         Some(Command::Simulate(args)) => simulate::run(&args),
         #[cfg(feature = "gpu")]
         Some(Command::Bake(args)) => bake::run(&args),

@@ -4,6 +4,7 @@ use crate::window::command::{Answer, Command, DROP};
 use crate::window::examples::TEMPLATE;
 use crate::window::kept;
 use crate::window::document::{Disk, Document, Resolution};
+use crate::window::looking::Asked;
 use crate::window::orbit::Orbit;
 use crate::window::recovery::{Found, Recovery};
 use crate::window::session::{PathAsked, Purpose, Question, Session, factors, problems};
@@ -148,6 +149,11 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::TakeBall { at, size } => take_ball(session, at, size),
         Command::PullBall { at, size } => pull_ball(session, at, size),
         Command::ThrowBall { speed } => throw_ball(session, speed),
+        Command::Pick { at, size } => pick(session, at, size),
+        Command::Unpick => session.looking.found = None,
+        Command::ShowRay(open) => session.open.ray = open,
+        Command::ChooseStep(step) => session.looking.chosen = Some(step),
+        Command::Closer(step) => session.looking.closer(step),
         Command::Turn(right, down) => move_camera(session, |orbit| orbit.turn(right, down)),
         Command::Pan(right, down) => move_camera(session, |orbit| orbit.pan(right, down)),
         Command::Dolly(factor) => move_camera(session, |orbit| orbit.dolly(factor)),
@@ -389,6 +395,14 @@ fn seen_at(session: &Session, ray: Ray, footprint: f64) -> Option<f64> {
     hits.first().filter(|hit| hit.hit).map(|hit| hit.t)
 }
 
+/// Looks for what made a pixel.
+fn pick(session: &mut Session, at: [f64; 2], size: [u32; 2]) {
+    let (Some((ray, _, basis)), Some((scene, live))) = (ray_at(session, at, size), session.scene().zip(session.stage.live())) else { return };
+    let footprint = basis.footprint(size[1]);
+    let asked = Asked { scene: scene.clone(), live: live.clone(), words: session.said.drawn.clone(), ray, footprint, up: basis.up, from: 0 };
+    session.looking.begin(asked);
+}
+
 /// Balls above what is seen at a place of the picture; where nothing is, as far as what the camera looks at.
 fn drop_balls(session: &mut Session, at: [f64; 2], size: [u32; 2]) {
     let (Some((ray, camera, basis)), Some((scene, live))) = (ray_at(session, at, size), session.scene().zip(session.stage.live())) else { return };
@@ -609,6 +623,7 @@ fn arrived(session: &mut Session, world: &mut World, update: Update) {
     if let Some(ready) = update.ready {
         session.said.reads_time = ready.compiled.reads_time();
         session.said.factors = factors(&ready.compiled, &update.words);
+        session.said.drawn = update.words.clone();
         let before = session.scene().cloned().zip(session.stage.live().cloned());
         session.stage.put(ready);
         session.said.swaps += 1;

@@ -131,6 +131,21 @@ pub enum Command {
         /// To the right and down, in parts of the picture's height a second.
         speed: [f64; 2],
     },
+    /// Find out what made a pixel: its place from the picture's upper left corner, and the picture's size.
+    Pick {
+        /// Where.
+        at: [f64; 2],
+        /// Width and height.
+        size: [u32; 2],
+    },
+    /// No longer show what was picked.
+    Unpick,
+    /// Show the steps of the ray of what was picked, or no longer.
+    ShowRay(bool),
+    /// Let a step of that ray stand out.
+    ChooseStep(usize),
+    /// Show that ray from a step on.
+    Closer(usize),
     /// Turn around the target: by parts of the picture's height, to the right and down.
     Turn(f64, f64),
     /// Move sideways, likewise.

@@ -66,6 +66,7 @@ pub const KEYS: &[Part] = &[
             ("Page Up, Page Down", "come nearer, go farther"),
             ("Ctrl+1, Ctrl+2, …", "the views of the toolbar"),
             ("Home, or a double click", "the scene's own camera"),
+            ("Alt and a click", "name what made the pixel, and follow its ray"),
             ("Space", "let time run or stand"),
             ("B, or Ctrl and a click", "more balls here, in a scene with balls"),
             ("Ctrl and drag", "take a ball and throw it"),

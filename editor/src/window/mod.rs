@@ -11,10 +11,12 @@ mod export;
 mod kept;
 mod keys;
 mod log;
+mod looking;
 mod measuring;
 mod meter;
 mod orbit;
 mod panels;
+mod places;
 mod recovery;
 mod refine;
 mod session;
@@ -175,6 +177,9 @@ impl App {
         if let Some(words) = self.session.export.hear() {
             self.session.notice = Some(words);
         }
+        if let Some(place) = self.session.looking.hear() {
+            apply(&mut self.session, &mut self.world, Command::Jump(place));
+        }
         self.session.said.loading = self.world.loading();
         self.session.said.work = self.world.work();
         self.world.lend_edits(&mut self.session);
@@ -287,6 +292,7 @@ impl App {
             ui.ctx().request_repaint_after(again);
         }
         panels::picture::paint(ui, rect, &self.session, shown);
+        panels::picked::show(ui, rect, &self.session, &mut commands);
         panels::picture::band(ui, rect, &self.session, &mut commands);
         self.apply(commands);
     }
@@ -330,7 +336,7 @@ impl App {
         if self.session.stage.animates() {
             ctx.request_repaint();
         }
-        if self.session.said.work.is_some() || self.session.measuring.part().is_some() || self.session.export.part().is_some() || self.session.stage.settles() {
+        if self.session.said.work.is_some() || self.session.measuring.part().is_some() || self.session.export.part().is_some() || self.session.looking.is_busy() || self.session.stage.settles() {
             ctx.request_repaint_after(TICK);
         }
         let now = Instant::now();

@@ -3,8 +3,10 @@
 use super::document::Document;
 use super::export::Export;
 use super::kept::SceneState;
+use super::looking::Looking;
 use super::measuring::Measuring;
 use super::orbit::Orbit;
+pub use super::places::{Place, place};
 use super::recovery::Found;
 use super::theme::{Choice, TEXT_SIZE};
 use std::ops::Range;
@@ -16,7 +18,6 @@ use surefoot_compiler::compiled::{Camera, Compiled, Parameter};
 use surefoot_compiler::diagnostic::{self, Severity};
 use surefoot_compiler::factors::Explained;
 use surefoot_compiler::outlook::is_blind;
-use surefoot_compiler::source::Span;
 use surefoot_compiler::syntax::revise::Written;
 use surefoot_runtime::live::{Times, Words, Work};
 use surefoot_runtime::{Stage, ViewMode};
@@ -55,6 +56,8 @@ pub struct Session {
     pub measuring: Measuring,
     /// The picture as a file.
     pub export: Export,
+    /// What made the pixel that a person pointed at.
+    pub looking: Looking,
     /// How far into the picture the ball is that a hand holds, if one does.
     pub held: Option<f64>,
 }
@@ -69,17 +72,6 @@ pub struct Documents {
     pub jump: Option<Place>,
     /// Whether the keyboard shall go to the text.
     pub focus: bool,
-}
-
-/// A piece of a text, lines and columns from 1, columns in characters.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
-    /// The file's name, as the compiler calls it.
-    pub file: String,
-    /// Line and column of the first character.
-    pub start: (u32, u32),
-    /// Line and column one past the last character.
-    pub end: (u32, u32),
 }
 
 /// A diagnostic as the window shows it.
@@ -132,7 +124,9 @@ impl Mend {
 pub struct Said {
     /// Its words about the newest text.
     pub words: Arc<Words>,
-    /// The same, as the window shows it.
+    /// Its words about the text of the scene that is drawn.
+    pub drawn: Arc<Words>,
+    /// The newest words, as the window shows them.
     pub problems: Vec<Problem>,
     /// The factors of the scene that is drawn, each with its place.
     pub factors: Vec<(Place, Explained)>,
@@ -208,6 +202,8 @@ pub struct Open {
     pub keys: bool,
     /// Whether the keyboard shall go to the first slider.
     pub to_sliders: bool,
+    /// The steps of the ray of what was picked.
+    pub ray: bool,
     /// The scenes beside the one that is open, as they were found last.
     pub beside: Vec<String>,
 }
@@ -310,7 +306,7 @@ impl Session {
             stage,
             said: Said::default(),
             look: Look { wide: f64::INFINITY, ..Look::default() },
-            open: Open { source: true, parameters: true, measures: false, text_size: TEXT_SIZE, wrap: false, zoom: 1.0, theme: Choice::Dark, widths: [470.0, 250.0], alone: false, start: false, keys: false, to_sliders: false, beside: Vec::new() },
+            open: Open { source: true, parameters: true, measures: false, ray: true, text_size: TEXT_SIZE, wrap: false, zoom: 1.0, theme: Choice::Dark, widths: [470.0, 250.0], alone: false, start: false, keys: false, to_sliders: false, beside: Vec::new() },
             search: None,
             asked: None,
             recent: Vec::new(),
@@ -322,6 +318,7 @@ impl Session {
             found: Vec::new(),
             measuring: Measuring::default(),
             export: Export::default(),
+            looking: Looking::default(),
             held: None,
         }
     }
@@ -454,12 +451,6 @@ impl Documents {
 pub fn factors(compiled: &Compiled, words: &Words) -> Vec<(Place, Explained)> {
     let explained = surefoot_compiler::factors::explain(compiled, &words.sources);
     explained.into_iter().map(|factor| (place(words, factor.span), factor)).collect()
-}
-
-fn place(words: &Words, span: Span) -> Place {
-    let (file, line, column) = words.sources.position(span.file, span.start);
-    let (_, end_line, end_column) = words.sources.position(span.file, span.end);
-    Place { file: file.to_owned(), start: (line, column), end: (end_line, end_column) }
 }
 
 /// A fix as the window makes it: in one text, and in none of the compiler's own.

@@ -4,6 +4,7 @@ mod assist;
 mod changing;
 mod files;
 mod keyboard;
+mod looking;
 mod measures;
 mod numbers;
 mod tabs;

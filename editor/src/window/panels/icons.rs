@@ -16,14 +16,14 @@ pub enum Icon {
     Rewind,
     /// Back to the scene's camera.
     Home,
+    /// No longer shown.
+    Close,
     /// An error.
     Error,
     /// A warning.
     Warning,
     /// Not saved.
     Dot,
-    /// Close it.
-    Close,
 }
 
 /// The sign of a severity, told apart without its colour.
@@ -102,6 +102,11 @@ fn paint(painter: &Painter, square: Rect, icon: Icon, color: Color32) {
             fill(&[(0.5, 0.0), (1.05, 0.52), (-0.05, 0.52)]);
             fill(&[(0.15, 0.52), (0.85, 0.52), (0.85, 1.0), (0.15, 1.0)]);
         }
+        Icon::Close => {
+            let stroke = Stroke::new(1.6, color);
+            painter.line_segment([at(0.1, 0.1), at(0.9, 0.9)], stroke);
+            painter.line_segment([at(0.9, 0.1), at(0.1, 0.9)], stroke);
+        }
         Icon::Error => {
             painter.circle_filled(square.center(), 5.5, color);
             let stroke = Stroke::new(1.6, dark);
@@ -112,11 +117,6 @@ fn paint(painter: &Painter, square: Rect, icon: Icon, color: Color32) {
             fill(&[(0.5, -0.05), (1.1, 1.0), (-0.1, 1.0)]);
             painter.line_segment([at(0.5, 0.32), at(0.5, 0.65)], Stroke::new(1.4, dark));
             painter.circle_filled(pos2(square.center().x, at(0.5, 0.83).y), 0.8, dark);
-        }
-        Icon::Close => {
-            let stroke = Stroke::new(1.3, color);
-            painter.line_segment([at(0.15, 0.15), at(0.85, 0.85)], stroke);
-            painter.line_segment([at(0.85, 0.15), at(0.15, 0.85)], stroke);
         }
         Icon::Dot => {
             painter.circle_filled(square.center(), 3.5, color);

@@ -40,7 +40,12 @@ pub fn sense(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> Res
             commands.push(Command::Dolly(1.0 / f64::from(pinch)));
         }
     }
-    if response.double_clicked() {
+    let picks = ui.input(|i| i.modifiers.alt) && response.clicked_by(PointerButton::Primary);
+    if let (true, Some(at)) = (picks, response.interact_pointer_pos()) {
+        let size = [response.rect.width(), height as f32].map(|side| side.max(1.0) as u32);
+        commands.push(Command::Pick { at: [f64::from(at.x - response.rect.min.x), f64::from(at.y - response.rect.min.y)], size });
+    }
+    if response.double_clicked() && !picks {
         commands.push(Command::Home);
     }
     if response.clicked() || response.drag_started() {
