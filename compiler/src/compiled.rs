@@ -208,6 +208,7 @@ impl Compiled {
         let seen = cameras.iter().map(|(_, c)| length(sub(c.eye, c.target))).fold(0.0, f64::max);
         let far = blocks.extent.max(SIGHT * seen).clamp(FAR_ENOUGH, FAR);
         Frame {
+            slice: live.slice,
             cameras,
             lights,
             sky,

@@ -64,6 +64,8 @@ const SIZE: [f64; 2] = [640.0, 360.0];
 /// Everything around the field at one moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
+    /// Where the plane of a slice is: [`Live::slice`](crate::live::Live::slice).
+    pub slice: f64,
     /// Cameras with their names; the first is the one that is used. Never empty.
     pub cameras: Vec<(String, Camera)>,
     /// Lights in the order of the text.

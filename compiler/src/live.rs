@@ -14,12 +14,14 @@ pub struct Live {
     pub followed: Option<Followed>,
     /// Factors for the whole ranges that a longer search found, one for each of [`Graph::factors`]; or none.
     pub tightened: Vec<f64>,
+    /// Where along its axis the plane of a slice is: of [`View::Slice`](crate::reference::View::Slice) alone.
+    pub slice: f64,
 }
 
 impl Live {
     /// Time zero and every parameter of a graph at its default.
     pub fn start(graph: &Graph) -> Self {
-        Self { time: 0.0, components: graph.parameters.iter().map(|p| p.default).collect(), followed: None, tightened: Vec::new() }
+        Self { time: 0.0, components: graph.parameters.iter().map(|p| p.default).collect(), followed: None, tightened: Vec::new(), slice: 0.0 }
     }
 
     /// Values of nodes that read nothing but parameters and time.

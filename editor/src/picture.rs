@@ -18,6 +18,14 @@ pub enum Mode {
     Steps,
     /// How far the surface is.
     Depth,
+    /// How steep the field is at the surface: grey as a distance, red steeper, blue flatter.
+    Gradient,
+    /// What of the distance a ray may go right above the surface: grey all of it, red and dark less.
+    Factor,
+    /// How much of the sky's light arrives.
+    Occlusion,
+    /// How much of the lights arrives.
+    Shadow,
 }
 
 impl From<Mode> for View {
@@ -27,6 +35,10 @@ impl From<Mode> for View {
             Mode::Normals => Self::Normals,
             Mode::Steps => Self::Steps,
             Mode::Depth => Self::Depth,
+            Mode::Gradient => Self::Gradient,
+            Mode::Factor => Self::Factor,
+            Mode::Occlusion => Self::Occlusion,
+            Mode::Shadow => Self::Shadow,
         }
     }
 }
@@ -79,18 +91,18 @@ impl Painter {
     pub fn new(
         device: Device,
         compiled: &Compiled,
-        mode: Mode,
+        view: View,
         samples: Option<u32>,
     ) -> Result<(Self, Option<String>), NoPainter> {
         if device == Device::Cpu {
             let left_out = [(compiled.has_meshes(), "meshes"), (compiled.has_balls(), "balls")];
             let left_out: Vec<&str> = left_out.into_iter().filter_map(|(has, what)| has.then_some(what)).collect();
             let note = (!left_out.is_empty()).then(|| format!("on the processor a picture leaves out {}", left_out.join(" and ")));
-            return Ok((Self::Cpu(cpu::Painter::new(compiled, mode, samples)), note));
+            return Ok((Self::Cpu(cpu::Painter::new(compiled, view, samples)), note));
         }
         #[cfg(feature = "gpu")]
         let missing = match surefoot_runtime::Gpu::headless() {
-            Ok(gpu) => match gpu::Painter::new(gpu, compiled, mode, samples) {
+            Ok(gpu) => match gpu::Painter::new(gpu, compiled, view, samples) {
                 Ok(painter) => {
                     let note = painter.is_software().then(|| format!("the adapter is a program: {}", painter.name()));
                     return Ok((Self::Gpu(Box::new(painter)), note));
@@ -109,7 +121,7 @@ impl Painter {
             _ => {
                 let left_out = "such a picture leaves out meshes and balls";
                 Ok((
-                    Self::Cpu(cpu::Painter::new(compiled, mode, samples)),
+                    Self::Cpu(cpu::Painter::new(compiled, view, samples)),
                     Some(format!("{missing}; drawing on the processor ({left_out})")),
                 ))
             }
@@ -170,11 +182,11 @@ pub fn broken_meshes(compiled: &Compiled) -> Vec<Diagnostic> {
 
 /// So many samples make a picture where nobody says how many: many where they are soon drawn, four times as many through a lens, one where the
 /// picture is a measurement.
-fn samples(compiled: &Compiled, mode: Mode, quick: bool) -> u32 {
+fn samples(compiled: &Compiled, view: View, quick: bool) -> u32 {
     let through = if compiled.blocks.cameras.iter().any(|camera| camera.lens.is_some()) { 4 } else { 1 };
-    match (mode, quick) {
-        (Mode::Shaded, true) => 16 * through,
-        (Mode::Shaded, false) => 4 * through,
+    match (view, quick) {
+        (View::Shaded, true) => 16 * through,
+        (View::Shaded, false) => 4 * through,
         _ => 1,
     }
 }
@@ -197,7 +209,7 @@ pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<()
 mod gpu {
     //! On the graphics adapter.
 
-    use super::{Compiled, Diagnostic, Live, Mode, Shot, files};
+    use super::{Compiled, Diagnostic, Live, Shot, View, files};
     use surefoot_runtime::headless;
     use surefoot_runtime::mesh::Assets;
     use surefoot_runtime::physics::{Physics, STEP};
@@ -219,10 +231,10 @@ mod gpu {
     }
 
     impl Painter {
-        pub fn new(gpu: Gpu, compiled: &Compiled, mode: Mode, samples: Option<u32>) -> Result<Self, String> {
-            let samples = samples.unwrap_or(super::samples(compiled, mode, !gpu.is_software()));
-            let format = headless::format(compiled, mode.into(), samples);
-            let mut picture = Picture::prepare(&gpu, compiled, format, mode.into())?;
+        pub fn new(gpu: Gpu, compiled: &Compiled, view: View, samples: Option<u32>) -> Result<Self, String> {
+            let samples = samples.unwrap_or(super::samples(compiled, view, !gpu.is_software()));
+            let format = headless::format(compiled, view, samples);
+            let mut picture = Picture::prepare(&gpu, compiled, format, view)?;
             let mut assets = Assets::new();
             let broken = assets.load(&files::FileLoader, compiled, &|_, _, _| {});
             picture.show_meshes(&assets.meshes(compiled))?;
@@ -307,29 +319,29 @@ mod gpu {
 mod cpu {
     //! On the processor's cores.
 
-    use super::{Compiled, Diagnostic, Live, Mode, Shot};
+    use super::{Compiled, Diagnostic, Live, Shot, View};
     use rayon::prelude::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
     use surefoot_compiler::images::Images;
     use surefoot_compiler::reference::film::{bloom, develop, dither, level};
     use surefoot_compiler::srgb::{decode, encode};
-    use surefoot_compiler::reference::{Area, Reference, View};
+    use surefoot_compiler::reference::{Area, Reference};
 
     /// Side of the squares that the cores take one after another.
     const TILE: u32 = 32;
 
     /// What the pictures show, of how many samples, and with which images.
     pub struct Painter {
-        mode: Mode,
+        view: View,
         samples: u32,
         images: Images,
         broken: Vec<Diagnostic>,
     }
 
     impl Painter {
-        pub fn new(compiled: &Compiled, mode: Mode, samples: Option<u32>) -> Self {
+        pub fn new(compiled: &Compiled, view: View, samples: Option<u32>) -> Self {
             let (images, broken) = images(compiled);
-            Self { mode, samples: samples.unwrap_or(super::samples(compiled, mode, false)), images, broken }
+            Self { view, samples: samples.unwrap_or(super::samples(compiled, view, false)), images, broken }
         }
 
         pub fn broken(&self) -> &[Diagnostic] {
@@ -358,7 +370,7 @@ mod cpu {
                     height: TILE.min(height - top),
                 })
                 .collect();
-            let (view, samples) = (View::from(self.mode), self.samples);
+            let (view, samples) = (self.view, self.samples);
             // Light is scattered before the tone curve, and from anywhere in the picture.
             let blooms = view == View::Shaded && frame.bloom > 0.0;
             let done = AtomicUsize::new(0);

@@ -92,7 +92,7 @@ fn median(mut measure: impl FnMut() -> Result<Duration, String>) -> Result<Durat
 fn left_out(compiled: &Compiled, features: &Features) -> Vec<(&'static str, &'static str)> {
     let shaded = features.view == crate::ViewMode::Shaded;
     // Why the view does without what the scene may have.
-    let rays = |has: bool| has.then_some("this view shows rays alone");
+    let rays = |has: bool| has.then_some("this view shows the field alone");
     let dark = (!shaded).then_some("this view shows no light");
     let there = [
         (features.meshes, rays(compiled.has_meshes())),

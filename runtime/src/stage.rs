@@ -17,6 +17,8 @@ pub struct Stage {
     picture: Option<Arc<Mutex<Picture>>>,
     live: Option<Live>,
     time: f64,
+    /// Where the plane of a slice is.
+    slice: f64,
     /// Whether time runs.
     pub playing: bool,
     animated: bool,
@@ -46,6 +48,7 @@ impl Stage {
             _ => ready.compiled.live(),
         };
         live.time = self.time;
+        live.slice = self.slice;
         self.animated = ready.compiled.reads_time();
         let parts = (ready.balls, ready.picture.as_ref().map(|p| p.gpu().clone()));
         self.trouble = match parts {
@@ -171,6 +174,19 @@ impl Stage {
         if let Some(live) = &mut self.live {
             live.time = self.time;
         }
+    }
+
+    /// Puts the plane of a slice to a place along its axis.
+    pub fn set_slice(&mut self, at: f64) {
+        self.slice = if at.is_finite() { at } else { 0.0 };
+        if let Some(live) = &mut self.live {
+            live.slice = self.slice;
+        }
+    }
+
+    /// Where along its axis the plane of a slice is.
+    pub fn slice(&self) -> f64 {
+        self.slice
     }
 
     /// Lets so many seconds pass, if time runs: fewer where the balls can't follow, or what moves would hit them faster than it goes.

@@ -88,21 +88,7 @@ impl Reference {
         let occlusion = self.occlusion(places, reach, strength);
         let mut lit = vec![vec![1.0; shading.lamps.len()]; places.len()];
         for (which, lamp) in shading.lamps.iter().enumerate().filter(|(_, l)| l.softness >= 0.0) {
-            let mut rays = Vec::new();
-            let mut of = Vec::new();
-            for (i, seen) in places.iter().enumerate() {
-                let Some(arriving) = shading.arriving(lamp, seen.point, seen.normal) else {
-                    continue;
-                };
-                let off = self.off(seen.point, seen.t, footprint);
-                rays.push(Ray {
-                    origin: add(seen.point, scale(seen.normal, off)),
-                    direction: arriving.direction,
-                    t_min: off,
-                    t_max: arriving.far,
-                });
-                of.push(i);
-            }
+            let (rays, of) = self.rays_to(shading, lamp, places, footprint);
             let dark = |rays: &[Ray]| self.lit(lamp, shading.part, rays, frame.extent);
             let mut shares = dark(&rays);
             if self.glass.is_some() {
@@ -116,6 +102,17 @@ impl Reference {
         }
         let all = places.iter().zip(surfaces).zip(occlusion.iter().zip(&lit));
         all.map(|((seen, surface), (&occlusion, lit))| shading.leaving(seen, surface, occlusion, lit)).collect()
+    }
+
+    /// Rays to a lamp's middle from the places on whose fronts it shines, with the numbers of those.
+    pub(super) fn rays_to(&self, shading: &Shading, lamp: &Lamp, places: &[Seen], footprint: f64) -> (Vec<Ray>, Vec<usize>) {
+        let ray = |(i, seen): (usize, &Seen)| {
+            let arriving = shading.arriving(lamp, seen.point, seen.normal)?;
+            let off = self.off(seen.point, seen.t, footprint);
+            let origin = add(seen.point, scale(seen.normal, off));
+            Some((Ray { origin, direction: arriving.direction, t_min: off, t_max: arriving.far }, i))
+        };
+        places.iter().enumerate().filter_map(ray).unzip()
     }
 
     /// How much of a lamp is seen along rays to its middle, of which `t_min` is how far they start from a surface: of all of its disc, or of what a

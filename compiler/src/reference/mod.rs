@@ -16,6 +16,7 @@ pub mod shade;
 mod shadow;
 pub mod steps;
 pub mod tone;
+mod views;
 
 pub use follow::Kind;
 pub use scene::{Area, Hit, Reference, View};
@@ -347,7 +348,7 @@ impl Reference {
         area: Area,
         sample: u32,
     ) -> Vec<[f32; 4]> {
-        let shading = Shading { part: Part::of(sample), ..Shading::of(frame, self.images.environment.clone()) };
+        let shading = Shading { part: Part::of(sample), spacing: shade::slice_spacing(camera), ..Shading::of(frame, self.images.environment.clone()) };
         let offset = sample_offset(sample);
         let basis = Basis::of(camera);
         let mut pixels = vec![[0.0; 4]; area.width as usize * area.height as usize];
@@ -387,24 +388,31 @@ impl Reference {
         rays: &[Ray],
         footprint: f64,
     ) -> Vec<[f32; 4]> {
+        if let View::Slice(axis) = view {
+            return self.sliced(frame, axis, shading.spacing, rays, footprint);
+        }
         let hits = self.trace(rays, footprint, frame.extent);
         let met = numbered(rays, &hits);
         let mut colors: Vec<Vec3> = match view {
             View::Shaded => {
                 rays.iter().map(|r| shading.exposed(shading.behind(r.direction))).collect()
             }
-            View::Normals => vec![[0.12; 3]; rays.len()],
             View::Steps => hits.iter().map(|hit| shade::steps_color(hit.steps)).collect(),
             View::Depth => vec![[0.0; 3]; rays.len()],
+            _ => vec![shade::NOTHING; rays.len()],
         };
         let places = match view {
-            View::Shaded | View::Normals => self.places(&met),
             View::Steps | View::Depth => Vec::new(),
+            _ => self.places(&met),
         };
         let found: Vec<Vec3> = match view {
             View::Shaded => self.light(frame, shading, &places, footprint),
             View::Normals => places.iter().map(|s| shade::normal_color(s.normal)).collect(),
-            View::Steps => Vec::new(),
+            View::Steps | View::Slice(_) => Vec::new(),
+            View::Gradient => self.steepness(&places),
+            View::Factor => self.parts_of_distance(&places, footprint),
+            View::Occlusion => self.occlusion(&places, frame.ambient_occlusion.0, frame.ambient_occlusion.1).into_iter().map(|open| [open; 3]).collect(),
+            View::Shadow => self.lights_arriving(frame, shading, &places, footprint),
             View::Depth => {
                 met.iter().map(|(_, _, h)| shade::depth_color(h.t, frame.max_distance)).collect()
             }

@@ -20,6 +20,16 @@ pub enum View {
     Steps,
     /// How far the surface is.
     Depth,
+    /// How steep the field is at the surface.
+    Gradient,
+    /// What of the distance a ray may go right above the surface: where it is not all of it, a factor is at work.
+    Factor,
+    /// How much of the sky's light arrives.
+    Occlusion,
+    /// How much of the lights arrives.
+    Shadow,
+    /// A plane through the field, square to the axis of this number, at [`Live::slice`](crate::live::Live::slice); nothing is before it.
+    Slice(u8),
 }
 
 /// A rectangle of a picture's pixels.

@@ -11,6 +11,7 @@
 use super::area::Part;
 use crate::vector::{Vec3, add, cross, dot, length, mix, mul, scale, smooth, sub, unit};
 use crate::blocks::Shadow;
+use crate::camera::{Basis, Camera};
 use crate::frame::{GROUND, MAX_LIGHTS, PLAIN_SKY, Fog, Frame, Light, LightKind, Sky, default_light};
 use crate::images::Cube;
 use std::borrow::Cow;
@@ -226,6 +227,8 @@ pub struct Shading {
     pub max_distance: f64,
     /// Beyond this distance from the origin nothing is drawn.
     pub extent: f64,
+    /// The value from one line of a slice to the next.
+    pub spacing: f64,
 }
 
 /// What leaves a surface toward the eye.
@@ -257,6 +260,7 @@ impl Shading {
             fog: frame.fog,
             max_distance: frame.max_distance,
             extent: frame.extent,
+            spacing: 1.0,
         }
     }
 
@@ -440,6 +444,28 @@ pub fn isolines_color(value: f64, slope: f64, spacing: f64, across: f64) -> Vec3
     let surface = (1.8 - value.abs() / slope).clamp(0.0, 1.0);
     let color = scale(ground, deep * hatched * (1.0 - 0.45 * line));
     mix(color, [1.0; 3], surface)
+}
+
+/// What views show where there is nothing that show no light.
+pub const NOTHING: Vec3 = [0.12; 3];
+/// Where no light shines on the front of a surface.
+pub const UNLIT: Vec3 = [0.16, 0.2, 0.3];
+
+/// The colour of a gradient's length: grey at 1, red above, blue below, the brightest at four times and a quarter.
+pub fn gradient_color(steep: f64) -> Vec3 {
+    let steep = (0.5 * steep.max(1e-6).log2()).clamp(-1.0, 1.0);
+    mix([0.78; 3], if steep > 0.0 { [0.95, 0.2, 0.12] } else { [0.15, 0.35, 0.95] }, steep.abs())
+}
+
+/// The colour of the part of the distance that a ray may go: grey where it is all of it, darker and redder the less, black at an eighth.
+pub fn factor_color(part: f64) -> Vec3 {
+    let part = (1.0 + part.max(1e-6).log2() / 3.0).clamp(0.0, 1.0);
+    [part.sqrt(), part, part * part].map(|c| 0.85 * c)
+}
+
+/// The value from one line of a slice to the next, seen by a camera: about sixteen fill the picture where it looks at.
+pub fn slice_spacing(camera: &Camera) -> f64 {
+    isolines_spacing(2.0 * Basis::of(camera).tan_half_fov * length(sub(camera.eye, camera.target)) / 16.0)
 }
 
 /// The grey of a distance: white at the eye, falling with the logarithm, black at the far end.

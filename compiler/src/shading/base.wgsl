@@ -54,10 +54,12 @@ struct SceneUniforms {
     lean: vec2f,
     // The length that rounding grows with beside coordinates.
     unit: f32,
-    padding: f32,
+    // Where along its axis the plane of a slice is, in the scene.
+    slice: f32,
     // What this picture of a film looks at of a light's disc: a place, on a disc of radius one; and how many times as sharp, 0 for a sharp edge.
     part: vec3f,
-    spare: f32,
+    // The value of the field from one line of a slice to the next.
+    spacing: f32,
     lights: array<SceneLight, 16>,
 }
 

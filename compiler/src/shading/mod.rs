@@ -109,6 +109,11 @@ impl Shading {
         if self.optics { include_str!("camera.wgsl") } else { include_str!("pinhole.wgsl") }
     }
 
+    /// The text of how much of the sky's light arrives.
+    pub fn occlusion(&self) -> &'static str {
+        if self.occlusion { include_str!("occlusion.wgsl") } else { include_str!("no_occlusion.wgsl") }
+    }
+
     /// The text of the tone curve.
     pub fn tone(&self) -> &'static str {
         match self.tone {
@@ -136,7 +141,7 @@ impl Shading {
         } else {
             sections.push(include_str!("no_shadow.wgsl"));
         }
-        sections.push(if self.occlusion { include_str!("occlusion.wgsl") } else { include_str!("no_occlusion.wgsl") });
+        sections.push(self.occlusion());
         let mut sections: Vec<Cow<'static, str>> = sections.into_iter().map(Cow::Borrowed).chain(parts.met).collect();
         if self.glass {
             // What throws shadows may be glass.

@@ -6,9 +6,10 @@ use super::console::{Exit, Failure, compile_file, ends_wrong, show_broken, spare
 use super::render;
 use super::values::{self, Setting};
 use crate::files;
-use crate::picture::{Device, Mode, NoPainter, Painter, Shot};
+use crate::picture::{Device, NoPainter, Painter, Shot};
 use image::{ExtendedColorType, codecs::jpeg::JpegEncoder};
 use std::path::PathBuf;
+use surefoot_compiler::reference::View;
 use surefoot_compiler::Options;
 use surefoot_compiler::compiled::Live;
 use surefoot_hosts::{Host, Showing, page};
@@ -76,7 +77,7 @@ fn poster(args: &Args, live: &Live) -> Result<Vec<u8>, Failure> {
     let outcome = compile_file(&args.scene, &Options { choose: values::choices(&args.set), ..Options::default() })?;
     let compiled = outcome.compiled.as_ref().ok_or_else(|| failed("it has errors".to_owned()))?;
     let (width, height) = args.size.unwrap_or(POSTER);
-    let (mut painter, _) = Painter::new(args.device, compiled, Mode::default(), None).map_err(|why| match why {
+    let (mut painter, _) = Painter::new(args.device, compiled, View::default(), None).map_err(|why| match why {
         NoPainter::NoGraphics(words) => Failure { exit: Exit::NoGraphics, words },
         NoPainter::Refused(words) => failed(words),
     })?;

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use surefoot_compiler::Options;
 use surefoot_compiler::compiled::{Camera, Frame};
 use surefoot_compiler::diagnostic::Diagnostic;
+use surefoot_compiler::reference::View;
 
 /// What to draw, and how.
 #[derive(Debug, clap::Args)]
@@ -44,6 +45,9 @@ pub struct Args {
     /// What the picture shows.
     #[arg(long, value_enum, default_value_t)]
     view: Mode,
+    /// Show a plane through the field instead: its lines, blue outside and orange inside. Nothing is drawn before the plane.
+    #[arg(long, value_parser = slice, value_name = "AXIS=PLACE", conflicts_with = "view")]
+    slice: Option<(u8, f64)>,
     /// What draws it.
     #[arg(long, value_enum, default_value_t)]
     device: Device,
@@ -67,6 +71,15 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
     side(width)
         .zip(side(height))
         .ok_or_else(|| "each side is a whole number from 1 to 16384".to_owned())
+}
+
+/// Reads `z=0.2`.
+fn slice(text: &str) -> Result<(u8, f64), String> {
+    let words = || "write x, y or z and a place along it, as z=0.2".to_owned();
+    let (axis, at) = text.split_once('=').ok_or_else(words)?;
+    let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim()).ok_or_else(words)?;
+    let at = at.trim().parse().ok().filter(|at: &f64| at.is_finite()).ok_or_else(words)?;
+    Ok((axis as u8, at))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -99,6 +112,8 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let (outcome, live) = values::read(&args.scene, &args.set, &Options { strict: args.strict, ..Options::default() })?;
     let (Some(compiled), Some(mut live)) = (&outcome.compiled, live) else { return Ok(Exit::Errors) };
     compiled.settle(&mut live);
+    live.slice = args.slice.map_or(0.0, |(_, at)| at);
+    let view = args.slice.map_or(args.view.into(), |(axis, _)| View::Slice(axis));
     let moments = moments(args)?;
     let film = film(args, moments.len())?;
     let single = args.frames.is_none() && args.period.is_none();
@@ -113,7 +128,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     show_found(&outcome, &unseen);
 
     let (mut painter, note) =
-        Painter::new(args.device, compiled, args.view, args.samples).map_err(|why| match why {
+        Painter::new(args.device, compiled, view, args.samples).map_err(|why| match why {
             NoPainter::NoGraphics(words) => Failure { exit: Exit::NoGraphics, words },
             NoPainter::Refused(words) => {
                 Failure::usage(format!("the graphics adapter refuses the scene: {words}"))

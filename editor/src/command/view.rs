@@ -1,8 +1,9 @@
 //! `surefoot view`: a scene in a live window.
 
 use super::console::{Exit, Failure, compile_file, show_broken, show_diagnostics};
-use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
+use crate::picture::{Device, NoPainter, Painter, Shot, write_png};
 use std::path::{Path, PathBuf};
+use surefoot_compiler::reference::View;
 use surefoot_compiler::Options;
 
 /// What to show.
@@ -83,7 +84,7 @@ fn picture(args: &Args, why: &str) -> Result<Exit, Failure> {
     show_diagnostics(&outcome);
     let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
     let (mut painter, note) =
-        Painter::new(Device::Auto, compiled, Mode::Shaded, None).map_err(|why| match why {
+        Painter::new(Device::Auto, compiled, View::Shaded, None).map_err(|why| match why {
             NoPainter::NoGraphics(words) | NoPainter::Refused(words) => Failure::usage(words),
         })?;
     if let Some(note) = note {

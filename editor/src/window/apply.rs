@@ -157,6 +157,9 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::Turn(right, down) => move_camera(session, |orbit| orbit.turn(right, down)),
         Command::Pan(right, down) => move_camera(session, |orbit| orbit.pan(right, down)),
         Command::Dolly(factor) => move_camera(session, |orbit| orbit.dolly(factor)),
+        Command::LookFrom(side) => move_camera(session, |orbit| orbit.look_from(side)),
+        Command::FrameSelection => frame_selection(session),
+        Command::Slice(at) => session.stage.set_slice(at),
         Command::Home => session.look.orbit = None,
         Command::KeepView => keep_view(session),
         Command::Camera(name) => {
@@ -377,6 +380,21 @@ fn move_camera(session: &mut Session, change: impl FnOnce(&mut Orbit)) {
     if let Some(camera) = session.camera() {
         let orbit = session.look.orbit.get_or_insert_with(|| Orbit::from_camera(&camera));
         change(orbit);
+    }
+}
+
+/// Comes nearer to what was picked; where nothing was, so far away that the whole solid is seen.
+fn frame_selection(session: &mut Session) {
+    let picked = session.looking.point().filter(|_| session.looking.is_of(session.scene(), session.stage.live()));
+    let solid = session.scene().and_then(|scene| scene.functions.ahead.solid).filter(|solid| solid.0.iter().all(|side| side.is_finite()));
+    match (picked, solid) {
+        (Some(point), _) => move_camera(session, |orbit| orbit.frame(point, None)),
+        (None, Some(solid)) => {
+            let half = solid.0.map(|side| 0.5 * side.width());
+            let middle = solid.0.map(|side| 0.5 * (side.lo + side.hi));
+            move_camera(session, |orbit| orbit.frame(middle, Some(length(half))));
+        }
+        (None, None) => session.look.orbit = None,
     }
 }
 

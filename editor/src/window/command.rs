@@ -2,6 +2,7 @@
 
 use crate::window::document::{Disk, Resolution};
 use crate::window::examples::Example;
+use crate::window::orbit::Side;
 use crate::window::session::{Mend, Place, Purpose, Search};
 use crate::window::theme::Choice;
 use std::path::PathBuf;
@@ -152,6 +153,12 @@ pub enum Command {
     Pan(f64, f64),
     /// Go nearer or farther by a factor.
     Dolly(f64),
+    /// Look along an axis: from the front, from the right or from above.
+    LookFrom(Side),
+    /// Come nearer to what was picked, or see the whole solid.
+    FrameSelection,
+    /// Put the plane of a slice to a place along its axis.
+    Slice(f64),
     /// Back to the scene's camera.
     Home,
     /// Write where the camera stands into the scene's text.

@@ -1,6 +1,6 @@
 //! The picture as a file, drawn on another thread while the window goes on.
 
-use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
+use crate::picture::{Device, NoPainter, Painter, Shot, write_png};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -30,19 +30,13 @@ impl Export {
         }
         let (scene, mut live) = (scene.clone(), live.clone());
         scene.settle(&mut live);
-        let mode = match view {
-            ViewMode::Normals => Mode::Normals,
-            ViewMode::Steps => Mode::Steps,
-            ViewMode::Depth => Mode::Depth,
-            _ => Mode::Shaded,
-        };
         let part = Arc::new(AtomicU32::new(0));
         let (sender, answer) = channel();
         let told = part.clone();
         let draw = move || {
             let tell = |done: f64| told.store((done * PARTS) as u32, Ordering::Relaxed);
             // The window may be closed by now.
-            let _ = sender.send(draw(&scene, &live, camera, mode, &tell).and_then(|rgba| write_png(&path, SIZE.0, SIZE.1, &rgba).map(|()| path)));
+            let _ = sender.send(draw(&scene, &live, camera, view, &tell).and_then(|rgba| write_png(&path, SIZE.0, SIZE.1, &rgba).map(|()| path)));
             wake();
         };
         // Where there can be no thread the sender is gone, and that is said.
@@ -69,8 +63,8 @@ impl Export {
     }
 }
 
-fn draw(scene: &Compiled, live: &Live, camera: Camera, mode: Mode, tell: &(dyn Fn(f64) + Sync)) -> Result<Vec<u8>, String> {
-    let painter = Painter::new(Device::Auto, scene, mode, None);
+fn draw(scene: &Compiled, live: &Live, camera: Camera, view: ViewMode, tell: &(dyn Fn(f64) + Sync)) -> Result<Vec<u8>, String> {
+    let painter = Painter::new(Device::Auto, scene, view, None);
     let (mut painter, _) = painter.map_err(|why| match why {
         NoPainter::NoGraphics(words) | NoPainter::Refused(words) => words,
     })?;

@@ -65,6 +65,8 @@ pub const KEYS: &[Part] = &[
             ("Arrows, and with Shift", "turn the camera, move it sideways"),
             ("Page Up, Page Down", "come nearer, go farther"),
             ("Ctrl+1, Ctrl+2, …", "the views of the toolbar"),
+            ("1, 3, 7", "look from the front, from the right, from above"),
+            ("F", "come nearer to what was picked, or see the whole solid"),
             ("Home, or a double click", "the scene's own camera"),
             ("Alt and a click", "name what made the pixel, and follow its ray"),
             ("Space", "let time run or stand"),

@@ -88,6 +88,8 @@ pub struct Looking {
     pub found: Option<Result<Found, String>>,
     /// The step of the ray that stands out.
     pub chosen: Option<usize>,
+    /// The point that was picked before that.
+    pub before: Option<[f64; 3]>,
     /// Whether the text goes to what is found.
     jumps: bool,
 }
@@ -95,9 +97,20 @@ pub struct Looking {
 impl Looking {
     /// Begins; what was asked before is given up.
     pub fn begin(&mut self, asked: Asked) {
+        self.before = self.point();
         self.chosen = None;
         self.jumps = true;
         self.ask(asked);
+    }
+
+    /// The point that was picked.
+    pub fn point(&self) -> Option<[f64; 3]> {
+        Some(self.found.as_ref()?.as_ref().ok()?.seen?.point)
+    }
+
+    /// Whether it is of the scene that is drawn now, but for the time.
+    pub fn is_of(&self, scene: Option<&Arc<Compiled>>, live: Option<&Live>) -> bool {
+        self.found.as_ref().is_some_and(|found| found.as_ref().is_ok_and(|found| found.is_of(scene, live)))
     }
 
     /// Shows the march from a step on.

@@ -292,6 +292,7 @@ impl App {
             ui.ctx().request_repaint_after(again);
         }
         panels::picture::paint(ui, rect, &self.session, shown);
+        panels::legend::show(ui, rect, &self.session, &mut commands);
         panels::picked::show(ui, rect, &self.session, &mut commands);
         panels::picture::band(ui, rect, &self.session, &mut commands);
         self.apply(commands);

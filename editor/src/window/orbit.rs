@@ -21,6 +21,17 @@ pub struct Orbit {
     began: f64,
 }
 
+/// From where one looks along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Along -z, where y is up.
+    Front,
+    /// Along -x.
+    Right,
+    /// From above.
+    Top,
+}
+
 /// Nearer to the vertical the picture would spin.
 const STEEPEST: f64 = FRAC_PI_2 - 0.01;
 /// Distances that 32 bits can tell apart from the target and from infinity.
@@ -80,6 +91,23 @@ impl Orbit {
         self.target += (up * down - aside * right) * height;
     }
 
+    /// Looks at the same place from a side, as far away as before.
+    pub fn look_from(&mut self, side: Side) {
+        (self.yaw, self.pitch) = match side {
+            Side::Front => (0.0, 0.0),
+            Side::Right => (FRAC_PI_2, 0.0),
+            Side::Top => (0.0, STEEPEST),
+        };
+    }
+
+    /// Looks at a point: so far away that a ball of this radius about it is seen, or half as far as before.
+    pub fn frame(&mut self, point: [f64; 3], radius: Option<f64>) {
+        self.target = point.into();
+        let half = Basis::of(&self.camera()).tan_half_fov.atan();
+        let distance = radius.map_or(0.5 * self.distance, |radius| 1.1 * radius / half.sin().max(1e-3));
+        self.distance = distance.clamp(DISTANCES.0, DISTANCES.1);
+    }
+
     /// Goes nearer (a factor below one) or farther.
     pub fn dolly(&mut self, factor: f64) {
         self.distance = (self.distance * factor).clamp(DISTANCES.0, DISTANCES.1);
@@ -123,6 +151,25 @@ mod tests {
         assert!(near(orbit.camera().target, [-1.0, 0.0, 0.0]));
         orbit.pan(0.0, 0.1);
         assert!(near(orbit.camera().target, [-1.0, 1.0, 0.0]));
+    }
+
+    #[test]
+    fn sides_and_frames_keep_what_is_seen_in_the_middle() {
+        let mut orbit = Orbit::from_camera(&CAMERA);
+        orbit.look_from(Side::Right);
+        let camera = orbit.camera();
+        assert!(near(camera.target, CAMERA.target) && camera.eye[0] > 9.0 && (camera.eye[1] - 1.0).abs() < 1e-9);
+        orbit.look_from(Side::Top);
+        assert!(orbit.camera().eye[1] > 9.0);
+        orbit.look_from(Side::Front);
+        assert!(orbit.camera().eye[2] > 9.0);
+        orbit.frame([1.0, 2.0, 3.0], Some(0.5));
+        let camera = orbit.camera();
+        assert!(near(camera.target, [1.0, 2.0, 3.0]));
+        // The ball just fits between the edges.
+        let away = DVec3::from(camera.eye).distance(DVec3::from(camera.target));
+        let seen = (0.5 / away).asin();
+        assert!(seen < 0.4 && seen > 0.8 * 0.4, "{seen}");
     }
 
     #[test]

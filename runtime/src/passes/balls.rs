@@ -144,7 +144,7 @@ fn pipeline(
     sections.push(match features.view {
         ViewMode::Normals => include_str!("balls/normals.wgsl"),
         ViewMode::Depth => include_str!("balls/depth.wgsl"),
-        ViewMode::Shaded | ViewMode::Steps => include_str!("balls/shaded.wgsl"),
+        _ => include_str!("balls/shaded.wgsl"),
     });
     let key = PipelineKey {
         wgsl: sections.join("\n"),

@@ -165,7 +165,7 @@ fn pipeline(
     sections.push(match features.view {
         ViewMode::Normals => include_str!("meshes/normals.wgsl"),
         ViewMode::Depth => include_str!("meshes/depth.wgsl"),
-        ViewMode::Shaded | ViewMode::Steps => include_str!("meshes/shaded.wgsl"),
+        _ => include_str!("meshes/shaded.wgsl"),
     });
     let module = crate::module::layout(gpu, &compiled.module, wgpu::ShaderStages::VERTEX_FRAGMENT);
     let scene = surroundings::layout(gpu, features);

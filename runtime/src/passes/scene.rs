@@ -64,23 +64,25 @@ impl Features {
         let constant = |node| compiled.graph.as_constant(node);
         let blocks = &compiled.blocks;
         let shaded = view == ViewMode::Shaded;
+        let lit = shaded || view == ViewMode::Shadow;
+        // Not where something is shown that the field alone has.
+        let solids = matches!(view, ViewMode::Shaded | ViewMode::Normals | ViewMode::Depth);
         let off = blocks.shadows.and_then(constant) == Some(0.0);
         let shading = Shading::of(&compiled.graph, blocks, &compiled.functions);
         Self {
             view,
-            shadows: shaded && shading.shadows,
-            emitters: shaded && shading.emitters,
-            occlusion: shaded && shading.occlusion,
+            shadows: lit && shading.shadows,
+            emitters: lit && shading.emitters,
+            occlusion: (shaded || view == ViewMode::Occlusion) && shading.occlusion,
             environment: shaded && blocks.environment.is_some(),
             textures: if shaded { compiled.functions.textures().len().min(MOST_TEXTURES) as u32 } else { 0 },
             reflections: if shaded { shading.reflections } else { 0 },
             glass: shaded && shading.glass,
             capture: blocks.capture.filter(|_| shaded).map(|capture| capture.size),
             captures: false,
-            // Not where the steps of rays are shown.
-            balls: compiled.has_balls() && view != ViewMode::Steps,
-            meshes: compiled.has_meshes() && view != ViewMode::Steps,
-            meshes_first: compiled.has_meshes() && view != ViewMode::Steps,
+            balls: compiled.has_balls() && solids,
+            meshes: compiled.has_meshes() && solids,
+            meshes_first: compiled.has_meshes() && solids,
             lights: shading.lights,
             tone: if shaded { shading.tone } else { Tone::default() },
             fog: shaded && shading.fog,
@@ -115,10 +117,13 @@ impl Features {
     /// The functions of the module that the pass calls.
     pub fn exports(&self) -> Vec<Export> {
         let mut exports = vec![Export::Trace];
-        if matches!(self.view, ViewMode::Shaded | ViewMode::Normals) {
+        if !matches!(self.view, ViewMode::Steps | ViewMode::Depth) {
             exports.push(Export::Gradient);
         }
-        if self.view == ViewMode::Shaded {
+        if self.view == ViewMode::Factor {
+            exports.extend([Export::Bound, Export::Distance]);
+        }
+        if matches!(self.view, ViewMode::Shaded | ViewMode::Shadow) {
             exports.push(Export::Surface);
         }
         if self.shadows {
@@ -137,8 +142,11 @@ impl Features {
     pub(super) fn shading(&self, compiled: &Compiled) -> Vec<Cow<'static, str>> {
         let shading = self.parts();
         let mut sections: Vec<Cow<'static, str>> = vec![shading::BASE.into(), include_str!("scene/bindings.wgsl").into(), shading.eye().into()];
-        if self.view != ViewMode::Shaded {
+        if !matches!(self.view, ViewMode::Shaded | ViewMode::Shadow) {
             sections.extend([shading::DITHER, shading::TARGET].map(Cow::Borrowed));
+            if self.view == ViewMode::Occlusion {
+                sections.push(shading.occlusion().into());
+            }
             return sections;
         }
         sections.extend(shading.sections(Parts {
@@ -171,12 +179,14 @@ impl Features {
         let eight_bits = matches!(format.remove_srgb_suffix(), wgpu::TextureFormat::Rgba8Unorm | wgpu::TextureFormat::Bgra8Unorm);
         // Of what is no light the levels are numbers to read.
         let level = if eight_bits && self.view == ViewMode::Shaded { 1.0 / 255.0 } else { 0.0 };
-        vec![
+        let axis = if let ViewMode::Slice(axis) = self.view { Some(("scene_axis", f64::from(axis.min(2)))) } else { None };
+        let all = [
             ("scene_lights", self.lights.into()),
             ("scene_bounces", self.reflections.into()),
             ("scene_linear", f64::from(u8::from(linear))),
             ("scene_step", level),
-        ]
+        ];
+        all.into_iter().chain(axis).collect()
     }
 
     /// The pass's text, to stand after the scene's module. Entry points: `vertex`, `fragment`; uniforms: group 1, binding 0.
@@ -190,6 +200,11 @@ impl Features {
             ViewMode::Normals => include_str!("scene/view_normals.wgsl"),
             ViewMode::Steps => include_str!("scene/view_steps.wgsl"),
             ViewMode::Depth => include_str!("scene/view_depth.wgsl"),
+            ViewMode::Gradient => include_str!("scene/view_gradient.wgsl"),
+            ViewMode::Factor => include_str!("scene/view_factor.wgsl"),
+            ViewMode::Occlusion => include_str!("scene/view_occlusion.wgsl"),
+            ViewMode::Shadow => include_str!("scene/view_shadow.wgsl"),
+            ViewMode::Slice(_) => include_str!("scene/view_slice.wgsl"),
         });
         push(match self.depth() {
             true if self.meshes_first => include_str!("scene/color_behind.wgsl"),
@@ -253,9 +268,9 @@ uniforms! {
         density: f32,
         lean: [f32; 2],
         unit: f32,
-        padding: f32,
+        slice: f32,
         part: [f32; 3],
-        spare: f32,
+        spacing: f32,
         lights: [SceneLight; MAX_LIGHTS],
     }
 }
@@ -282,7 +297,8 @@ impl SceneUniforms {
         corner: [f32; 2],
     ) -> Self {
         let basis = Basis::of(camera);
-        Self { corner, ..Self::seen(frame, camera.eye, &basis, origin, size) }
+        let spacing = shade::slice_spacing(camera) as f32;
+        Self { corner, spacing, ..Self::seen(frame, camera.eye, &basis, origin, size) }
     }
 
     /// From a place along axes, on a target of this size.
@@ -325,9 +341,9 @@ impl SceneUniforms {
             density: fog.density as f32,
             lean: basis.lean.map(|c| c as f32),
             unit: 1.0,
-            padding: 0.0,
+            slice: frame.slice as f32,
             part: [0.0, 0.0, 1.0],
-            spare: 0.0,
+            spacing: 1.0,
             lights,
         }
     }

@@ -8,6 +8,7 @@ mod colors;
 pub mod help;
 mod history;
 pub mod icons;
+pub mod legend;
 pub mod lines;
 pub mod measures;
 mod menus;

@@ -6,6 +6,7 @@ use crate::window::panels::icons::{self, Icon};
 use crate::window::session::Session;
 use crate::window::theme;
 use surefoot_compiler::reference::shade::Seen;
+use surefoot_compiler::vector::{length, sub};
 use egui::{Align, Align2, Area, CornerRadius, Frame, Id, Layout, Link, Margin, Order, Rect, RichText, Ui};
 
 /// How wide it is at most.
@@ -47,7 +48,14 @@ fn words(ui: &mut Ui, session: &Session, found: &Found, commands: &mut Vec<Comma
         ui.label(RichText::new("The scene has changed since.").small().color(theme::WARNING));
     }
     match found.seen {
-        Some(seen) => parts(ui, found, &seen, commands),
+        Some(seen) => {
+            parts(ui, found, &seen, commands);
+            if let Some(before) = session.looking.before {
+                let unit = session.scene().and_then(|scene| scene.blocks.unit).map_or("", |unit| unit.name());
+                let words = format!("{:.4} {unit} from the point that was picked before", length(sub(seen.point, before)));
+                ui.label(RichText::new(words.replace("  ", " ")).small().color(theme::TEXT));
+            }
+        }
         None => drop(ui.label("nothing is seen there")),
     }
     super::ray::show(ui, session, found, commands);

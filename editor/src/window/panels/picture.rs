@@ -2,6 +2,7 @@
 
 use crate::window::canvas::Shown;
 use crate::window::command::Command;
+use crate::window::orbit::Side;
 use crate::window::panels::icons::{self, Icon};
 use crate::window::panels::status::working;
 use crate::window::session::Session;
@@ -66,6 +67,16 @@ pub fn keys(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
     }
     if ui.input(|i| i.key_pressed(Key::Home)) {
         commands.push(Command::Home);
+    }
+    // A key with Control or Alt is another.
+    let plain = |key| ui.input(|i| i.modifiers.is_none() && i.key_pressed(key));
+    for (key, side) in [(Key::Num1, Side::Front), (Key::Num3, Side::Right), (Key::Num7, Side::Top)] {
+        if plain(key) {
+            commands.push(Command::LookFrom(side));
+        }
+    }
+    if plain(Key::F) {
+        commands.push(Command::FrameSelection);
     }
     if ui.input(|i| i.key_pressed(Key::Space)) {
         commands.push(Command::Play(!session.stage.playing));

@@ -15,6 +15,16 @@ pub const MODES: [(ViewMode, &str, &str); 4] = [
     (ViewMode::Steps, "Steps", "how many steps a ray takes: dark is few"),
     (ViewMode::Depth, "Depth", "how far the surface is"),
 ];
+/// The same, in a list.
+const MORE: [(ViewMode, &str, &str); 7] = [
+    (ViewMode::Gradient, "Gradient", "how steep the field is at the surface"),
+    (ViewMode::Factor, "Factor", "what of the distance a ray may go right above the surface"),
+    (ViewMode::Occlusion, "Occlusion", "how much of the sky's light arrives"),
+    (ViewMode::Shadow, "Shadow", "how much of the lights arrives"),
+    (ViewMode::Slice(0), "Slice x", "a plane through the field, square to x"),
+    (ViewMode::Slice(1), "Slice y", "a plane through the field, square to y"),
+    (ViewMode::Slice(2), "Slice z", "a plane through the field, square to z"),
+];
 
 /// Narrower than this the views become a list.
 const NARROW: f32 = 820.0;
@@ -62,22 +72,29 @@ fn left(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Command
 
 fn modes(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Command>) {
     if narrow {
-        let shown = MODES.iter().find(|(mode, ..)| *mode == session.look.mode).map_or("", |(_, name, _)| name);
+        let shown = MODES.iter().chain(&MORE).find(|(mode, ..)| *mode == session.look.mode).map_or("", |(_, name, _)| name);
         let list = egui::ComboBox::from_id_salt("view").selected_text(shown).width(80.0);
-        let list = list.show_ui(ui, |ui| choices(ui, session, commands));
+        let list = list.show_ui(ui, |ui| {
+            choices(ui, session, &MODES, commands);
+            choices(ui, session, &MORE, commands);
+        });
         icons::name(ui, list.response.id, "View");
         return;
     }
     ui.spacing_mut().item_spacing.x = 2.0;
-    choices(ui, session, commands);
+    choices(ui, session, &MODES, commands);
+    let shown = MORE.iter().find(|(mode, ..)| *mode == session.look.mode).map_or("More", |(_, name, _)| name);
+    let list = egui::ComboBox::from_id_salt("more views").selected_text(shown).width(72.0);
+    let list = list.show_ui(ui, |ui| choices(ui, session, &MORE, commands));
+    icons::name(ui, list.response.id, "More views");
     ui.spacing_mut().item_spacing.x = 8.0;
 }
 
-fn choices(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    for (mode, name, hover) in MODES {
-        let chosen = session.look.mode == mode;
-        if ui.selectable_label(chosen, name).on_hover_text(hover).clicked() && !chosen {
-            commands.push(Command::Mode(mode));
+fn choices(ui: &mut Ui, session: &Session, modes: &[(ViewMode, &str, &str)], commands: &mut Vec<Command>) {
+    for (mode, name, hover) in modes {
+        let chosen = session.look.mode == *mode;
+        if ui.selectable_label(chosen, *name).on_hover_text(*hover).clicked() && !chosen {
+            commands.push(Command::Mode(*mode));
         }
     }
 }

@@ -1,6 +1,7 @@
 //! A person points at a pixel: its shape is named, and the text shows it.
 
 use super::*;
+use egui::pos2;
 use crate::window::looking::Found;
 
 /// Holds a key down and clicks.
@@ -66,4 +67,79 @@ fn a_pixel_names_its_shape_and_the_text_goes_there() {
     click_with(&mut harness, Modifiers::ALT, MIDDLE - vec2(0.0, 300.0));
     until(&mut harness, |app| found(app).is_some());
     harness.get_by_label("nothing is seen there");
+}
+
+#[test]
+fn views_say_what_their_colours_mean_and_a_slice_is_dragged_through_the_field() {
+    let folder = Folder::new("views", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    assert!(harness.query_by_label("64 steps").is_none());
+    for (mode, words) in [
+        (surefoot_runtime::ViewMode::Steps, "64 steps"),
+        (surefoot_runtime::ViewMode::Gradient, "slope 1"),
+        (surefoot_runtime::ViewMode::Factor, "of the distance"),
+        (surefoot_runtime::ViewMode::Occlusion, "open"),
+        (surefoot_runtime::ViewMode::Shadow, "lit"),
+    ] {
+        let swaps = harness.state().session.said.swaps;
+        harness.state_mut().apply(vec![Command::Mode(mode)]);
+        until(&mut harness, |app| app.session.said.swaps > swaps);
+        harness.get_by_label(words);
+    }
+    let [r, g, b, _] = pixel(&mut harness, MIDDLE + vec2(0.0, 20.0));
+    assert!(r == g && g == b, "a share of light has no colour: {r} {g} {b}");
+    // By hand: the list of views, then the plane.
+    let swaps = harness.state().session.said.swaps;
+    harness.get_by_label("More views").click();
+    harness.run_steps(3);
+    harness.get_by_label("Slice z").click();
+    until(&mut harness, |app| app.session.said.swaps > swaps);
+    let [r, _, b, _] = pixel(&mut harness, MIDDLE);
+    assert!(r > b, "inside is orange: {r} {b}");
+    harness.state_mut().apply(vec![Command::Slice(1.5)]);
+    harness.run_steps(4);
+    let [r, _, b, _] = pixel(&mut harness, MIDDLE);
+    assert!(b > r, "the plane is before the ball, where it is blue: {r} {b}");
+    assert_eq!(harness.state().session.said.swaps, swaps + 1, "nothing is compiled for a plane that moves");
+    harness.get_by_label_contains("lines every");
+}
+
+#[test]
+fn keys_look_from_a_side_and_frame_what_was_picked() {
+    let folder = Folder::new("sides", SCENE);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    click_with(&mut harness, Modifiers::NONE, MIDDLE);
+    let eye = |harness: &Harness<'_, App>| harness.state().session.camera().unwrap().eye;
+    harness.key_press(Key::Num3);
+    harness.run_steps(2);
+    assert!((eye(&harness)[0] - 8.0).abs() < 1e-9, "{:?}", eye(&harness));
+    harness.key_press(Key::Num7);
+    harness.run_steps(2);
+    assert!(eye(&harness)[1] > 7.9);
+    harness.key_press(Key::Num1);
+    harness.run_steps(2);
+    assert!((eye(&harness)[2] - 8.0).abs() < 1e-9);
+    // Of a solid that is known all of it is seen.
+    harness.key_press(Key::F);
+    harness.run_steps(2);
+    let framed = harness.state().session.camera().unwrap();
+    assert!(framed.target[0] > 0.5 && framed.target[0] < 2.0, "{framed:?}");
+    harness.key_press(Key::Home);
+    harness.run_steps(2);
+    // What was picked comes nearer, and two points have a distance.
+    click_with(&mut harness, Modifiers::ALT, MIDDLE);
+    until(&mut harness, |app| found(app).is_some());
+    harness.run_steps(2);
+    click_with(&mut harness, Modifiers::NONE, pos2(500.0, 60.0));
+    harness.key_press(Key::F);
+    harness.run_steps(2);
+    let nearer = harness.state().session.camera().unwrap();
+    assert!((nearer.target[2] - 1.0).abs() < 1e-2 && nearer.eye[2] < 6.0, "{nearer:?}");
+    harness.key_press(Key::Home);
+    harness.run_steps(2);
+    click_with(&mut harness, Modifiers::ALT, MIDDLE + vec2(0.0, -280.0));
+    until(&mut harness, |app| app.session.looking.before.is_some() && !app.session.looking.is_busy());
+    harness.run_steps(2);
 }

@@ -19,7 +19,7 @@ fn scene_isolines(value: f32, slope: f32, across: f32) -> vec3f {
 fn scene_plane(start: vec3f, direction: vec3f) -> f32 {
     let ahead = direction[scene_axis];
     let flat = abs(ahead) < 1e-6;
-    return select((scene.slice - start[scene_axis]) / select(ahead, 1.0, flat), -1.0, flat);
+    return select((scene.slice + scene.center[scene_axis] - start[scene_axis]) / select(ahead, 1.0, flat), -1.0, flat);
 }
 
 fn scene_pixel(start: vec3f, direction: vec3f, reach: f32) -> ScenePixel {
