@@ -119,6 +119,18 @@ pub fn scenes_beside(scene: &str) -> Vec<String> {
     names
 }
 
+/// What a folder holds for who looks for a scene: its folders, then its scenes, by name, each with whether it is a folder.
+#[cfg(feature = "gui")]
+pub fn listing(folder: &Path) -> Vec<(String, bool)> {
+    /// More are no list for a person.
+    const MOST: usize = 2000;
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().take(MOST);
+    let known = entries.map(|entry| (entry.file_name().to_string_lossy().into_owned(), entry.path().is_dir()));
+    let mut known: Vec<_> = known.filter(|(name, is_folder)| !name.starts_with('.') && (*is_folder || name.ends_with(".sdf"))).collect();
+    known.sort_by_key(|(name, is_folder)| (!is_folder, name.to_lowercase()));
+    known
+}
+
 /// A name for the new bytes in the same folder, so that renaming stays within one file system.
 fn beside(path: &Path) -> PathBuf {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
@@ -171,6 +183,7 @@ mod tests {
         std::fs::create_dir_all(folder.join("d.sdf")).unwrap();
         let name = |name: &str| folder.join(name).to_string_lossy().into_owned();
         assert_eq!(scenes_beside(&name("b.sdf")), [name("a.sdf"), name("b.sdf")]);
+        assert_eq!(listing(&folder).iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["d.sdf", "a.sdf", "b.sdf"]);
         assert!(scenes_beside("no/such/folder/a.sdf").is_empty());
         std::fs::remove_dir_all(folder).unwrap();
     }

@@ -30,7 +30,7 @@ mod verify;
 mod view;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use console::{Exit, Failure};
+use console::Exit;
 use std::process::ExitCode;
 use surefoot_compiler::syntax::words;
 
@@ -40,7 +40,6 @@ use surefoot_compiler::syntax::words;
     name = "surefoot",
     version,
     args_conflicts_with_subcommands = true,
-    arg_required_else_help = true,
     after_help = "Exit codes: 0 success; 1 the scene has errors (for verify: or a violation); 2 wrong usage or an unreadable file; 3 no graphics adapter \
                   with --device gpu."
 )]
@@ -109,8 +108,11 @@ pub fn run() -> ExitCode {
     };
     let command = cli.command.or_else(|| cli.view.map(Command::View));
     let done = match command {
-        // `arg_required_else_help` shows the help in this case.
-        None => Err(Failure::usage("say what to do; `surefoot --help` lists the commands")),
+        None if view::start() => Ok(Exit::Fine),
+        None => {
+            eprintln!("{}", Cli::command().render_help());
+            Ok(Exit::Usage)
+        }
         Some(Command::View(args)) => view::run(&args),
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Verify(args)) => verify::run(&args),
@@ -169,7 +171,7 @@ mod tests {
         let cli = Cli::try_parse_from(["surefoot", "scene.sdf"]).unwrap();
         assert!(cli.command.is_none());
         assert_eq!(cli.view.unwrap().scene, "scene.sdf");
-        assert!(Cli::try_parse_from(["surefoot"]).is_err());
+        assert!(Cli::try_parse_from(["surefoot"]).is_ok_and(|cli| cli.command.is_none() && cli.view.is_none()));
         assert!(Cli::try_parse_from(["surefoot", "view"]).is_err());
     }
 }

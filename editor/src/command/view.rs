@@ -15,6 +15,9 @@ pub struct Args {
     /// Append events (compilations, frames, …) to this file, one JSON object on each line.
     #[arg(long, value_name = "FILE")]
     log: Option<PathBuf>,
+    /// Show only the picture, with the errors over it: for a second screen, while the scene is written in another editor.
+    #[arg(long)]
+    follow: bool,
     /// Make it an error where a factor is measured and not proven.
     #[arg(long)]
     strict: bool,
@@ -52,12 +55,24 @@ fn window(args: &Args) -> Result<Option<String>, Failure> {
     if !crate::window::has_display() {
         return Ok(Some("there is no display".to_owned()));
     }
-    Ok(crate::window::open(&args.scene, args.options(), recovery, log).err())
+    Ok(crate::window::open(&args.scene, args.options(), args.follow, recovery, log).err())
+}
+
+/// Shows the page with which one begins, until the window is closed. Answers whether there was a window.
+#[cfg(feature = "gui")]
+pub fn start() -> bool {
+    crate::window::has_display() && crate::window::start(crate::window::Recovery::of_user()).is_ok()
+}
+
+/// There is no window in this program.
+#[cfg(not(feature = "gui"))]
+pub fn start() -> bool {
+    false
 }
 
 #[cfg(not(feature = "gui"))]
 fn window(args: &Args) -> Result<Option<String>, Failure> {
-    let _ = &args.log;
+    let _ = (&args.log, args.follow);
     Ok(Some("this program was built without a window".to_owned()))
 }
 

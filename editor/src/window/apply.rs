@@ -1,14 +1,16 @@
 //! The one function that does what is asked of the session.
 
 use crate::window::command::{Answer, Command, DROP};
+use crate::window::examples::TEMPLATE;
+use crate::window::kept;
 use crate::window::document::{Disk, Document, Resolution};
 use crate::window::looking::Asked;
 use crate::window::orbit::Orbit;
 use crate::window::recovery::{Found, Recovery};
-use crate::window::session::{Question, Session, factors, problems};
+use crate::window::session::{PathAsked, Purpose, Question, Session, factors, problems};
 use crate::window::world::World;
 use serde_json::json;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 use surefoot_compiler::camera::Basis;
@@ -28,11 +30,37 @@ use surefoot_runtime::live::{Update, Words};
 pub fn apply(session: &mut Session, world: &mut World, command: Command) {
     match command {
         Command::Edit(text) => session.documents.current_mut().edit(text, Instant::now()),
+        Command::EditOn(text) => session.documents.current_mut().edit_on(text, Instant::now()),
         Command::Save => {
             let shown = session.documents.shown;
             // What must be decided before is asked above the text.
             session.open.source |= !save(session, world, shown) && session.notice.is_none();
         }
+        Command::SaveAs(path) => save_as(session, world, &path),
+        Command::SavePicture(path) => {
+            session.asked = None;
+            if let (Some(scene), Some(live), Some(camera)) = (session.scene().cloned(), session.stage.live().cloned(), session.camera()) {
+                session.export.begin(&scene, &live, camera, session.look.mode, path, world.waker());
+            }
+        }
+        Command::ToSliders(wanted) => session.open.to_sliders = wanted,
+        Command::AskPath(purpose) => match purpose {
+            Some(purpose) => ask_path(session, purpose),
+            None => session.asked = None,
+        },
+        Command::LookInto(folder) => look_into(session, &folder),
+        Command::TypePath(typed) => {
+            if let Some(asked) = &mut session.asked {
+                asked.typed = typed;
+            }
+        }
+        Command::New => new(session, world, "untitled", TEMPLATE),
+        Command::OpenExample(example) => new(session, world, example.name, example.text),
+        Command::ShowStart(open) => session.open.start = open,
+        Command::ShowKeys(open) => session.open.keys = open,
+        Command::Theme(choice) => session.open.theme = choice,
+        Command::Zoom(zoom) => session.open.zoom = zoom.clamp(0.5, 3.0),
+        Command::Widths(widths) => session.open.widths = widths,
         Command::Format => format(session),
         Command::Resolve(resolution) => {
             if session.documents.current_mut().resolve(resolution) {
@@ -42,6 +70,20 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::KeepBoth => keep_both(session, world),
         Command::Recover { file, keep } => recover(session, world, &file, keep),
         Command::Show(file) => show(session, world, &file),
+        Command::Turnover { forth } => {
+            let count = session.documents.all.len();
+            session.documents.shown = (session.documents.shown + if forth { 1 } else { count - 1 }) % count;
+            session.documents.focus = true;
+        }
+        Command::CloseText(name) => {
+            if session.documents.find(&name).and_then(|i| session.documents.all.get(i)).is_some_and(Document::is_unsaved) {
+                session.question = Some(Question::CloseText(name));
+            } else {
+                close_text(session, world, &name);
+            }
+        }
+        Command::TextSize(size) => session.open.text_size = size.clamp(7.0, 40.0),
+        Command::Wrap(wrap) => session.open.wrap = wrap,
         Command::Jump(place) => {
             show(session, world, &place.file);
             session.open.source = true;
@@ -136,12 +178,9 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
                 session.measuring.begin(scene, live, walls);
             }
         }
-        Command::LookAround => {
-            let scene = session.documents.all.first().map(|d| d.name.clone()).unwrap_or_default();
-            session.open.beside = crate::files::scenes_beside(&scene);
-        }
         Command::Open(path) => {
             if session.is_unsaved() {
+                session.asked = None;
                 session.question = Some(Question::Open(path));
             } else {
                 open(session, world, &path);
@@ -156,10 +195,19 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
     }
 }
 
+/// A new scene, where no edits are lost by it.
+fn new(session: &mut Session, world: &mut World, stem: &str, text: &str) {
+    if session.is_unsaved() {
+        session.question = Some(Question::New(stem.to_owned(), text.to_owned()));
+    } else {
+        begin(session, world, stem, text);
+    }
+}
+
 /// Writes a text; answers whether the disk holds it now.
 fn save(session: &mut Session, world: &mut World, index: usize) -> bool {
     let Some(document) = session.documents.all.get_mut(index) else { return true };
-    if document.read_only || !document.is_unsaved() {
+    if document.read_only || !document.is_off_disk() {
         return true;
     }
     // The disk may have changed a moment ago, and nobody has said so yet.
@@ -172,6 +220,10 @@ fn save(session: &mut Session, world: &mut World, index: usize) -> bool {
         Ok(()) => {
             document.was_saved();
             take_back(document, world);
+            if index == 0 {
+                let path = document.name.clone();
+                note_recent(session, &path);
+            }
             true
         }
         Err(why) => {
@@ -301,6 +353,18 @@ fn show(session: &mut Session, world: &mut World, file: &str) {
     session.documents.shown = session.documents.all.len() - 1;
 }
 
+/// Closes a text that is not the scene's own. What was edited and not saved is lost.
+fn close_text(session: &mut Session, world: &mut World, name: &str) {
+    let Some(index) = session.documents.find(name).filter(|index| *index > 0) else { return };
+    let mut document = session.documents.all.remove(index);
+    take_back(&mut document, world);
+    world.unfollow(name);
+    if session.documents.shown >= index {
+        session.documents.shown -= 1;
+    }
+    session.documents.focus = true;
+}
+
 fn reset(session: &mut Session, world: &mut World, name: &str) {
     let Some(parameter) = session.parameter(name) else { return };
     if parameter.first.is_some() {
@@ -408,25 +472,138 @@ fn throw_ball(session: &mut Session, [right, down]: [f64; 2]) {
 fn open(session: &mut Session, world: &mut World, path: &str) {
     match world.read(path) {
         Disk::Text(text) => {
-            for document in &mut session.documents.all {
-                take_back(document, world);
-            }
-            // What a hand moved belongs to the old scene, even where the new one has parameters of the same names.
-            let parameters: Vec<_> = session.scene().iter().flat_map(|scene| scene.parameters.clone()).collect();
-            for parameter in parameters.iter().filter(|p| p.first.is_some()) {
-                session.stage.set(&parameter.name, &parameter.default);
-            }
-            session.search = None;
-            world.open(path, &mut session.options);
-            session.documents.all = vec![Document::new(path, &text)];
-            session.documents.shown = 0;
-            session.look.orbit = None;
-            session.look.camera = None;
-            session.stage.set_time(0.0);
-            session.stage.reset_balls();
+            enter(session, world, Document::new(path, &text));
+            note_recent(session, path);
+            begin_where_it_was(session, world);
         }
         Disk::Unreadable(why) => session.notice = Some(format!("{path} can't be read: {why}")),
+        // Text of it may have been left behind.
+        Disk::Gone if session.found.iter().any(|found| found.is_of(path)) => enter(session, world, Document::of(path, &Disk::Gone)),
         Disk::Gone => session.notice = Some(format!("{path} is not there")),
+    }
+}
+
+/// Puts a scene in the place of the one that is open.
+fn enter(session: &mut Session, world: &mut World, scene: Document) {
+    for document in &mut session.documents.all {
+        take_back(document, world);
+    }
+    // What a hand moved belongs to the old scene, even where the new one has parameters of the same names.
+    let parameters: Vec<_> = session.scene().iter().flat_map(|scene| scene.parameters.clone()).collect();
+    for parameter in parameters.iter().filter(|p| p.first.is_some()) {
+        session.stage.set(&parameter.name, &parameter.default);
+    }
+    session.search = None;
+    session.asked = None;
+    session.open.start = false;
+    session.restoring = None;
+    world.open(&scene.name, &mut session.options);
+    session.documents.all = vec![scene];
+    session.documents.shown = 0;
+    session.documents.focus = true;
+    session.look.orbit = None;
+    session.look.camera = None;
+    session.stage.set_time(0.0);
+    session.stage.reset_balls();
+}
+
+/// The scene that is open is the newest of those that were. What lies beside it is known from now on.
+pub fn note_recent(session: &mut Session, path: &str) {
+    let path = kept::whole(path);
+    session.recent.retain(|known| *known != path);
+    session.recent.insert(0, path);
+    let scene = session.documents.all.first().map(|d| d.name.clone()).unwrap_or_default();
+    session.open.beside = crate::files::scenes_beside(&scene);
+}
+
+/// Opens the tabs that a scene had, and remembers what comes back when it is there.
+pub fn begin_where_it_was(session: &mut Session, world: &mut World) {
+    let known = session.documents.all.first().and_then(|document| world.keeper.state.scene(&document.name)).cloned();
+    let Some(known) = known else { return };
+    for tab in known.tabs.iter().filter(|tab| matches!(world.read(tab), Disk::Text(_))).cloned().collect::<Vec<_>>() {
+        show(session, world, &tab);
+    }
+    session.documents.shown = if known.shown < session.documents.all.len() { known.shown } else { 0 };
+    if !known.choices.is_empty() {
+        session.options.choose.clone_from(&known.choices);
+        world.live.set_options(session.options.clone());
+    }
+    session.restoring = Some(known);
+}
+
+/// Gives a scene that has come what a hand had done to it before the window was closed.
+fn bring_back(session: &mut Session) {
+    let Some(known) = session.restoring.take() else { return };
+    for (name, value, said) in &known.values {
+        // What the text says by now counts more.
+        if session.parameter(name).is_some_and(|p| p.default == *said && p.default.len() == value.len()) {
+            session.stage.set(name, value);
+        }
+    }
+    if let (Some([eye, target]), Some(camera)) = (known.camera, session.camera()) {
+        session.look.orbit = Some(Orbit::from_camera(&Camera { eye, target, ..camera }));
+    }
+}
+
+/// Begins with a text that no file holds yet.
+pub fn begin(session: &mut Session, world: &mut World, stem: &str, text: &str) {
+    let before = session.documents.all.first().map(|document| document.name.clone()).unwrap_or_default();
+    let folder = Path::new(&before).parent().unwrap_or(Path::new(""));
+    let free = |n: u32| folder.join(if n == 1 { format!("{stem}.sdf") } else { format!("{stem}{n}.sdf") });
+    let name = (1..).map(free).find(|path| !path.exists()).unwrap_or_default().to_string_lossy().into_owned();
+    let mut document = Document::fresh(&name, text);
+    document.lent = true;
+    // Before the compiler looks for a file that is not there.
+    world.live.set_text(&name, Some(text.to_owned()));
+    enter(session, world, document);
+}
+
+/// Writes the text that is shown under another name, and goes on with that.
+fn save_as(session: &mut Session, world: &mut World, path: &str) {
+    let shown = session.documents.shown;
+    let others = session.documents.all.iter().enumerate().any(|(i, document)| i != shown && document.name == path);
+    if others {
+        session.notice = Some(format!("{path} is open in another tab"));
+        return;
+    }
+    let document = session.documents.current_mut();
+    if let Err(why) = crate::files::write(Path::new(path), &document.bytes()) {
+        session.notice = Some(format!("{path} can't be written: {why}"));
+        return;
+    }
+    take_back(document, world);
+    world.unfollow(&document.name);
+    path.clone_into(&mut document.name);
+    document.was_saved();
+    world.follow(path);
+    session.asked = None;
+    session.documents.focus = true;
+    if shown == 0 {
+        world.live.open(path);
+        note_recent(session, path);
+    }
+}
+
+/// Asks for a path, beginning where the text that is shown lies.
+fn ask_path(session: &mut Session, purpose: Purpose) {
+    let name = session.documents.current().name.clone();
+    let path = std::path::absolute(&name).unwrap_or_default();
+    let typed = match purpose {
+        Purpose::Open => String::new(),
+        Purpose::SaveAs => session.documents.current().short_name().to_owned(),
+        Purpose::Picture => path.with_extension("png").file_name().unwrap_or_default().to_string_lossy().into_owned(),
+    };
+    session.asked = Some(PathAsked { purpose, folder: PathBuf::new(), typed, entries: Vec::new() });
+    look_into(session, path.parent().unwrap_or(Path::new("/")));
+}
+
+fn look_into(session: &mut Session, folder: &Path) {
+    if let Some(asked) = &mut session.asked {
+        asked.folder = folder.to_owned();
+        asked.entries = crate::files::listing(folder);
+        if asked.purpose == Purpose::Open {
+            asked.typed.clear();
+        }
     }
 }
 
@@ -435,7 +612,11 @@ fn answer(session: &mut Session, world: &mut World, answer: Answer) {
     let go_on = match answer {
         Answer::Stay => false,
         Answer::Discard => true,
-        Answer::Save => (0..session.documents.all.len()).all(|i| save(session, world, i)),
+        Answer::Save => {
+            let at_stake = |i: &usize| session.documents.all.get(*i).is_some_and(|d| session.documents.is_at_stake(&question, d));
+            let texts: Vec<usize> = (0..session.documents.all.len()).filter(at_stake).collect();
+            texts.into_iter().all(|i| save(session, world, i))
+        }
     };
     session.documents.focus = !go_on;
     if answer == Answer::Save && !go_on && session.notice.is_none() {
@@ -445,6 +626,8 @@ fn answer(session: &mut Session, world: &mut World, answer: Answer) {
     if go_on {
         match question {
             Question::Open(path) => open(session, world, &path),
+            Question::New(stem, text) => begin(session, world, &stem, &text),
+            Question::CloseText(name) => close_text(session, world, &name),
             Question::Close => {
                 world.recovery.forget_all();
                 world.close = true;
@@ -462,6 +645,7 @@ fn arrived(session: &mut Session, world: &mut World, update: Update) {
         let before = session.scene().cloned().zip(session.stage.live().cloned());
         session.stage.put(ready);
         session.said.swaps += 1;
+        bring_back(session);
         if let Some((old, live)) = before {
             go_home(session, &old, &live);
             follow_choices(session, world, &old);

@@ -1,8 +1,10 @@
 //! What a person or the world outside asks of the session.
 
 use crate::window::document::{Disk, Resolution};
+use crate::window::examples::Example;
 use crate::window::orbit::Side;
-use crate::window::session::{Mend, Place, Search};
+use crate::window::session::{Mend, Place, Purpose, Search};
+use crate::window::theme::Choice;
 use std::path::PathBuf;
 use std::sync::Arc;
 use surefoot_runtime::ViewMode;
@@ -16,8 +18,36 @@ pub const DROP: u32 = 64;
 pub enum Command {
     /// The text that is shown was edited.
     Edit(String),
+    /// The same by a hand that goes on: the picture follows it.
+    EditOn(String),
     /// Write the text that is shown to the disk.
     Save,
+    /// Write it under another name, and go on with that.
+    SaveAs(String),
+    /// Write the picture into a file.
+    SavePicture(PathBuf),
+    /// The keyboard goes to the first slider, or it is there.
+    ToSliders(bool),
+    /// Ask for a path, or no longer.
+    AskPath(Option<Purpose>),
+    /// Look into a folder for it.
+    LookInto(PathBuf),
+    /// What is typed of it.
+    TypePath(String),
+    /// Begin with a new scene.
+    New,
+    /// Begin with a copy of an example.
+    OpenExample(&'static Example),
+    /// Show the page with which the program begins, or no longer.
+    ShowStart(bool),
+    /// Show all keys, or no longer.
+    ShowKeys(bool),
+    /// Choose the look of the window.
+    Theme(Choice),
+    /// How large all of the window is.
+    Zoom(f32),
+    /// How wide the panels at the left and right are.
+    Widths([f32; 2]),
     /// Lay out the text that is shown.
     Format,
     /// End a conflict between edits and the disk.
@@ -33,6 +63,17 @@ pub enum Command {
     },
     /// Show a text.
     Show(String),
+    /// Show the next of the texts that are open, or the one before.
+    Turnover {
+        /// Whether it is the next.
+        forth: bool,
+    },
+    /// Close a text, but for the scene's own.
+    CloseText(String),
+    /// How large the text is written, in points.
+    TextSize(f32),
+    /// Whether long lines of the text are wrapped.
+    Wrap(bool),
     /// Show a place.
     Jump(Place),
     /// Mend a problem by the edits that its advice names.
@@ -137,8 +178,6 @@ pub enum Command {
         /// Whether its walls and gaps are looked for too.
         walls: bool,
     },
-    /// Find out which scenes lie beside the one that is open.
-    LookAround,
     /// Open another scene.
     Open(String),
     /// The answer to a question: save first, go on without, or stay.

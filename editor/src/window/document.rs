@@ -19,6 +19,8 @@ pub struct Document {
     saved: String,
     /// Whether the file is gone.
     missing: bool,
+    /// Whether there never was one: the text is new.
+    fresh: bool,
     /// Why what the disk holds can't be read, where it can't.
     unreadable: Option<String>,
     /// What another program has put there while there were unsaved edits. A person decides.
@@ -60,6 +62,7 @@ impl Document {
             carriage_returns: has_carriage_returns(text),
             saved: text_here.clone(),
             missing: false,
+            fresh: false,
             unreadable: None,
             text: text_here,
             read_only: false,
@@ -74,6 +77,11 @@ impl Document {
         let mut document = Self::new(name, if let Disk::Text(text) = disk { text } else { "" });
         document.on_disk(disk);
         document
+    }
+
+    /// A new text, of which the disk holds nothing yet.
+    pub fn fresh(name: &str, text: &str) -> Self {
+        Self { fresh: true, missing: true, ..Self::new(name, text) }
     }
 
     /// A text that can't be edited.
@@ -93,12 +101,22 @@ impl Document {
 
     /// Whether the text differs from what is on the disk.
     pub fn is_unsaved(&self) -> bool {
-        self.missing || self.has_edits()
+        self.is_missing() || self.has_edits()
     }
 
     /// Whether the file is gone.
     pub fn is_missing(&self) -> bool {
-        self.missing
+        self.missing && !self.fresh
+    }
+
+    /// Whether there never was a file.
+    pub fn is_fresh(&self) -> bool {
+        self.fresh
+    }
+
+    /// Whether the disk does not hold the text.
+    pub fn is_off_disk(&self) -> bool {
+        self.missing || self.has_edits()
     }
 
     /// Why what the disk holds can't be read, where it can't. It is not written over unless a person says so.
@@ -113,7 +131,7 @@ impl Document {
 
     /// Whether there is something to save, and nothing to decide before.
     pub fn can_save(&self) -> bool {
-        self.is_unsaved() && !self.read_only && !self.has_conflict()
+        self.is_off_disk() && !self.read_only && !self.has_conflict()
     }
 
     fn has_edits(&self) -> bool {
@@ -133,6 +151,13 @@ impl Document {
         }
     }
 
+    /// Takes an edit of a hand that goes on: the compiler is given what there is now and then, and not only after a pause.
+    pub fn edit_on(&mut self, text: String, now: Instant) {
+        let before = self.edited;
+        self.edit(text, now);
+        self.edited = before.or(self.edited);
+    }
+
     /// How long until the compiler should be given the edits; none where it has them.
     pub fn wait(&self, now: Instant) -> Option<Duration> {
         self.edited.map(|edited| PAUSE.saturating_sub(now.duration_since(edited)))
@@ -150,6 +175,7 @@ impl Document {
     /// Hears what the disk holds now. Answers whether the text shown became another one.
     pub fn on_disk(&mut self, disk: &Disk) -> bool {
         self.missing = *disk == Disk::Gone;
+        self.fresh &= self.missing;
         self.unreadable = if let Disk::Unreadable(why) = disk { Some(why.clone()) } else { None };
         let Disk::Text(text) = disk else { return false };
         let new = unix_lines(text);
@@ -169,7 +195,7 @@ impl Document {
     pub fn resolve(&mut self, resolution: Resolution) -> bool {
         if self.unreadable.is_some() && resolution == Resolution::KeepEdits {
             // Saving writes it anew.
-            (self.unreadable, self.missing) = (None, true);
+            (self.unreadable, self.missing, self.fresh) = (None, true, false);
         }
         let Some(theirs) = self.conflict.take() else { return false };
         self.saved.clone_from(&theirs);
@@ -194,6 +220,7 @@ impl Document {
     pub fn was_saved(&mut self) {
         self.saved.clone_from(&self.text);
         self.missing = false;
+        self.fresh = false;
         self.unreadable = None;
         self.conflict = None;
     }
@@ -265,6 +292,21 @@ mod tests {
     }
 
     #[test]
+    fn a_new_text_is_saved_and_asks_nothing_before_it_is_edited() {
+        let mut document = Document::fresh("a", "scene");
+        assert!(!document.is_unsaved() && document.can_save() && !document.is_missing());
+        assert!(!document.on_disk(&Disk::Gone));
+        document.edit("mine".to_owned(), Instant::now());
+        assert!(document.is_unsaved());
+        // Another program writes such a file meanwhile.
+        document.on_disk(&text("theirs"));
+        assert!(document.has_conflict() && !document.can_save());
+        let mut document = Document::fresh("a", "scene");
+        document.was_saved();
+        assert!(!document.can_save() && !document.is_fresh());
+    }
+
+    #[test]
     fn a_save_that_removes_the_file_first_is_a_save() {
         let mut document = Document::new("a", "one");
         document.on_disk(&Disk::Gone);
@@ -307,5 +349,15 @@ mod tests {
         assert!(!document.take_edits(start));
         assert!(document.take_edits(start + PAUSE));
         assert!(!document.take_edits(start + PAUSE));
+    }
+
+    #[test]
+    fn the_compiler_sees_what_a_hand_goes_on_with() {
+        let start = Instant::now();
+        let mut document = Document::new("a", "0");
+        for i in 1..=9u32 {
+            document.edit_on(i.to_string(), start + PAUSE / 8 * i);
+        }
+        assert!(document.take_edits(start + PAUSE / 8 * 9));
     }
 }

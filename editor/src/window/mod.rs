@@ -2,9 +2,14 @@
 //! [`apply::apply`], does them.
 
 mod apply;
+mod back;
 mod canvas;
 mod command;
 mod document;
+mod examples;
+mod export;
+mod kept;
+mod keys;
 mod log;
 mod looking;
 mod measuring;
@@ -33,7 +38,7 @@ use command::Command;
 use document::Document;
 use eframe::egui_wgpu::{RenderState, WgpuSetup};
 use egui::containers::panel::PanelState;
-use egui::{CentralPanel, Event, Frame, IdSalt, Key, KeyboardShortcut, Margin, Modifiers, Panel, Rect, ViewportCommand, vec2};
+use egui::{CentralPanel, Event, Frame, IdSalt, Margin, Panel, Rect, ViewportCommand, vec2};
 use serde_json::json;
 use session::{Question, Session};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -44,9 +49,23 @@ use surefoot_runtime::live::SharedLoader;
 use trial::Trial;
 use world::World;
 
-/// Shows a scene until the window is closed; the error is why there is no window. `asked` is what the compiler is asked for.
-pub fn open(scene: &str, asked: Options, recovery: Recovery, log: Log) -> Result<(), String> {
-    run(scene, move |cc, scene| App::new(cc, scene, asked, Arc::new(FileLoader), recovery, log))
+/// Shows a scene until the window is closed; the error is why there is no window. `asked` is what the compiler is asked for, and `alone` whether only
+/// the picture is shown.
+pub fn open(scene: &str, asked: Options, alone: bool, recovery: Recovery, log: Log) -> Result<(), String> {
+    run(scene, move |cc, scene| {
+        let mut app = App::new(cc, scene, asked, Arc::new(FileLoader), recovery, log)?;
+        app.session.open.alone = alone;
+        Ok(app)
+    })
+}
+
+/// Shows the page with which one begins, until the window is closed; the error is why there is no window.
+pub fn start(recovery: Recovery) -> Result<(), String> {
+    run("untitled.sdf", move |cc, scene| {
+        let mut app = App::new(cc, scene, Options::default(), Arc::new(FileLoader), recovery, Log::default())?;
+        app.start();
+        Ok(app)
+    })
 }
 
 /// Whether there may be a screen to show a window on.
@@ -132,7 +151,21 @@ impl App {
             .zip(cc.wgpu_render_state.clone())
             .map(|(gpu, render)| Canvas::new(gpu, render, log, wake));
         let now = Instant::now();
+        let mut world = world;
+        back::give(&world.keeper.state.layout, &mut session);
+        session.recent.clone_from(&world.keeper.state.recent);
+        if !session.documents.all.iter().any(|document| document.is_missing()) {
+            apply::note_recent(&mut session, scene);
+        }
+        apply::begin_where_it_was(&mut session, &mut world);
         Ok(Self { session, world, canvas, uncaught, ticked: now, title: String::new(), trial: None })
+    }
+
+    /// Shows the page with which one begins, before a new scene.
+    fn start(&mut self) {
+        apply::begin(&mut self.session, &mut self.world, "untitled", examples::TEMPLATE);
+        self.session.open.start = true;
+        self.session.documents.focus = false;
     }
 
     /// What came from outside since the last frame.
@@ -141,6 +174,9 @@ impl App {
             apply(&mut self.session, &mut self.world, command);
         }
         self.session.measuring.hear();
+        if let Some(words) = self.session.export.hear() {
+            self.session.notice = Some(words);
+        }
         if let Some(place) = self.session.looking.hear() {
             apply(&mut self.session, &mut self.world, Command::Jump(place));
         }
@@ -173,18 +209,29 @@ impl App {
     /// Everything but the picture; the commands of the panels.
     fn panels(&self, ui: &mut egui::Ui, commands: &mut Vec<Command>) {
         let session = &self.session;
-        let bar = Frame::new().fill(theme::PANEL).inner_margin(Margin::symmetric(8, 2));
+        if session.open.alone {
+            panels::picture::keys(ui, session, commands);
+            return panels::questions::show(ui, session, commands);
+        }
+        let bar = Frame::new().fill(*theme::PANEL).inner_margin(Margin::symmetric(8, 2));
         let top = Panel::top("toolbar").frame(bar).exact_size(34.0).resizable(false);
         top.show(ui, |ui| panels::toolbar::show(ui, session, commands));
         let bottom = Panel::bottom("status").frame(bar).exact_size(22.0).resizable(false);
         bottom.show(ui, |ui| panels::status::show(ui, session));
-        let side = Frame::new().fill(theme::PANEL).inner_margin(Margin::same(8));
+        panels::paths::show(ui, session, commands);
+        panels::help::show(ui, session, commands);
+        panels::questions::show(ui, session, commands);
+        if session.open.start {
+            return;
+        }
+        let side = Frame::new().fill(*theme::PANEL).inner_margin(Margin::same(8));
         // Of a narrow window something is left for the picture.
         let wide = ui.available_width();
+        let mut widths = session.open.widths;
         if session.open.source {
             let most = (0.55 * wide).max(200.0);
-            let left = Panel::left("source").frame(side).default_size(470.0).size_range(200.0..=most);
-            show_side(ui, "source", left, 470.0, most, |ui| {
+            let left = Panel::left("source").frame(side).default_size(session.open.widths[0]).size_range(200.0..=most);
+            widths[0] = show_side(ui, "source", left, widths[0], most, |ui| {
                 let below = Frame::new().inner_margin(Margin { top: 8, ..Margin::ZERO });
                 let list = Panel::bottom("problems").frame(below).resizable(true);
                 list.default_size(130.0).size_range(40.0..=600.0).show(ui, |ui| {
@@ -196,8 +243,8 @@ impl App {
         }
         if session.open.parameters || session.open.measures {
             let most = (0.3 * wide).max(150.0);
-            let right = Panel::right("parameters").frame(side).default_size(250.0).size_range(150.0..=most);
-            show_side(ui, "parameters", right, 250.0, most, |ui| {
+            let right = Panel::right("parameters").frame(side).default_size(session.open.widths[1]).size_range(150.0..=most);
+            widths[1] = show_side(ui, "parameters", right, widths[1], most, |ui| {
                 if !session.open.parameters {
                     return panels::measures::show(ui, session, commands);
                 }
@@ -209,8 +256,10 @@ impl App {
                 CentralPanel::default().frame(Frame::NONE).show(ui, |ui| panels::parameters::show(ui, session, commands));
             });
         }
+        if widths != session.open.widths {
+            commands.push(Command::Widths(widths));
+        }
         panels::picture::keys(ui, session, commands);
-        panels::questions::show(ui, session, commands);
     }
 
     /// The picture, drawn where anything changed.
@@ -269,6 +318,9 @@ impl App {
         if self.world.close {
             ctx.send_viewport_cmd(ViewportCommand::Close);
         }
+        if self.world.close {
+            self.world.keeper.end(|state| back::take(state, &self.session));
+        }
         let dropped = ctx.input(|i| i.raw.dropped_files.first().map(|f| f.path().to_owned()));
         if let Some(path) = dropped {
             let command = Command::Open(path.to_string_lossy().into_owned());
@@ -285,12 +337,13 @@ impl App {
         if self.session.stage.animates() {
             ctx.request_repaint();
         }
-        if self.session.said.work.is_some() || self.session.measuring.part().is_some() || self.session.looking.is_busy() || self.session.stage.settles() {
+        if self.session.said.work.is_some() || self.session.measuring.part().is_some() || self.session.export.part().is_some() || self.session.looking.is_busy() || self.session.stage.settles() {
             ctx.request_repaint_after(TICK);
         }
         let now = Instant::now();
         let kept = self.world.keep_unsaved(&mut self.session);
-        let wait = self.session.documents.all.iter().filter_map(|d| d.wait(now)).chain(kept).min();
+        let state = self.world.keeper.follow(now, |state| back::take(state, &self.session));
+        let wait = self.session.documents.all.iter().filter_map(|d| d.wait(now)).chain(kept).chain(state).min();
         if let Some(wait) = wait {
             ctx.request_repaint_after(wait);
         }
@@ -309,20 +362,29 @@ impl eframe::App for App {
         if let Some(canvas) = self.canvas.as_mut().filter(|_| ui.input(|i| i.events.iter().any(is_key))) {
             canvas.yields();
         }
+        theme::choose(ui.ctx(), self.session.open.theme);
+        if ui.ctx().zoom_factor() != self.session.open.zoom {
+            ui.ctx().set_zoom_factor(self.session.open.zoom);
+        }
         self.hear();
         self.let_time_pass();
         let mut commands = Vec::new();
-        let save = KeyboardShortcut::new(Modifiers::COMMAND, Key::S);
-        if ui.input_mut(|i| i.consume_shortcut(&save)) {
-            commands.push(Command::Save);
-        }
+        keys::hear(ui, &self.session, &mut commands);
+        keys::hear_picture(ui, &self.session, &mut commands);
         panels::search::keys(ui, &self.session, &mut commands);
         self.apply(commands);
         let mut commands = Vec::new();
         self.panels(ui, &mut commands);
         self.apply(commands);
         // All of it is painted over.
-        CentralPanel::default().frame(Frame::NONE).show(ui, |ui| self.picture(ui));
+        if self.session.open.start {
+            let mut commands = Vec::new();
+            let page = Frame::new().fill(*theme::GROUND).inner_margin(Margin::symmetric(28, 8));
+            CentralPanel::default().frame(page).show(ui, |ui| panels::start::show(ui, &self.session, &mut commands));
+            self.apply(commands);
+        } else {
+            CentralPanel::default().frame(Frame::NONE).show(ui, |ui| self.picture(ui));
+        }
         self.around(ui);
         if let (Some(trial), Some(canvas)) = (&mut self.trial, &mut self.canvas) {
             self.world.close |= trial.after(ui.ctx(), &mut self.session, canvas);
@@ -331,17 +393,19 @@ impl eframe::App for App {
 }
 
 /// Shows a panel at a side that is so wide at first and at most so wide now. One that a narrow window made narrower is as wide as before once
-/// there is room again.
-fn show_side(ui: &mut egui::Ui, name: &str, panel: Panel, first: f32, most: f32, add: impl FnOnce(&mut egui::Ui)) {
+/// there is room again. Answers how wide it is meant to be.
+fn show_side(ui: &mut egui::Ui, name: &str, panel: Panel, first: f32, most: f32, add: impl FnOnce(&mut egui::Ui)) -> f32 {
     let id = ui.scope_id().with_salt(IdSalt::new(name));
     let wanted = PanelState::load(ui.ctx(), id).map_or(first, |state| state.outer_rect.width());
     panel.show(ui, add);
-    let Some(shown) = PanelState::load(ui.ctx(), id) else { return };
+    let Some(shown) = PanelState::load(ui.ctx(), id) else { return wanted };
     // A hand that makes it narrower still means it.
     if wanted > most && shown.outer_rect.width() > most - 1.0 {
         let outer_rect = Rect::from_min_size(shown.outer_rect.min, vec2(wanted, shown.outer_rect.height()));
         ui.ctx().data_mut(|data| data.insert_persisted(id, PanelState { outer_rect }));
+        return wanted;
     }
+    shown.outer_rect.width()
 }
 
 /// Whether a hand moves something now.

@@ -81,6 +81,11 @@ impl Recovery {
         Self { folder, id, lock: None, kept: BTreeMap::new(), writer: None, failure: Arc::default() }
     }
 
+    /// A file beside the folder; none where there is no folder.
+    pub fn beside(&self, name: &str) -> Option<PathBuf> {
+        Some(self.folder.as_ref()?.with_file_name(name))
+    }
+
     /// What other windows left behind, the newest first. What is too much of it is removed.
     pub fn found(&self) -> Vec<Found> {
         let Some(folder) = &self.folder else { return Vec::new() };
@@ -267,6 +272,11 @@ impl Found {
         };
         found.look();
         Some(found)
+    }
+
+    /// Of which file it is the text.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Looks when what the disk holds now was written.

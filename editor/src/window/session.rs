@@ -1,12 +1,16 @@
 //! All that the window knows. Panels read it and push [`Command`](super::command::Command)s.
 
 use super::document::Document;
+use super::export::Export;
+use super::kept::SceneState;
 use super::looking::Looking;
 use super::measuring::Measuring;
 use super::orbit::Orbit;
 pub use super::places::{Place, place};
 use super::recovery::Found;
+use super::theme::{Choice, TEXT_SIZE};
 use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use surefoot_compiler::Options;
@@ -32,6 +36,12 @@ pub struct Session {
     pub open: Open,
     /// What is looked for in the text, while the bar for that is open.
     pub search: Option<Search>,
+    /// A path that a person is asked for.
+    pub asked: Option<PathAsked>,
+    /// Scenes that were opened, the newest first.
+    pub recent: Vec<String>,
+    /// What comes back of a scene when it is there.
+    pub restoring: Option<SceneState>,
     /// What must be answered before anything else, if anything.
     pub question: Option<Question>,
     /// Something that went wrong outside of the scene, for a person to read once.
@@ -44,6 +54,8 @@ pub struct Session {
     pub found: Vec<Found>,
     /// What the scene measures.
     pub measuring: Measuring,
+    /// The picture as a file.
+    pub export: Export,
     /// What made the pixel that a person pointed at.
     pub looking: Looking,
     /// How far into the picture the ball is that a hand holds, if one does.
@@ -172,6 +184,24 @@ pub struct Open {
     pub parameters: bool,
     /// What the scene measures.
     pub measures: bool,
+    /// How large the text is written, in points.
+    pub text_size: f32,
+    /// Whether long lines of the text are wrapped.
+    pub wrap: bool,
+    /// How large all of the window is; 1 is as the system has it.
+    pub zoom: f32,
+    /// The look of it.
+    pub theme: Choice,
+    /// How wide the panels at the left and right are, in points.
+    pub widths: [f32; 2],
+    /// Only the picture.
+    pub alone: bool,
+    /// The page with which the program begins, in place of all else.
+    pub start: bool,
+    /// All keys.
+    pub keys: bool,
+    /// Whether the keyboard shall go to the first slider.
+    pub to_sliders: bool,
     /// The steps of the ray of what was picked.
     pub ray: bool,
     /// The scenes beside the one that is open, as they were found last.
@@ -179,12 +209,18 @@ pub struct Open {
 }
 
 /// What is looked for in the text that is shown.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Search {
     /// As it is typed: a word, or after a colon a line.
     pub wanted: String,
     /// What was found last, in bytes of the text; where the cursor was, before anything is.
     pub at: Range<usize>,
+    /// What shall stand in its place, while that is asked for.
+    pub instead: Option<String>,
+    /// Whether capitals count.
+    pub case: bool,
+    /// Whether only whole words are meant.
+    pub whole: bool,
 }
 
 impl Search {
@@ -201,6 +237,46 @@ pub enum Question {
     Close,
     /// Another scene shall be opened, and there are unsaved edits.
     Open(String),
+    /// A new scene shall begin, and there are unsaved edits: its name without an ending, and its text.
+    New(String, String),
+    /// A text shall be closed that has unsaved edits.
+    CloseText(String),
+}
+
+/// What a path is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// A scene to open.
+    Open,
+    /// Where the text that is shown is to be written.
+    SaveAs,
+    /// Where the picture is to be written.
+    Picture,
+}
+
+/// A path that a person is asked for.
+#[derive(Clone, Debug)]
+pub struct PathAsked {
+    /// What for.
+    pub purpose: Purpose,
+    /// The folder that is looked into.
+    pub folder: PathBuf,
+    /// What is typed: a name in that folder, or a path.
+    pub typed: String,
+    /// What the folder holds: names, and whether each is a folder.
+    pub entries: Vec<(String, bool)>,
+}
+
+impl PathAsked {
+    /// The path that is meant. What has no ending is a scene.
+    pub fn path(&self) -> PathBuf {
+        let path = self.folder.join(self.typed.trim());
+        // A picture is never written over a scene.
+        if self.purpose == Purpose::Picture && !path.is_dir() {
+            return path.with_extension("png");
+        }
+        if self.typed.ends_with(['/', '\\']) || path.is_dir() || path.extension().is_some() { path } else { path.with_extension("sdf") }
+    }
 }
 
 /// What drawing takes.
@@ -230,14 +306,18 @@ impl Session {
             stage,
             said: Said::default(),
             look: Look { wide: f64::INFINITY, ..Look::default() },
-            open: Open { source: true, parameters: true, measures: false, ray: true, beside: Vec::new() },
+            open: Open { source: true, parameters: true, measures: false, ray: true, text_size: TEXT_SIZE, wrap: false, zoom: 1.0, theme: Choice::Dark, widths: [470.0, 250.0], alone: false, start: false, keys: false, to_sliders: false, beside: Vec::new() },
             search: None,
+            asked: None,
+            recent: Vec::new(),
+            restoring: None,
             question: None,
             notice: None,
             options: Options::default(),
             meter: Meter::default(),
             found: Vec::new(),
             measuring: Measuring::default(),
+            export: Export::default(),
             looking: Looking::default(),
             held: None,
         }
@@ -353,6 +433,12 @@ impl Documents {
     pub fn current_mut(&mut self) -> &mut Document {
         let last = self.all.len() - 1;
         &mut self.all[self.shown.min(last)]
+    }
+
+    /// Whether the edits of a text are lost where a question is answered so.
+    pub fn is_at_stake(&self, question: &Question, document: &Document) -> bool {
+        let is_meant = !matches!(question, Question::CloseText(name) if *name != document.name);
+        is_meant && document.is_unsaved()
     }
 
     /// A text by its name.

@@ -2,13 +2,18 @@
 
 mod assist;
 mod changing;
+mod files;
+mod keyboard;
 mod looking;
 mod measures;
+mod numbers;
+mod tabs;
 mod typing;
 mod unsaved;
 
 use super::*;
 use egui::accesskit::Role;
+use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use std::path::{Path, PathBuf};
@@ -354,7 +359,7 @@ fn another_scene_of_the_folder_is_opened() {
     ready(&mut harness);
     assert!(harness.state_mut().session.stage.set("size", &[2.0]));
     let swaps = harness.state().session.said.swaps;
-    harness.get_by_label("Open").click();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::O);
     harness.run_steps(4);
     pixel(&mut harness, MIDDLE);
     harness.get_by_label("other.sdf").click();

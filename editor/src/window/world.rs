@@ -2,6 +2,7 @@
 
 use super::command::Command;
 use super::document::Disk;
+use super::kept::Keeper;
 use super::log::Log;
 use super::recovery::Recovery;
 use super::session::Session;
@@ -22,6 +23,8 @@ pub struct World {
     pub live: LiveScene,
     /// What keeps unsaved texts.
     pub recovery: Recovery,
+    /// What keeps the rest that comes back.
+    pub keeper: Keeper,
     /// What happens, for whoever measures from outside.
     pub log: Log,
     /// Whether the window shall close without another question.
@@ -53,7 +56,8 @@ impl World {
             mode: ViewMode::default(),
             wake: wake.clone(),
         })?;
-        let mut world = Self { live, recovery, log, close: false, followed: Vec::new(), loader, gpu, wake };
+        let keeper = Keeper::of(recovery.beside("window.json"));
+        let mut world = Self { live, recovery, keeper, log, close: false, followed: Vec::new(), loader, gpu, wake };
         world.follow(scene);
         Ok(world)
     }
@@ -83,6 +87,11 @@ impl World {
         if let Ok(follower) = started {
             self.followed.push((path.to_owned(), follower));
         }
+    }
+
+    /// Tells no longer of changes of a file.
+    pub fn unfollow(&mut self, path: &str) {
+        self.followed.retain(|(known, _)| known != path);
     }
 
     /// Follows another scene, with what the text says instead of what a person chose.
@@ -121,7 +130,7 @@ impl World {
     pub fn lend_edits(&self, session: &mut Session) {
         for document in &mut session.documents.all {
             if document.take_edits(Instant::now()) {
-                document.lent = document.is_unsaved();
+                document.lent = document.is_off_disk();
                 self.live.set_text(&document.name, document.lent.then(|| document.text.clone()));
                 self.log.event("edited", json!({ "file": document.name }));
             }
@@ -145,6 +154,12 @@ impl World {
             session.notice = Some(why);
         }
         self.recovery.follow(&session.documents.all, Instant::now())
+    }
+
+    /// What another thread calls where there is something to hear.
+    pub fn waker(&self) -> impl FnOnce() + Send + 'static {
+        let wake = self.wake.clone();
+        move || wake()
     }
 
     /// What was built on the device so far.

@@ -4,6 +4,7 @@
 //! is a step of its own.
 
 use crate::window::document::Document;
+use crate::window::panels::cursor::id;
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
 use egui::util::undoer::{Settings, Undoer};
@@ -30,6 +31,10 @@ struct History {
     last: Moment,
     /// What the window itself made of it, so that what else comes is from outside.
     expected: String,
+    /// Whether a hand goes on with an edit: what it makes on its way is no step.
+    held: bool,
+    /// For how many more frames the next text ends a step.
+    ends: u8,
 }
 
 type Shared = Arc<Mutex<History>>;
@@ -38,7 +43,7 @@ fn shared(ui: &Ui, id: Id, document: &Document) -> Shared {
     let begin = || {
         // An undo takes back some seconds of typing, not all of it.
         let settings = Settings { max_undos: 1000, stable_time: 0.5, auto_save_interval: 2.0 };
-        let history = History { undoer: Undoer::with_settings(settings), last: Moment::default(), expected: document.text.clone() };
+        let history = History { undoer: Undoer::with_settings(settings), last: Moment::default(), expected: document.text.clone(), held: false, ends: 0 };
         Arc::new(Mutex::new(history))
     };
     ui.data_mut(|data| data.get_temp_mut_or_insert_with(id.with("history"), begin).clone())
@@ -66,6 +71,19 @@ pub fn follow(ui: &Ui, id: Id, document: &Document, text: &mut String) -> bool {
         history.expected.clone_from(&document.text);
     }
     let now = Moment { text: document.text.clone(), cursor: cursor(ui, id).unwrap_or_default() };
+    if history.held {
+        history.last = now;
+        return false;
+    }
+    let is_last = history.ends == 1;
+    history.ends = history.ends.saturating_sub(1);
+    if is_last || history.ends > 0 && now != history.last {
+        history.ends = 0;
+        // Which forgets what was undone before, too.
+        history.undoer.feed_state(ui.input(|i| i.time), &now);
+        history.undoer.add_undo(&now);
+        history.last = now.clone();
+    }
     let lines = |moment: &Moment| moment.text.bytes().filter(|b| *b == b'\n').count();
     if now != history.last {
         if lines(&now) != lines(&history.last) && !history.last.text.is_empty() {
@@ -94,6 +112,30 @@ pub fn follow(ui: &Ui, id: Id, document: &Document, text: &mut String) -> bool {
     // What is taken back is no edit.
     history.last = moment;
     true
+}
+
+/// A hand begins with an edit that is one step, however many frames it takes.
+pub fn hold(ui: &Ui, document: &Document) {
+    let shared = shared(ui, id(document), document);
+    let mut history = shared.lock().unwrap_or_else(PoisonError::into_inner);
+    let now = Moment { text: document.text.clone(), cursor: cursor(ui, id(document)).unwrap_or_default() };
+    history.undoer.add_undo(&now);
+    history.held = true;
+}
+
+/// The hand has let go.
+pub fn release(ui: &Ui, document: &Document) {
+    let shared = shared(ui, id(document), document);
+    let mut history = shared.lock().unwrap_or_else(PoisonError::into_inner);
+    if std::mem::take(&mut history.held) {
+        history.ends = 2;
+    }
+}
+
+/// The next edit is a step of its own.
+pub fn step(ui: &Ui, document: &Document) {
+    hold(ui, document);
+    release(ui, document);
 }
 
 /// Hears what the window made of a text.

@@ -37,7 +37,16 @@ pub fn of(severity: Severity) -> Icon {
 /// A button with a sign. `name` is what a screen reader says.
 pub fn button(ui: &mut Ui, icon: Icon, name: &str, enabled: bool) -> Response {
     let side = ui.spacing().interact_size.y + 2.0;
-    let response = ui.add_enabled(enabled, Button::new("").min_size(vec2(side + 6.0, side)));
+    signed(ui, Button::new("").min_size(vec2(side + 6.0, side)), icon, name, enabled)
+}
+
+/// A button among text.
+pub fn small(ui: &mut Ui, icon: Icon, name: &str) -> Response {
+    signed(ui, Button::new("").small().frame(false).min_size(vec2(18.0, 16.0)), icon, name, true)
+}
+
+fn signed(ui: &mut Ui, button: Button<'_>, icon: Icon, name: &str, enabled: bool) -> Response {
+    let response = ui.add_enabled(enabled, button);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, name));
     if ui.is_rect_visible(response.rect) {
         let color = ui.style().interact(&response).fg_stroke.color;

@@ -4,12 +4,12 @@ use crate::window::command::Command;
 use crate::window::document::{Document, Resolution};
 use crate::window::session::Session;
 use crate::window::theme;
-use egui::{Color32, Frame, Margin, RichText, Ui};
+use egui::{Frame, Margin, RichText, Ui};
 
 /// Shows the bars.
 pub fn show(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Vec<Command>) {
     let bar = |ui: &mut Ui, add: &mut dyn FnMut(&mut Ui)| {
-        let fill = Color32::from_rgb(0x3a, 0x2c, 0x14);
+        let fill = *theme::ASKS;
         let margin = Margin::symmetric(8, 6);
         Frame::new().fill(fill).inner_margin(margin).corner_radius(4).show(ui, |ui| {
             ui.set_min_width(ui.available_width());

@@ -28,6 +28,7 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
     ui.add_space(2.0);
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        let mut to_first = session.open.to_sliders;
         if scene.parameters.is_empty() {
             let words = "None. Write one:\n\nparam size = 1 in 0.1..2";
             ui.label(RichText::new(words).color(theme::WEAK));
@@ -38,7 +39,7 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                 ui.label(RichText::new(group).color(theme::WEAK).small());
             }
             for parameter in parameters {
-                ui.push_id(&parameter.name, |ui| row(ui, session, parameter, commands));
+                ui.push_id(&parameter.name, |ui| row(ui, session, parameter, &mut to_first, commands));
             }
         }
     });
@@ -57,15 +58,15 @@ fn groups(scene: &Compiled) -> Vec<(&str, Vec<&Parameter>)> {
     groups
 }
 
-fn row(ui: &mut Ui, session: &Session, parameter: &Parameter, commands: &mut Vec<Command>) {
+fn row(ui: &mut Ui, session: &Session, parameter: &Parameter, to_first: &mut bool, commands: &mut Vec<Command>) {
     let short = parameter.name.rsplit('.').next().unwrap_or(&parameter.name);
     let moved = session.is_moved(parameter);
     let label = ui.horizontal(|ui| {
-        let color = if moved { theme::ACCENT } else { theme::TEXT };
+        let color = if moved { *theme::ACCENT } else { *theme::TEXT };
         let label = egui::Label::new(RichText::new(short.replace('_', " ")).color(color))
             .selectable(false)
             .truncate()
-            .sense(Sense::click());
+            .sense(Sense::CLICK);
         let label = ui.add(label).on_hover_text(hover(parameter, moved));
         if label.double_clicked() {
             commands.push(Command::Reset(parameter.name.clone()));
@@ -77,7 +78,7 @@ fn row(ui: &mut Ui, session: &Session, parameter: &Parameter, commands: &mut Vec
         label.id
     });
     if let Some(value) = session.stage.value(parameter) {
-        sliders(ui, parameter, label.inner, value.to_vec(), commands);
+        sliders(ui, parameter, label.inner, value.to_vec(), to_first, commands);
     }
     ui.add_space(6.0);
 }
@@ -88,6 +89,7 @@ fn sliders(
     parameter: &Parameter,
     label: Id,
     mut value: Vec<f64>,
+    to_first: &mut bool,
     commands: &mut Vec<Command>,
 ) {
     let names: &[&str] = match parameter.ty {
@@ -104,6 +106,10 @@ fn sliders(
                 ui.label(RichText::new(*name).color(theme::WEAK).small());
             }
             let response = slider(ui, parameter, i, component, (min, max)).labelled_by(label);
+            if std::mem::take(to_first) {
+                response.request_focus();
+                commands.push(Command::ToSliders(false));
+            }
             changed |= response.changed();
             if double_clicked(ui, &response, i)
                 && let Some(&default) = parameter.default.get(i)
@@ -204,7 +210,7 @@ fn double_clicked(ui: &Ui, response: &Response, component: usize) -> bool {
     let mut rail = response.rect;
     rail.set_width(ui.spacing().slider_width);
     let id: Id = ui.scope_id().with(("twice", component));
-    ui.interact(rail, id, Sense::click()).double_clicked()
+    ui.interact(rail, id, Sense::CLICK).double_clicked()
 }
 
 /// What stands after a number: a sign for degrees, and a unit of length.

@@ -22,6 +22,7 @@ const WHEEL: f64 = 0.0022;
 /// Takes the room of the picture, and what a hand does there.
 pub fn sense(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> Response {
     let response = ui.allocate_response(ui.available_size(), Sense::click_and_drag());
+    icons::name(ui, response.id, "Picture");
     let height = f64::from(response.rect.height().max(1.0));
     let throws = super::balls::sense(ui, session, &response, commands);
     let drag = response.drag_delta();
@@ -95,7 +96,7 @@ pub fn paint(ui: &mut Ui, rect: Rect, session: &Session, shown: Option<Shown>) {
             }
         }
         None => {
-            ui.painter().rect_filled(rect, 0.0, theme::GROUND);
+            ui.painter().rect_filled(rect, 0.0, *theme::GROUND);
             let words = match (wrong(session), working(session, LONG)) {
                 (Some(_), _) => "no picture yet".to_owned(),
                 (None, Some((work, time))) => format!("{work} {time}"),
@@ -128,7 +129,7 @@ pub fn band(ui: &mut Ui, rect: Rect, session: &Session, commands: &mut Vec<Comma
     let builder = UiBuilder::new().max_rect(rect.shrink(10.0)).sense(Sense::hover());
     ui.scope_builder(builder, |ui| {
         let frame = Frame::new()
-            .fill(Color32::from_rgba_unmultiplied(0x3a, 0x14, 0x14, 0xe8))
+            .fill(theme::WRONG.gamma_multiply(0.91))
             .stroke(egui::Stroke::new(1.0, theme::ERROR.gamma_multiply(0.6)))
             .corner_radius(CornerRadius::same(5))
             .inner_margin(Margin::symmetric(10, 7));
@@ -136,7 +137,7 @@ pub fn band(ui: &mut Ui, rect: Rect, session: &Session, commands: &mut Vec<Comma
             ui.set_min_width(ui.available_width());
             ui.horizontal_wrapped(|ui| {
                 ui.spacing_mut().item_spacing.x = 6.0;
-                icons::sign(ui, Icon::Error, theme::ERROR);
+                icons::sign(ui, Icon::Error, *theme::ERROR);
                 if let Some(problem) = error {
                     let (line, column) = problem.place.start;
                     let at = format!("{}:{line}:{column}", problem.place.file);
@@ -144,7 +145,7 @@ pub fn band(ui: &mut Ui, rect: Rect, session: &Session, commands: &mut Vec<Comma
                 }
                 // What a device says can be a page long; the list of problems has all of it.
                 let first: String = words.lines().take(3).collect::<Vec<_>>().join("\n");
-                ui.label(RichText::new(first).color(Color32::WHITE));
+                ui.label(RichText::new(first).color(theme::STRONG));
             });
             if let Some(help) = error.map(|e| &e.help).filter(|help| !help.is_empty()) {
                 ui.label(RichText::new(help).small().color(theme::TEXT));
@@ -156,6 +157,7 @@ pub fn band(ui: &mut Ui, rect: Rect, session: &Session, commands: &mut Vec<Comma
         });
         if let Some(problem) = error {
             let response = inner.response.interact(Sense::click());
+            icons::name(ui, response.id, "Go to the error");
             if response.on_hover_cursor(egui::CursorIcon::PointingHand).clicked() {
                 commands.push(Command::Jump(problem.place.clone()));
             }

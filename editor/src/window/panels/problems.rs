@@ -10,8 +10,8 @@ use surefoot_compiler::diagnostic::Severity;
 /// The colour of a severity.
 pub fn color(severity: Severity) -> Color32 {
     match severity {
-        Severity::Error => theme::ERROR,
-        Severity::Warning => theme::WARNING,
+        Severity::Error => *theme::ERROR,
+        Severity::Warning => *theme::WARNING,
     }
 }
 

@@ -15,11 +15,13 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                 .documents
                 .all
                 .iter()
-                .filter(|d| d.is_unsaved())
+                .filter(|d| session.documents.is_at_stake(question, d))
                 .map(|d| d.short_name())
                 .collect();
             let before = match question {
                 Question::Close => "Save them before the window closes?".to_owned(),
+                Question::New(..) => "Save them before the new scene begins?".to_owned(),
+                Question::CloseText(_) => "Save them before it is closed?".to_owned(),
                 Question::Open(path) => format!("Save them before {path} is opened?"),
             };
             // They may have been saved meanwhile.

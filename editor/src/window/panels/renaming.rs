@@ -70,7 +70,7 @@ pub fn show(ui: &mut Ui, session: &Session, document: &Document, output: &TextEd
     area.show(ui.ctx(), |ui| {
         Frame::popup(ui.style()).show(ui, |ui| {
             if !open.name.is_empty() || open.why.is_none() {
-                let field = ui.add(TextEdit::singleline(&mut open.name).font(theme::CODE).desired_width(180.0));
+                let field = ui.add(TextEdit::singleline(&mut open.name).font(theme::code_font(13.0)).desired_width(180.0));
                 icons::name(ui, field.id, "New name");
                 if !open.has_keyboard {
                     open.has_keyboard = true;

@@ -3,134 +3,73 @@
 use crate::window::command::Command;
 use crate::window::document::Document;
 use crate::window::panels::cursor::{id, selection};
-use crate::window::panels::icons::{self, Icon};
-use crate::window::panels::{assist, history, lines, notes, problems, renaming, search};
+use crate::window::panels::{advice, assist, colors, history, icons, lines, notes, numbers, problems, renaming, search, tabs};
 use crate::window::session::{Place, Problem, Session};
-use crate::window::theme::{self, code};
+use crate::window::theme::{self, TEXT_SIZE, code};
 use egui::cache::{ComputerMut, FrameCache};
 use egui::text::{CCursor, CCursorRange, LayoutJob, TextFormat};
 use egui::text_edit::{TextEditOutput, TextEditState};
 use egui::{
-    Align, Align2, Button, Color32, Event, Frame, Id, Key, Label, Margin, Modifiers, Rect, Response, RichText, ScrollArea, Stroke, TextBuffer,
+    Align, Align2, Color32, Event, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, ScrollArea, Stroke, TextBuffer,
     TextEdit, Ui, vec2,
 };
 use std::ops::Range;
-use std::path::Path;
 use surefoot_compiler::diagnostic::Severity;
 use surefoot_compiler::factors::Explained;
 use surefoot_compiler::graph::Proof;
 use surefoot_compiler::syntax::{TokenClass, tokens};
 
-/// From a line of the text to the next.
-const LINE_HEIGHT: f32 = 17.0;
+/// From a line of the text to the next, for its size.
+const LINE_HEIGHT: f32 = 17.0 / TEXT_SIZE;
 /// How long the cursor blinks after the last that a hand did, in seconds.
 pub const BLINKS: f64 = 10.0;
 
 /// Shows the text and what belongs to it.
 pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    files(ui, session, commands);
+    tabs::show(ui, session, commands);
     let document = session.documents.current();
     notes::show(ui, session, document, commands);
     search::show(ui, session, document, commands);
     editor(ui, session, document, commands);
 }
 
-/// The files that the scene is made of, and what can be done with the one that is shown.
-fn files(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let document = session.documents.current();
-    ui.horizontal(|ui| {
-        ui.with_layout(egui::Layout::right_to_left(Align::Center), |ui| {
-            let save = ui.add_enabled(document.can_save(), Button::new("Save"));
-            if save.on_hover_text("Ctrl+S").clicked() {
-                commands.extend([Command::Save, Command::Focus]);
-            }
-            let format = ui.add_enabled(document.is_editable(), Button::new("Lay out"));
-            if format.on_hover_text("what `surefoot fmt` does").clicked() {
-                commands.extend([Command::Format, Command::Focus]);
-            }
-            open(ui, session, commands);
-            ui.with_layout(egui::Layout::left_to_right(Align::Center), |ui| {
-                let name = RichText::new(document.short_name()).strong();
-                if document.is_unsaved() {
-                    icons::sign(ui, Icon::Dot, theme::ACCENT).on_hover_text("not saved");
-                }
-                let names = session.names();
-                if names.len() < 2 {
-                    ui.add(Label::new(name).truncate()).on_hover_text(&document.name);
-                    return;
-                }
-                let list = egui::ComboBox::from_id_salt("file").selected_text(name).width(160f32.min(ui.available_width())).truncate();
-                let list = list.show_ui(ui, |ui| {
-                    for name in names {
-                        let open = session.documents.find(&name).and_then(|i| session.documents.all.get(i));
-                        let mark = match open {
-                            Some(document) if document.has_conflict() => "! ",
-                            Some(document) if document.is_unsaved() => "* ",
-                            _ => "",
-                        };
-                        let chosen = name == document.name;
-                        if ui.selectable_label(chosen, format!("{mark}{name}")).clicked() {
-                            commands.extend([Command::Show(name), Command::Focus]);
-                        }
-                    }
-                });
-                icons::name(ui, list.response.id, "File");
-            });
-        });
-    });
-}
-
-/// The scenes of the same folder.
-fn open(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let menu = ui.menu_button("Open", |ui| {
-        ui.set_min_width(180.0);
-        ScrollArea::vertical().max_height(420.0).min_scrolled_height(420.0).show(ui, |ui| {
-            let scene = session.documents.all.first().map(|document| &document.name);
-            for path in &session.open.beside {
-                let name = Path::new(path).file_name().unwrap_or_default().to_string_lossy();
-                if ui.selectable_label(Some(path) == scene, name).clicked() {
-                    commands.push(Command::Open(path.clone()));
-                    ui.close();
-                }
-            }
-        });
-        ui.separator();
-        ui.label(RichText::new("or drop a file on the window").color(theme::WEAK));
-    });
-    if menu.response.on_hover_text("another scene of the same folder").clicked() {
-        commands.push(Command::LookAround);
-    }
-}
-
 fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Vec<Command>) {
     let marks = marks(&session.said.problems, document);
     let lines = document.text.bytes().filter(|b| *b == b'\n').count() + 1;
     let digits = lines.to_string().len().max(2);
-    let digit = ui.fonts_mut(|f| f.glyph_width(&theme::CODE, '0'));
+    let digit = ui.fonts_mut(|f| f.glyph_width(&theme::code_font(session.open.text_size), '0'));
     let gutter = (digits as f32 + 2.0) * digit;
     let room = Margin { left: gutter as i8, right: 6, top: 4, bottom: 4 };
     let id = id(document);
     let mut text = document.text.clone();
-    let mut layouter = |ui: &Ui, buffer: &dyn TextBuffer, _width: f32| {
+    let mut layouter = |ui: &Ui, buffer: &dyn TextBuffer, width: f32| {
+        let manner = Manner::of(session, width);
         let job = ui.memory_mut(|m| {
             let cache = m.caches.cache::<FrameCache<LayoutJob, Colours>>();
-            cache.get((buffer.as_str(), &marks)).clone()
+            cache.get((buffer.as_str(), &marks, manner)).clone()
         });
         ui.fonts_mut(|f| f.layout_job(job))
     };
     assist::hear(ui);
     renaming::keys(ui, session, document);
-    let by_lines = assist::keys(ui, session, document, &mut text, commands) || history::follow(ui, id, document, &mut text) || document.is_editable() && change_lines(ui, document, &mut text);
+    colors::keys(ui, document);
+    let by_lines = assist::keys(ui, session, document, &mut text, commands)
+        || history::follow(ui, id, document, &mut text)
+        || numbers::keys(ui, document, &mut text)
+        || document.is_editable() && change_lines(ui, document, &mut text);
+    advice::keys(ui, session, document, commands);
     lay_out_while_typing(ui, id, &document.text);
     let before = TextEditState::load(ui.ctx(), id).and_then(|state| state.cursor.char_range());
-    let paged = page(ui, id, &text);
+    let paged = page(ui, id, &text, session.open.text_size * LINE_HEIGHT);
     ui.visuals_mut().text_cursor.blink = !session.meter.software && blinks(ui, id);
-    let area = ScrollArea::both().id_salt(&document.name).auto_shrink([false, false]);
-    Frame::new().fill(theme::WELL).show(ui, |ui| {
+    let area = if session.open.wrap { ScrollArea::vertical() } else { ScrollArea::both() };
+    let area = area.id_salt(&document.name).auto_shrink([false, false]);
+    Frame::new().fill(*theme::WELL).show(ui, |ui| {
         area.show(ui, |ui| {
             let output = TextEdit::multiline(&mut text)
                 .id(id)
                 .code_editor()
+                .font(theme::code_font(session.open.text_size))
                 .interactive(document.is_editable())
                 .frame(Frame::new().inner_margin(room))
                 .desired_width(f32::INFINITY)
@@ -138,11 +77,13 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
                 .layouter(&mut layouter)
                 .show(ui);
             icons::name(ui, id, "Source text");
-            search::mark(ui, session, &output);
+            search::mark(ui, session, document, &output);
             if by_lines || paged || output.cursor_range != before {
                 keep_in_view(ui, &output, gutter);
             }
             numbers(ui, &output, gutter, session, document);
+            numbers::show(ui, document, &output, commands);
+            colors::show(ui, document, &output, commands);
             explain_term(ui, &output, session, document);
             assist::show(ui, session, document, &output, commands);
             renaming::show(ui, session, document, &output, commands);
@@ -177,7 +118,7 @@ fn blinks(ui: &Ui, id: Id) -> bool {
 }
 
 /// Page Up and Page Down move the cursor, and with Shift what is selected, by as many lines as are seen; answers whether they did.
-fn page(ui: &Ui, id: Id, text: &str) -> bool {
+fn page(ui: &Ui, id: Id, text: &str, line_height: f32) -> bool {
     let Some(range) = TextEditState::load(ui.ctx(), id).and_then(|state| state.cursor.char_range()) else { return false };
     if !ui.memory(|m| m.has_focus(id)) {
         return false;
@@ -190,7 +131,7 @@ fn page(ui: &Ui, id: Id, text: &str) -> bool {
         })
     });
     let Some((down, extends)) = asked else { return false };
-    let seen = (ui.available_height() / LINE_HEIGHT) as usize;
+    let seen = (ui.available_height() / line_height) as usize;
     let at = range.primary.index.0;
     let before: String = text.chars().take(at).collect();
     let line = before.matches('\n').count();
@@ -363,11 +304,12 @@ fn numbers(ui: &Ui, output: &TextEditOutput, gutter: f32, session: &Session, doc
         output.cursor_range.map(|range| output.galley.pos_from_cursor(range.primary).min.y);
     let visible = ui.clip_rect();
     // They stay where they are when the text goes sideways.
-    let strip = Rect::from_x_y_ranges(visible.min.x..=visible.min.x + gutter - 4.0, visible.y_range());
-    if output.galley_pos.x < visible.min.x + gutter - 1.0 {
-        ui.painter().rect_filled(strip, 0.0, theme::WELL);
+    let left = if session.open.wrap { output.galley_pos.x - gutter } else { visible.min.x };
+    let strip = Rect::from_x_y_ranges(left..=left + gutter - 4.0, visible.y_range());
+    if output.galley_pos.x < left + gutter - 1.0 {
+        ui.painter().rect_filled(strip, 0.0, *theme::WELL);
     }
-    let x = visible.min.x + gutter - 10.0;
+    let x = left + gutter - 10.0;
     let mut line = 1;
     let mut starts = true;
     for row in &output.galley.rows {
@@ -377,12 +319,12 @@ fn numbers(ui: &Ui, output: &TextEditOutput, gutter: f32, session: &Session, doc
             let worst = worst(&session.said.problems, document, line);
             let color = match worst {
                 Some(severity) => problems::color(severity),
-                None if here => theme::TEXT,
+                None if here => *theme::TEXT,
                 None => theme::LINE.gamma_multiply(1.9),
             };
             let at = egui::pos2(x, rect.center().y);
             let painter = ui.painter();
-            painter.text(at, Align2::RIGHT_CENTER, line.to_string(), theme::CODE, color);
+            painter.text(at, Align2::RIGHT_CENTER, line.to_string(), theme::code_font(session.open.text_size), color);
         }
         starts = row.ends_with_newline;
         line += u32::from(starts);
@@ -430,31 +372,54 @@ fn character(text: &str, place: (u32, u32)) -> usize {
     text[..byte(text, place)].chars().count()
 }
 
+/// How a text is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Manner {
+    /// How large, in hundredths of a point.
+    size: u32,
+    /// Where its lines are wrapped, in points.
+    width: Option<u32>,
+    /// Whether on a light ground.
+    light: bool,
+}
+
+impl Manner {
+    fn of(session: &Session, width: f32) -> Self {
+        Self {
+            size: (session.open.text_size * 100.0) as u32,
+            width: session.open.wrap.then_some(width as u32),
+            light: theme::is_light(),
+        }
+    }
+}
+
 /// Turns a text and its marks into a layout. egui keeps the result as long as neither changes.
 #[derive(Default)]
 struct Colours;
 
-impl ComputerMut<(&str, &Vec<(Range<usize>, Severity)>), LayoutJob> for Colours {
-    fn compute(&mut self, (text, marks): (&str, &Vec<(Range<usize>, Severity)>)) -> LayoutJob {
+impl ComputerMut<(&str, &Vec<(Range<usize>, Severity)>, Manner), LayoutJob> for Colours {
+    fn compute(&mut self, (text, marks, manner): (&str, &Vec<(Range<usize>, Severity)>, Manner)) -> LayoutJob {
         let mut job = LayoutJob::default();
-        job.wrap.max_width = f32::INFINITY;
+        job.wrap.max_width = manner.width.map_or(f32::INFINITY, |width| width as f32);
+        let size = manner.size as f32 / 100.0;
         let mut at = 0;
         for (range, class) in tokens(text) {
-            add(&mut job, text, at..range.start, code::NAME, marks);
-            add(&mut job, text, range.clone(), color(class), marks);
+            add(&mut job, text, at..range.start, (size, 0.0, *code::NAME), marks);
+            let room = if class == TokenClass::Color { colors::ROOM } else { 0.0 };
+            add(&mut job, text, range.clone(), (size, room, color(class)), marks);
             at = range.end;
         }
-        add(&mut job, text, at..text.len(), code::NAME, marks);
+        add(&mut job, text, at..text.len(), (size, 0.0, *code::NAME), marks);
         job
     }
 }
 
-/// Adds a piece in one colour, cut where marks begin and end.
+/// Adds a piece in one size and colour, behind some room, cut where marks begin and end.
 fn add(
     job: &mut LayoutJob,
     text: &str,
     range: Range<usize>,
-    color: Color32,
+    (size, room, color): (f32, f32, Color32),
     marks: &[(Range<usize>, Severity)],
 ) {
     let mut cuts = vec![range.start, range.end];
@@ -463,20 +428,20 @@ fn add(
     }
     cuts.sort_unstable();
     cuts.dedup();
-    for pair in cuts.windows(2) {
+    for (index, pair) in cuts.windows(2).enumerate() {
         let piece = pair[0]..pair[1];
         let marked = marks.iter().rev().find(|(m, _)| m.start <= piece.start && piece.end <= m.end);
-        let mut format = TextFormat::simple(theme::CODE, color);
-        format.line_height = Some(LINE_HEIGHT);
+        let mut format = TextFormat::simple(theme::code_font(size), color);
+        format.line_height = Some(size * LINE_HEIGHT);
         if let Some((_, severity)) = marked {
             format.underline = Stroke::new(1.5, problems::color(*severity));
         }
-        job.append(text.get(piece).unwrap_or_default(), 0.0, format);
+        job.append(text.get(piece).unwrap_or_default(), if index == 0 { room } else { 0.0 }, format);
     }
 }
 
 fn color(class: TokenClass) -> Color32 {
-    match class {
+    *match class {
         TokenClass::Keyword => code::KEYWORD,
         TokenClass::Kind => code::KIND,
         TokenClass::Name => code::NAME,
@@ -509,7 +474,7 @@ mod tests {
     fn a_layout_holds_the_whole_text() {
         let text = "shape a = sphere(1) // é\n$";
         let marks = vec![(10..16, Severity::Error), (0..40, Severity::Warning)];
-        let job = Colours.compute((text, &marks));
+        let job = Colours.compute((text, &marks, Manner { size: 1300, width: None, light: false }));
         assert_eq!(job.text, text);
         assert!(job.sections.iter().any(|s| s.format.underline != Stroke::NONE));
     }

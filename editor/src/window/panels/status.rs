@@ -34,6 +34,9 @@ pub fn show(ui: &mut Ui, session: &Session) {
                 entry(ui, "", &format!("× {}", meter.samples), "pictures that became this one while nothing moved");
             }
         }
+        if let Some(part) = session.export.part() {
+            entry(ui, "the picture for its file", &format!("{:.0} %", 100.0 * part), "drawn on another thread, 1920 × 1080");
+        }
         if let Some(loading) = &session.said.loading {
             entry(ui, "reading", loading, "on another thread; the last picture stays until it is there");
         }

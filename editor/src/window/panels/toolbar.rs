@@ -2,12 +2,14 @@
 
 use crate::window::command::Command;
 use crate::window::panels::icons::{self, Icon};
+use crate::window::panels::menus;
 use crate::window::session::Session;
 use egui::scroll_area::ScrollBarVisibility;
 use egui::{Align, Layout, ScrollArea, Ui};
 use surefoot_runtime::ViewMode;
 
-const MODES: [(ViewMode, &str, &str); 4] = [
+/// What the picture may show, with words for each.
+pub const MODES: [(ViewMode, &str, &str); 4] = [
     (ViewMode::Shaded, "Shaded", "the scene in its light"),
     (ViewMode::Normals, "Normals", "the surface's normals, as colours"),
     (ViewMode::Steps, "Steps", "how many steps a ray takes: dark is few"),
@@ -31,17 +33,16 @@ const NARROW: f32 = 820.0;
 pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let narrow = ui.available_width() < NARROW;
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        if ui
-            .selectable_label(session.open.parameters, "Parameters")
-            .on_hover_text("the scene's parameters")
-            .clicked()
-        {
+        if !session.open.start && ui.selectable_label(session.open.parameters, "Parameters").on_hover_text("the scene's parameters").clicked() {
             commands.push(Command::ShowParameters(!session.open.parameters));
         }
-        if ui.selectable_label(session.open.measures, "Measures").on_hover_text("box, volume, area and pieces of the solid").clicked() {
+        if !session.open.start && ui.selectable_label(session.open.measures, "Measures").on_hover_text("box, volume, area and pieces of the solid").clicked() {
             commands.push(Command::ShowMeasures(!session.open.measures));
         }
-        ui.menu_button("?", help).response.on_hover_text("keys, and what the mouse does");
+        if ui.selectable_label(session.open.keys, "Keys").on_hover_text("all keys (F1)").clicked() {
+            commands.push(Command::ShowKeys(true));
+        }
+        menus::look(ui, session, commands);
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
             let hidden = ScrollBarVisibility::AlwaysHidden;
             ScrollArea::horizontal().scroll_bar_visibility(hidden).show(ui, |ui| ui.horizontal_centered(|ui| left(ui, session, narrow, commands)));
@@ -50,6 +51,10 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 fn left(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Command>) {
+    menus::files(ui, session, commands);
+    if session.open.start {
+        return;
+    }
     if ui
         .selectable_label(session.open.source, "Source")
         .on_hover_text("the text and what the compiler says of it")
@@ -63,38 +68,6 @@ fn left(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Command
     cameras(ui, session, commands);
     time(ui, session, commands);
     super::balls::show(ui, session, commands);
-}
-
-/// Keys, and what the mouse does.
-const HELP: [(&str, &str); 18] = [
-    ("Drag", "turn the camera"),
-    ("Shift and drag, or the right button", "move it sideways"),
-    ("Wheel", "come nearer"),
-    ("Double click, or Home", "the scene's own camera"),
-    ("1, 3, 7", "look from the front, from the right, from above"),
-    ("F", "come nearer to what was picked, or see the whole solid"),
-    ("Alt and a click", "name what made the pixel, and follow its ray"),
-    ("Space", "let time run or stand"),
-    ("B, or Control and a click", "more balls here, in a scene with balls"),
-    ("Control and drag", "take a ball and throw it"),
-    ("", ""),
-    ("Ctrl+S", "save"),
-    ("Ctrl+Z, Ctrl+Y", "undo, redo"),
-    ("Ctrl+F, then Enter; F3", "find"),
-    ("Ctrl+G", "go to a line"),
-    ("Ctrl+/", "make comments of lines, or code again"),
-    ("Tab, Shift+Tab", "move the selected lines in and out"),
-    ("Double click on a slider", "the value that the text gives"),
-];
-
-fn help(ui: &mut Ui) {
-    egui::Grid::new("help").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
-        for (keys, what) in HELP {
-            ui.label(egui::RichText::new(keys).strong());
-            ui.label(what);
-            ui.end_row();
-        }
-    });
 }
 
 fn modes(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Command>) {

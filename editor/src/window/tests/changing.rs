@@ -65,8 +65,8 @@ fn a_small_window_leaves_the_panels_their_width() {
     harness.set_size(egui::vec2(420.0, 300.0));
     harness.run_steps(4);
     assert!(width(&harness) < 0.6 * before);
-    let (name, open) = (harness.get_by_label("a_scene_of_a_very_long_name.sdf").rect(), harness.get_by_label("Open").rect());
-    assert!(name.right() <= open.left(), "{name:?} {open:?}");
+    let (name, other) = (harness.get_by_label("a_scene_of_a_very_long_name.sdf").rect(), harness.get_by_label("Lay out").rect());
+    assert!(name.right() <= other.left(), "{name:?} {other:?}");
     harness.set_size(egui::vec2(1280.0, 800.0));
     harness.run_steps(4);
     assert_eq!(width(&harness), before);
