@@ -387,7 +387,7 @@ fn the_programs_of_the_reference_compile() {
                 text.push_str(&format!("\n{declaration}\n"));
             }
         }
-        let loader = MemoryLoader::new().with("scene.sdf", text.clone()).with("statue.obj", "");
+        let loader = MemoryLoader::new().with("scene.sdf", text.clone()).with("statue.obj", "").with("rock.glsl", "float map(vec3 p) { return length(p) - 1.0; }");
         let outcome = compile(&loader, "scene.sdf", &Options::default());
         let shown = render(&outcome.sources, &outcome.diagnostics, false);
         assert!(!outcome.has_errors(), "{text}\n{shown}");

@@ -51,8 +51,9 @@ fn ended(statement: &mut naga::Statement) {
 
 /// The shader as naga writes it, with a number in place of what is given from outside.
 fn own(name: &str, text: &str) -> String {
-    // What draws the picture is none of it.
+    // What draws the picture is none of it, and naga writes no pointer to a component.
     let text = text.split("void mainImage").next().unwrap();
+    let text = &text.replace("float c = pMod1(p.x, 1.6);", "float x = p.x; float c = pMod1(x, 1.6); p.x = x;");
     let text = match Language::of(name).unwrap() {
         Language::Wgsl => text.to_owned(),
         Language::Glsl => {

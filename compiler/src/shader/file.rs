@@ -1,11 +1,10 @@
 //! A shader's file: its constants, what it gets from outside, and its functions in an order in which each is known before it is called.
 
 use super::formula;
-use super::function::{self, Made};
-use super::program::Ex;
+use super::failure::Failure;
+use super::program::{Ex, Made};
 use super::read::Read;
 use super::value::{Value, names, type_name, zero};
-use super::Failure;
 use naga::{AddressSpace, Block, Constant, Expression, Function, Handle, Span, Statement, TypeInner};
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -29,7 +28,7 @@ pub struct File<'m> {
 }
 
 impl<'m> File<'m> {
-    /// Translates every function.
+    /// A file of which no function is translated yet.
     pub fn new(read: &'m Read) -> Self {
         let module = &read.module;
         let mut file = Self { read, made: FxHashMap::default(), globals: Vec::new(), spans: FxHashMap::default(), uniforms: Vec::new() };
@@ -51,17 +50,6 @@ impl<'m> File<'m> {
                 _ => None,
             };
             file.globals.push(value);
-        }
-        let mut taken = FxHashSet::default();
-        for (handle, function) in module.functions.iter() {
-            let name = function.name.clone().unwrap_or_default();
-            let unique = (1..).map(|n| if n == 1 { name.clone() } else { format!("{name}_{n}") }).find(|name| !taken.contains(name)).unwrap_or_default();
-            taken.insert(unique.clone());
-            let made = function::translate(&file, handle, &unique);
-            if let Ok(made) = &made {
-                taken.extend(made.results.iter().map(|made| made.name.clone()));
-            }
-            file.made.insert(handle, made);
         }
         file
     }

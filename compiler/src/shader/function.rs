@@ -1,43 +1,20 @@
 //! One function of a shader: what its statements do, one after another, to what its variables hold.
 
 use super::formula::{self, Unsaid, and, choose, not};
-use super::program::{Body, Ex, Id, Loop, Step};
+use super::program::{Body, Ex, Id, Loop, Made, MadeResult, Step};
 use super::turns;
 use super::value::{self, Value};
-use super::Failure;
-use super::file::File;
+use super::failure::Failure;
+use super::file::{File, compose};
 use naga::proc::TypeResolution;
 use naga::{Block, Expression, Handle, Span, Statement, TypeInner, UnaryOperator};
-use rustc_hash::FxHashMap;
+use super::read::Read;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeMap;
 
 /// Steps of one function, at most.
 const MOST_STEPS: usize = 20_000;
 const NO_LOOP: &str = "write a loop whose turns can be counted: `for (int i = 0; i < 64; i++)`; `break` may end it sooner";
-
-/// A function in the language, or rather one for each number, vector or matrix that it gives back.
-pub struct Made {
-    /// What each number stands for.
-    pub names: Vec<String>,
-    /// Its parameters and their types.
-    pub parameters: Vec<(Id, &'static str)>,
-    /// Its results.
-    pub results: Vec<MadeResult>,
-    /// Which of its arguments it writes, each as so many results after those of its own value.
-    pub written: Vec<(usize, usize)>,
-    /// How many of the results are its own value.
-    pub own: usize,
-}
-
-/// One of its results.
-pub struct MadeResult {
-    /// What it is called.
-    pub name: String,
-    /// Its type.
-    pub ty: &'static str,
-    /// Its value.
-    pub body: Body,
-}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Root {
@@ -87,8 +64,25 @@ struct Function<'m> {
     span: Span,
 }
 
+/// Translates every function of a file, in an order in which each is known before it is called.
+pub fn translate_all(read: &Read) -> File<'_> {
+    let mut file = File::new(read);
+    let mut taken = FxHashSet::default();
+    for (handle, function) in read.module.functions.iter() {
+        let name = function.name.clone().unwrap_or_default();
+        let unique = (1..).map(|n| if n == 1 { name.clone() } else { format!("{name}_{n}") }).find(|name| !taken.contains(name)).unwrap_or_default();
+        taken.insert(unique.clone());
+        let made = translate(&file, handle, &unique);
+        if let Ok(made) = &made {
+            taken.extend(made.results.iter().map(|made| made.name.clone()));
+        }
+        file.made.insert(handle, made);
+    }
+    file
+}
+
 /// Translates a function.
-pub fn translate<'m>(file: &'m File<'m>, handle: Handle<naga::Function>, name: &str) -> Result<Made, Failure> {
+fn translate<'m>(file: &'m File<'m>, handle: Handle<naga::Function>, name: &str) -> Result<Made, Failure> {
     let function = file.read.module.functions.try_get(handle).map_err(|_| Failure::nowhere())?;
     let mut made = Function {
         file,
@@ -883,7 +877,7 @@ impl<'m> Function<'m> {
                     values.push(self.value(*component, state, out)?);
                 }
                 let inner = self.pointee(*ty);
-                super::file::compose(&inner, values).ok_or_else(|| self.unsaid(handle)(("this is of a type that the language has not".to_owned(), TYPES)))?
+                compose(&inner, values).ok_or_else(|| self.unsaid(handle)(("this is of a type that the language has not".to_owned(), TYPES)))?
             }
             Expression::Access { base, index } => {
                 let value = self.value(*base, state, out)?;

@@ -5,6 +5,7 @@
 
 mod author;
 mod file;
+mod failure;
 mod formula;
 mod function;
 mod program;
@@ -14,46 +15,10 @@ mod turns;
 mod value;
 mod write;
 
+pub use failure::{Failure, Language};
+
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::ops::Range;
-
-/// Languages of shaders.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Language {
-    /// The shading language of OpenGL, Vulkan and shadertoy.com.
-    Glsl,
-    /// The shading language of WebGPU.
-    Wgsl,
-}
-
-impl Language {
-    /// The language of a file, by the end of its name; none where it is no shader's.
-    pub fn of(path: &str) -> Option<Self> {
-        let (_, end) = path.rsplit_once('.')?;
-        match end.to_ascii_lowercase().as_str() {
-            "glsl" | "frag" | "fs" | "fsh" | "vert" | "comp" | "shadertoy" => Some(Language::Glsl),
-            "wgsl" => Some(Language::Wgsl),
-            _ => None,
-        }
-    }
-}
-
-/// What can't be read or said.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Failure {
-    /// The bytes of the shader.
-    pub range: Range<usize>,
-    /// What is wrong.
-    pub message: String,
-    /// What to write instead.
-    pub help: String,
-}
-
-impl Failure {
-    fn nowhere() -> Self {
-        Self { range: 0..0, message: "this module is not whole".to_owned(), help: "write the shader anew".to_owned() }
-    }
-}
 
 /// A shader as text of the language.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,7 +64,7 @@ const OWN: &[&str] = &[
 /// Translates a shader. `keywords` are the language's. What can't be read at all is an error; a function that can't be said is left out.
 pub fn translate(text: &str, language: Language, keywords: &[&str]) -> Result<Translation, Vec<Failure>> {
     let read = read::read(text, language)?;
-    let file = file::File::new(&read);
+    let file = function::translate_all(&read);
     let is_own = |name: &str| OWN.contains(&name) || keywords.contains(&name);
     let mut reserved: FxHashSet<String> = OWN.iter().filter(|name| **name != "p").chain(keywords).map(|name| (*name).to_owned()).collect();
     let mut renamed: FxHashMap<String, String> = FxHashMap::default();

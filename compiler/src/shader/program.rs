@@ -3,6 +3,30 @@
 /// A name: which of the function's.
 pub type Id = u32;
 
+/// A function in the language, or rather one for each number, vector or matrix that it gives back.
+pub struct Made {
+    /// What each number stands for.
+    pub names: Vec<String>,
+    /// Its parameters and their types.
+    pub parameters: Vec<(Id, &'static str)>,
+    /// Its results.
+    pub results: Vec<MadeResult>,
+    /// Which of its arguments it writes, each as so many results after those of its own value.
+    pub written: Vec<(usize, usize)>,
+    /// How many of the results are its own value.
+    pub own: usize,
+}
+
+/// One of its results.
+pub struct MadeResult {
+    /// What it is called.
+    pub name: String,
+    /// Its type.
+    pub ty: &'static str,
+    /// Its value.
+    pub body: Body,
+}
+
 /// An expression.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ex {

@@ -1,6 +1,6 @@
 //! From the text of a shader to naga's module.
 
-use super::{Failure, Language};
+use super::failure::{Failure, Language};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{ShaderStage, Span};
 use std::ops::Range;

@@ -1,3 +1,4 @@
+// Folds by absolute values, turned by what is given from outside.
 struct Uniforms {
     time: f32,
     bend: f32,

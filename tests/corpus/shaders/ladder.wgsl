@@ -1,3 +1,4 @@
+// A loop with its step in `continuing`.
 fn rung(p: vec3f, y: f32) -> f32 {
     let q = vec3f(p.x, p.y - y, p.z);
     return length(vec2f(max(abs(q.x) - 0.5, 0.0), length(q.yz))) - 0.05;

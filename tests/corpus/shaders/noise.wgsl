@@ -1,3 +1,4 @@
+// Value noise in three nested loops.
 fn hash(p: vec3f) -> f32 {
     var q = fract(p * 0.1031);
     q += dot(q, q.zyx + 31.32);

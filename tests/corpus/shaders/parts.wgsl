@@ -1,3 +1,4 @@
+// A struct with an id, and an array that is read by a number.
 struct Part { distance: f32, kind: u32 }
 
 fn nearer(a: Part, b: Part) -> Part {

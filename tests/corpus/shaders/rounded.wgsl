@@ -1,3 +1,4 @@
+// A smooth minimum of a rounded box and a ball.
 fn round_box(p: vec3f, b: vec3f, r: f32) -> f32 {
     let q = abs(p) - b + r;
     return length(max(q, vec3f(0.0))) + min(max(q.x, max(q.y, q.z)), 0.0) - r;
