@@ -147,6 +147,26 @@ fn what_can_not_be_said_is_an_error_at_its_line() {
 }
 
 #[test]
+fn what_would_take_too_long_or_too_deep_is_an_error() {
+    let doubling: String = (0..40).map(|i| format!("#define A{i} A{} + A{}\n", i + 1, i + 1)).collect();
+    for (shader, words) in [
+        (format!("float map(vec3 p) {{ return {}1.0{}; }}", "(".repeat(5000), ")".repeat(5000)), "nest deeper"),
+        (format!("float map(vec3 p) {{ return {}1.0; }}", "- ".repeat(5000)), "nest deeper"),
+        (format!("float map(vec3 p) {{ {} p.x = 1.0; return p.x; }}", "if (p.x > 0.0) ".repeat(3000)), "nest deeper"),
+        (format!("float map(vec3 p) {{ return {}1.0; }}", "p.x > 0.0 ? 2.0 : ".repeat(3000)), "nest deeper"),
+        (format!("float map(vec3 p) {{ {} p.x = 1.0; return p.x; }}", "if (p.x > 0.0) p.x = 2.0; else ".repeat(1500)), "nest deeper"),
+        (format!("{doubling}float map(vec3 p) {{ return A0; }}"), "macros written out"),
+        (format!("#define A(x) x + x\nfloat map(vec3 p) {{ return {} 1.0 {}; }}", "A(".repeat(60), ")".repeat(60)), "macros written out"),
+        (format!("float map(vec3 p) {{ return 1.0; }}\n{}", "// a line that says nothing\n".repeat(3000)), "read at most"),
+        (format!("#define if_ if (p.x > 0.0)\n#define B {}\nfloat map(vec3 p) {{ {} p.x = 2.0; return p.x; }}", "if_ ".repeat(50), "B ".repeat(8)), "nest too deep"),
+    ] {
+        let outcome = outcome(&[("main.sdf", "scene = shader(\"a.glsl\", map)"), ("a.glsl", &shader)]);
+        let said = diagnostic::render(&outcome.sources, &outcome.diagnostics, false);
+        assert!(outcome.diagnostics.iter().any(|d| d.severity == Severity::Error && d.message.contains(words)), "{words}\n{}", &said[..said.len().min(2000)]);
+    }
+}
+
+#[test]
 fn wrong_calls_are_errors_at_their_place() {
     let shader = "float map(vec3 p) { return length(p) - 1.0; }\nfloat seen(vec3 p) { return texture(iChannel0, p.xy).x; }";
     for (main, words) in [

@@ -13,7 +13,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeMap;
 
 /// Steps of one function, at most.
-const MOST_STEPS: usize = 20_000;
+const MOST_STEPS: usize = 5_000;
+/// How deep statements nest, those that follow a branch that may end elsewhere counted in.
+const DEEPEST: usize = 200;
 const NO_LOOP: &str = "write a loop whose turns can be counted: `for (int i = 0; i < 64; i++)`; `break` may end it sooner";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -55,9 +57,12 @@ struct Function<'m> {
     names: Vec<String>,
     known: FxHashMap<Id, f64>,
     whole: Vec<bool>,
+    /// What expressions came to. Each path evaluates what it reads anew, so that it never sees another path's.
     done: FxHashMap<Handle<Expression>, Value>,
     arguments: Vec<Value>,
     turns: Vec<(&'m Block, Option<Handle<Expression>>)>,
+    /// How deep statements nest here.
+    depth: usize,
     /// Nothing gets a name: there is no room for it.
     plain: bool,
     steps: usize,
@@ -94,6 +99,7 @@ fn translate<'m>(file: &'m File<'m>, handle: Handle<naga::Function>, name: &str)
         done: FxHashMap::default(),
         arguments: Vec::new(),
         turns: Vec::new(),
+        depth: 0,
         plain: false,
         steps: 0,
         span: file.read.module.functions.get_span(handle),
@@ -265,6 +271,16 @@ impl<'m> Function<'m> {
     // ---- Statements ----
 
     fn run(&mut self, block: &'m [Statement], spans: &'m [Span], next: &Next<'m, '_>, state: &mut State, out: &mut Vec<Step>) -> Result<(), Failure> {
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            return Err(self.fail(self.span, "the branches of this function nest too deep".to_owned(), "leave it out, or split it into several"));
+        }
+        let ran = self.run_here(block, spans, next, state, out);
+        self.depth -= 1;
+        ran
+    }
+
+    fn run_here(&mut self, block: &'m [Statement], spans: &'m [Span], next: &Next<'m, '_>, state: &mut State, out: &mut Vec<Step>) -> Result<(), Failure> {
         for (i, statement) in block.iter().enumerate() {
             let span = spans.get(i).copied().unwrap_or_default();
             let rest = || (block.get(i + 1..).unwrap_or_default(), spans.get(i + 1..).unwrap_or_default());
@@ -294,13 +310,10 @@ impl<'m> Function<'m> {
                     self.settle_all(state, out)?;
                     let (rest, rest_spans) = rest();
                     let after = if escapes { Next::Then(rest, rest_spans, next) } else { Next::Nothing };
-                    let done = self.done.clone();
                     let (mut yes, mut no) = (Vec::new(), Vec::new());
                     let mut other = state.clone();
                     self.run(accept, self.spans_of(accept), &after, state, &mut yes)?;
-                    self.done.clone_from(&done);
                     self.run(reject, self.spans_of(reject), &after, &mut other, &mut no)?;
-                    self.done = done;
                     self.merge(condition, state, other, yes, no, out)?;
                     if escapes {
                         return Ok(());
@@ -328,9 +341,7 @@ impl<'m> Function<'m> {
                         let mut no = Vec::new();
                         state.returned = Ex::Bool(true);
                         other.returned = Ex::Bool(false);
-                        let done = self.done.clone();
                         self.run(rest, rest_spans, next, &mut other, &mut no)?;
-                        self.done = done;
                         return self.merge(condition, state, other, Vec::new(), no, out);
                     }
                 }
@@ -667,14 +678,11 @@ impl<'m> Function<'m> {
         self.settle_all(state, out)?;
         let (mut yes, mut no) = (Vec::new(), Vec::new());
         let mut other = state.clone();
-        let done = self.done.clone();
         self.run(block, spans, &Next::Case(next), state, &mut yes)?;
-        self.done.clone_from(&done);
         if *condition == Ex::Bool(true) {
             return yes.into_iter().try_for_each(|step| self.step(step, out));
         }
         self.cases(rest, next, &mut other, &mut no)?;
-        self.done = done;
         self.merge(condition.clone(), state, other, yes, no, out)
     }
 

@@ -8,6 +8,7 @@ mod file;
 mod failure;
 mod formula;
 mod function;
+mod macros;
 mod program;
 mod read;
 mod tidy;
@@ -61,8 +62,15 @@ const OWN: &[&str] = &[
     "radians", "degrees", "fma", "reflect", "refract", "faceforward", "p",
 ];
 
+/// Room for what naga reads of the longest text, in a build without optimisation.
+const STACK: usize = 512 << 20;
+
 /// Translates a shader. `keywords` are the language's. What can't be read at all is an error; a function that can't be said is left out.
 pub fn translate(text: &str, language: Language, keywords: &[&str]) -> Result<Translation, Vec<Failure>> {
+    stacker::maybe_grow(STACK / 2, STACK, || translate_here(text, language, keywords))
+}
+
+fn translate_here(text: &str, language: Language, keywords: &[&str]) -> Result<Translation, Vec<Failure>> {
     let read = read::read(text, language)?;
     let file = function::translate_all(&read);
     let is_own = |name: &str| OWN.contains(&name) || keywords.contains(&name);

@@ -1,6 +1,7 @@
 //! From the text of a shader to naga's module.
 
 use super::failure::{Failure, Language};
+use super::macros;
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{ShaderStage, Span};
 use std::ops::Range;
@@ -15,6 +16,13 @@ const HEAD: &str = "#version 450\n\
     #define iChannel1 iChannel0\n#define iChannel2 iChannel0\n#define iChannel3 iChannel0\n";
 /// A shader needs a beginning, and a file of functions has none.
 const MAIN: &str = "\nvoid main() {}\n";
+
+/// The longest text that is read, in bytes.
+const LONGEST: usize = 64 << 10;
+/// The most names, numbers and signs that a text may have with its macros written out.
+const MOST_PIECES: f64 = 40_000.0;
+/// How deep brackets may nest: naga's reader calls itself for each.
+const DEEPEST: usize = 100;
 
 /// A module, what naga knows of its expressions, and where the file's own text begins in the one that naga read.
 pub struct Read {
@@ -37,6 +45,18 @@ impl Read {
 
 /// Reads a text. What naga can't read is an error at its place.
 pub fn read(text: &str, language: Language) -> Result<Read, Vec<Failure>> {
+    if text.len() > LONGEST {
+        let message = format!("this shader has {} KiB, and {} are read at most", text.len() >> 10, LONGEST >> 10);
+        return Err(vec![Failure { range: 0..0, message, help: "leave out what draws the picture: the functions of the distance are enough".to_owned() }]);
+    }
+    if is_too_deep(text) {
+        let message = format!("brackets or branches of this shader nest deeper than {DEEPEST} levels");
+        return Err(vec![Failure { range: 0..0, message, help: "give parts of it names, or functions of their own".to_owned() }]);
+    }
+    if language == Language::Glsl && macros::expanded(text) > MOST_PIECES {
+        let message = "this shader is too long with its macros written out".to_owned();
+        return Err(vec![Failure { range: 0..0, message, help: "write functions in place of the macros that use their arguments several times".to_owned() }]);
+    }
     let (head, module) = match language {
         Language::Wgsl => (0, naga::front::wgsl::parse_str(text).map_err(|error| {
             let span = error.labels().next().map_or(Span::UNDEFINED, |(span, _)| span);
@@ -66,6 +86,33 @@ pub fn read(text: &str, language: Language) -> Result<Read, Vec<Failure>> {
         vec![unread(span, head, text, if language == Language::Wgsl { "WGSL" } else { "GLSL" }, &message)]
     })?;
     Ok(Read { module, info, head, length: text.len() })
+}
+
+/// Whether brackets, signs before a value, branches without braces, or chains of `else` and `?` nest too deep.
+fn is_too_deep(text: &str) -> bool {
+    let (mut brackets, mut signs, mut branches, mut chain, mut ended) = (0usize, 0usize, 0usize, 0usize, false);
+    for piece in text.lines().flat_map(macros::pieces) {
+        signs = if matches!(piece, "-" | "!" | "~" | "+") { signs + 1 } else { 0 };
+        match piece {
+            "(" | "[" | "{" => brackets += 1,
+            ")" | "]" | "}" => brackets = brackets.saturating_sub(1),
+            "if" | "for" | "while" | "do" | "?" => branches += 1,
+            "else" => chain += 1,
+            _ => {}
+        }
+        // A chain goes on where `else` follows what has ended.
+        if ended && piece != "else" {
+            chain = 0;
+        }
+        ended = matches!(piece, ";" | "}") || ended && piece == "else";
+        if matches!(piece, ";" | "{" | "}") {
+            branches = 0;
+        }
+        if [brackets, signs, branches, chain].into_iter().any(|depth| depth > DEEPEST) {
+            return true;
+        }
+    }
+    false
 }
 
 /// The text with a `#version` as white space, and whether it has a `main` of its own.
