@@ -982,8 +982,8 @@ impl<'m> Function<'m> {
             Expression::ImageSample { .. } | Expression::ImageLoad { .. } | Expression::ImageQuery { .. } => {
                 return Err(self.unsaid(handle)(("a formula reads no textures".to_owned(), "write `value_noise`, `perlin` or `fbm` in its place, or leave the function out")));
             }
-            Expression::Derivative { .. } => {
-                return Err(self.unsaid(handle)(("a formula knows nothing of the pixels beside: it has no derivatives".to_owned(), "leave the function out")));
+            Expression::Derivative { expr, .. } => {
+                return Err(self.unsaid(*expr)(("a formula knows nothing of the pixels beside: it has no derivatives".to_owned(), "leave the function out")));
             }
             _ => return Err(self.unsaid(handle)(("this can't be said in a formula".to_owned(), "leave the function out"))),
         })

@@ -104,7 +104,7 @@ fn is_too_deep(text: &str) -> bool {
         if ended && piece != "else" {
             chain = 0;
         }
-        ended = matches!(piece, ";" | "}") || ended && piece == "else";
+        ended = matches!(piece, ";" | "}");
         if matches!(piece, ";" | "{" | "}") {
             branches = 0;
         }
