@@ -198,8 +198,21 @@ impl<'m> Function<'m> {
     }
 
     fn unsaid(&self, handle: Handle<Expression>) -> impl Fn(Unsaid) -> Failure + '_ {
-        let span = self.function.expressions.get_span(handle);
+        let span = self.span_of(handle);
         move |(message, help)| self.fail(span, message, help)
+    }
+
+    /// Where an expression stands; of one that naga made itself, where what it is made of does.
+    fn span_of(&self, handle: Handle<Expression>) -> Span {
+        let span = self.function.expressions.get_span(handle);
+        if span.is_defined() {
+            return span;
+        }
+        match self.function.expressions.try_get(handle) {
+            Ok(Expression::Unary { expr: of, .. } | Expression::As { expr: of, .. } | Expression::Derivative { expr: of, .. }) => self.span_of(*of),
+            Ok(Expression::Math { arg: of, .. } | Expression::Binary { left: of, .. } | Expression::Relational { argument: of, .. }) => self.span_of(*of),
+            _ => span,
+        }
     }
 
     fn zero(&self, ty: Handle<naga::Type>, span: Span) -> Result<Value, Failure> {
@@ -982,8 +995,8 @@ impl<'m> Function<'m> {
             Expression::ImageSample { .. } | Expression::ImageLoad { .. } | Expression::ImageQuery { .. } => {
                 return Err(self.unsaid(handle)(("a formula reads no textures".to_owned(), "write `value_noise`, `perlin` or `fbm` in its place, or leave the function out")));
             }
-            Expression::Derivative { expr, .. } => {
-                return Err(self.unsaid(*expr)(("a formula knows nothing of the pixels beside: it has no derivatives".to_owned(), "leave the function out")));
+            Expression::Derivative { .. } => {
+                return Err(self.unsaid(handle)(("a formula knows nothing of the pixels beside: it has no derivatives".to_owned(), "leave the function out")));
             }
             _ => return Err(self.unsaid(handle)(("this can't be said in a formula".to_owned(), "leave the function out"))),
         })
