@@ -96,6 +96,9 @@ enum Command {
 
 /// Reads the command line and does what it asks.
 pub fn run() -> ExitCode {
+    if std::env::args_os().len() < 2 {
+        return ExitCode::from(alone() as u8);
+    }
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => match std::env::args().nth(1).as_deref().and_then(misspelled) {
@@ -108,11 +111,7 @@ pub fn run() -> ExitCode {
     };
     let command = cli.command.or_else(|| cli.view.map(Command::View));
     let done = match command {
-        None if view::start() => Ok(Exit::Fine),
-        None => {
-            eprintln!("{}", Cli::command().render_help());
-            Ok(Exit::Usage)
-        }
+        None => Ok(alone()),
         Some(Command::View(args)) => view::run(&args),
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Verify(args)) => verify::run(&args),
@@ -140,6 +139,15 @@ pub fn run() -> ExitCode {
         failure.exit
     });
     ExitCode::from(exit as u8)
+}
+
+/// The window's first page; where there can be none, the help.
+fn alone() -> Exit {
+    if view::start() {
+        return Exit::Fine;
+    }
+    eprintln!("{}", Cli::command().render_help());
+    Exit::Usage
 }
 
 /// The message for a misspelled command. Without it the word is read as a scene, and the error is about the words after it.
@@ -171,7 +179,6 @@ mod tests {
         let cli = Cli::try_parse_from(["surefoot", "scene.sdf"]).unwrap();
         assert!(cli.command.is_none());
         assert_eq!(cli.view.unwrap().scene, "scene.sdf");
-        assert!(Cli::try_parse_from(["surefoot"]).is_ok_and(|cli| cli.command.is_none() && cli.view.is_none()));
         assert!(Cli::try_parse_from(["surefoot", "view"]).is_err());
     }
 }
