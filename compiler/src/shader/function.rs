@@ -18,6 +18,9 @@ const MOST_STEPS: usize = 5_000;
 const DEEPEST: usize = 200;
 const NO_LOOP: &str = "write a loop whose turns can be counted: `for (int i = 0; i < 64; i++)`; `break` may end it sooner";
 
+/// The expressions of a value: the names of the members on the way to each, and its type.
+type Leaves = Vec<(String, &'static str)>;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Root {
     Local(usize),
@@ -145,7 +148,7 @@ impl<'m> Function<'m> {
         self.run(body, self.spans_of(body), &Next::Nothing, &mut state, &mut steps)?;
         // One for each expression that comes out.
         let mut results = Vec::new();
-        let mut outs: Vec<(String, Value, Vec<(String, &'static str)>)> = Vec::new();
+        let mut outs: Vec<(String, Value, Leaves)> = Vec::new();
         let mut own = 0;
         if let Some(result) = &self.function.result {
             let inner = &module.types.get_handle(result.ty).map_err(|_| Failure::nowhere())?.inner;

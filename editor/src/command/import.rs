@@ -65,7 +65,7 @@ fn scene(made: &Translation, wanted: Option<&str>) -> Result<String, String> {
             let why = made.left_out.iter().find(|(known, _)| known == name).map(|(_, why)| why.message.as_str());
             format!("`{name}` can't be the scene: {}", why.unwrap_or("the shader has no such function"))
         })?,
-        None => match distances().find(|function| function.name == "map").or_else(|| distances().last()) {
+        None => match distances().find(|function| function.name == "map").or_else(|| distances().next_back()) {
             Some(function) => function,
             None => return Err("no function of the shader takes a point and gives back a distance; `--function NAME` names another one".to_owned()),
         },
