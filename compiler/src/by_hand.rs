@@ -27,8 +27,10 @@ pub struct ByHand {
     pub holes: Vec<(Vec3, [u32; 2])>,
 }
 
-/// Follows the rays of the scene's first camera through the pixels of a picture of `size`, each step by `share` of the field's value, and compares where
-/// they end with what the scene's own bound finds. `said` is what the compiler said of the scene. The error is a field that is too large to evaluate.
+/// Follows the rays of the scene's first camera, one for each pixel of a picture of `size` (width and height).
+///
+/// Each step is `share` times the field's value. Where such a ray ends is compared with where the scene's own bound ends it. `said` is what the
+/// compiler said of the scene: a field that jumps or is unproven has no proven share. The error is a field that is too large to evaluate.
 pub fn by_hand(scene: &Compiled, said: &[Diagnostic], live: &Live, share: f64, size: (u32, u32)) -> Result<ByHand, TooLarge> {
     let reference = Reference::new(scene, live)?;
     let frame = scene.frame(live);
