@@ -22,7 +22,18 @@ pub const CHAPTERS: &[(&str, &str, &str)] = &[
     ("numbers", "Numbers", include_str!("../prelude/numbers.sdf")),
 ];
 
-/// A declaration of the prelude with what its comment says.
+/// The parts that a scene imports as `std/NAME.sdf`, in the order in which their page shows them: name, title, text.
+pub const PARTS: &[(&str, &str, &str)] = &[
+    ("threads", "Threads", include_str!("../std/threads.sdf")),
+    ("fasteners", "Screws, nuts and washers", include_str!("../std/fasteners.sdf")),
+    ("gears", "Gears", include_str!("../std/gears.sdf")),
+    ("profiles", "Bars", include_str!("../std/profiles.sdf")),
+    ("noise", "Noise", include_str!("../std/noise.sdf")),
+    ("fractals", "Fractals", include_str!("../std/fractals.sdf")),
+    ("plants", "Plants", include_str!("../std/plants.sdf")),
+];
+
+/// A declaration of the prelude or of a part with what its comment says.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
     /// Its name. Several entries may share it.
@@ -62,7 +73,27 @@ pub fn pictures() -> Vec<(String, String)> {
             }
         }
     }
+    all.extend(part_scenes().into_iter().map(|(part, entry, scene)| (part_picture(&part, &entry.name), scene)));
     all
+}
+
+/// The entries of the parts that have an example: the name of the part, the entry, and the text of the scene that shows it.
+pub fn part_scenes() -> Vec<(String, Entry, String)> {
+    let scenes = PARTS.iter().flat_map(|(part, _, text)| entries(part, text).into_iter().map(|entry| (*part, entry)));
+    let shown = scenes.filter(|(_, entry)| !entry.example.is_empty());
+    let with_scene = |(part, entry): (&str, Entry)| {
+        let scene = part_scene(part, &entry.example);
+        (part.to_owned(), entry, scene)
+    };
+    shown.map(with_scene).collect()
+}
+
+fn part_scene(part: &str, example: &str) -> String {
+    format!("import \"std/{part}.sdf\"\n{}", picture_scene(example))
+}
+
+fn part_picture(part: &str, name: &str) -> String {
+    format!("std-{part}-{name}.png")
 }
 
 /// A name that two chapters have is told apart by the chapter.
@@ -196,6 +227,35 @@ pub fn language_reference() -> String {
     page
 }
 
+/// The page of the parts. `steepest` says of the text of a scene how steep what it shows is.
+pub fn parts_reference(steepest: &dyn Fn(&str) -> String) -> String {
+    let mut page = String::from(
+        "<!-- Written by `surefoot reference` from compiler/std/. Do not edit. -->\n\n# Parts\n\nThese files come with the language, and a scene \
+         imports what it needs:\n\n```\nimport \"std/fasteners.sdf\"\n\nscene = hex_screw(8, 30) | nut(8).translate(0, -20, 0)\n```\n\nThey are \
+         written in the language, in `compiler/std/`, and proven as everything else is. The factor is that of the example: how many times steeper \
+         than a distance its formulas are at most, ×1 where they are none.\n\n",
+    );
+    for (part, title, _) in PARTS {
+        let _ = writeln!(page, "- [{title}](#{}): `import \"std/{part}.sdf\"`", title.to_lowercase().replace(' ', "-").replace(',', ""));
+    }
+    for (part, title, text) in PARTS {
+        let _ = write!(page, "\n## {title}\n\n`import \"std/{part}.sdf\"`\n\n{}\n", head_comment(text));
+        for entry in entries(part, text) {
+            let name = &entry.name;
+            let _ = write!(page, "\n### {name}\n\n");
+            if entry.example.is_empty() {
+                write_entry(&mut page, &entry);
+                page.push('\n');
+                continue;
+            }
+            let _ = write!(page, "<img align=\"right\" width=\"160\" height=\"120\" alt=\"{name}\" src=\"pictures/{}\">\n\n", part_picture(part, name));
+            write_entry(&mut page, &entry);
+            let _ = write!(page, " Factor {}.\n\n```\nscene = {}\n```\n", steepest(&part_scene(part, &entry.example)), entry.example);
+        }
+    }
+    page
+}
+
 /// The `//!` lines of a file, as one paragraph.
 fn head_comment(text: &str) -> String {
     let lines: Vec<&str> =
@@ -213,23 +273,7 @@ fn write_entries(page: &mut String, chapter: &str, name: &str, entries: &[&Entry
         );
     }
     for entry in entries {
-        let _ = write!(page, "`{}`\n\n{}", entry.signature, entry.text);
-        if !entry.requires.is_empty() {
-            let conditions: Vec<String> = entry.requires.iter().map(|r| format!("`{r}`")).collect();
-            let _ = write!(page, " Needs {}.", conditions.join(", "));
-        }
-        match entry.claim.as_deref() {
-            Some("exact") => page.push_str(" The value is the exact distance."),
-            // What is computed in a block is read where it is written.
-            Some(claim) if claim.contains('{') => page.push_str(" How steep it is, is claimed of its arguments."),
-            Some(claim) => {
-                let _ = write!(page, " Claim: `{claim}`.");
-            }
-            None => {}
-        }
-        if !entry.source.is_empty() {
-            let _ = write!(page, " *{}*", entry.source);
-        }
+        write_entry(page, entry);
         page.push_str("\n\n");
         if !entry.example.is_empty() && (entry.pictured() || entries.len() == 1) {
             let _ = write!(page, "```\nscene = {}\n```\n\n", entry.example);
@@ -237,5 +281,26 @@ fn write_entries(page: &mut String, chapter: &str, name: &str, entries: &[&Entry
     }
     while page.ends_with("\n\n") {
         page.pop();
+    }
+}
+
+/// What an entry is, in one paragraph below its signature.
+fn write_entry(page: &mut String, entry: &Entry) {
+    let _ = write!(page, "`{}`\n\n{}", entry.signature, entry.text);
+    if !entry.requires.is_empty() {
+        let conditions: Vec<String> = entry.requires.iter().map(|r| format!("`{r}`")).collect();
+        let _ = write!(page, " Needs {}.", conditions.join(", "));
+    }
+    match entry.claim.as_deref() {
+        Some("exact") => page.push_str(" The value is the exact distance."),
+        // What is computed in a block is read where it is written.
+        Some(claim) if claim.contains('{') => page.push_str(" How steep it is, is claimed of its arguments."),
+        Some(claim) => {
+            let _ = write!(page, " Claim: `{claim}`.");
+        }
+        None => {}
+    }
+    if !entry.source.is_empty() {
+        let _ = write!(page, " *{}*", entry.source);
     }
 }

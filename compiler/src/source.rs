@@ -41,7 +41,7 @@ impl Span {
 /// One text with its name, as a person would write it on the command line.
 #[derive(Clone, Debug)]
 pub struct SourceFile {
-    /// The path, or `<prelude>/NAME.sdf`.
+    /// The path, or `<prelude>/NAME.sdf` or `<std>/NAME.sdf`.
     pub name: String,
     /// The text.
     pub text: Arc<str>,

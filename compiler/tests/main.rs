@@ -22,6 +22,7 @@ mod holes;
 mod looks;
 mod measure;
 mod outlines;
+mod parts;
 mod pick;
 mod prelude;
 mod ranges;

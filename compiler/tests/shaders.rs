@@ -206,3 +206,24 @@ fn the_step_of_a_loop_along_a_ray_is_found() {
     assert_eq!(step("terrain.glsl"), Some((0.2, "p += rd * h * 0.2".to_owned())));
     assert_eq!(step("blobs.glsl"), None);
 }
+
+/// Twisted towers are steep far from their axes. Each needs to be gentle about itself only, however its union is written.
+#[test]
+fn bodies_of_a_union_are_bounded_one_by_one() {
+    let towers = "float box(vec3 p, vec3 b) { vec3 q = abs(p) - b; return length(max(q, 0.0)) + min(max(q.x, max(q.y, q.z)), 0.0); }
+        float tower(vec3 p) { float a = 1.2 * p.y; p.xz = mat2(cos(a), -sin(a), sin(a), cos(a)) * p.xz; return box(p, vec3(0.4, 1.5, 0.4)); }
+        vec2 nearer(vec2 a, vec2 b) { return a.x < b.x ? a : b; }";
+    let (left, right) = ("tower(p - vec3(2.0, 0.0, 0.0))", "tower(p + vec3(2.0, 0.0, 0.0))");
+    for body in [
+        format!("return min(min(p.y + 1.6, {left}), {right});"),
+        format!("return 0.8 * (min(min(p.y + 1.6, {left}), {right}) - 0.05);"),
+        format!("return nearer(nearer(vec2(p.y + 1.6, 1.0), vec2({left}, 2.0)), vec2({right}, 3.0)).x;"),
+        format!("float d = p.y + 1.6; float a = {left}; if (a < d) {{ d = a; }} float b = {right}; if (d > b) {{ d = b; }} return d;"),
+        format!("float d = {left}; float b = {right}; return max(d < b ? d : b, 0.8 - length(p));"),
+    ] {
+        let text = format!("{towers}\nfloat map(vec3 p) {{ {body} }}");
+        let scene = compiled(&[("main.sdf", "scene = shader(\"a.glsl\")\nrender { extent: 40 }"), ("a.glsl", &text)]);
+        let steepest = scene.graph.factors.iter().map(|factor| factor.lipschitz).fold(1.0, f64::max);
+        assert!(steepest < 5.0, "{body}: {steepest}");
+    }
+}

@@ -53,7 +53,7 @@ fn the_same_text_gives_the_same_bytes() {
 
 #[test]
 fn texts_that_are_laid_out_stay_as_they_are() {
-    let folders = ["examples", "compiler/prelude", "tests/corpus/right"];
+    let folders = ["examples", "compiler/prelude", "compiler/std", "tests/corpus/right"];
     for path in folders.iter().flat_map(|folder| files(folder)) {
         let text = std::fs::read_to_string(&path).unwrap();
         let laid_out = |text: &str| {

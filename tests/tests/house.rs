@@ -60,7 +60,7 @@ fn every_folder_and_crate_starts_with_what_it_is() {
     for (name, text) in texts() {
         let speaks = match name.rsplit('.').next() {
             Some("rs") => text.starts_with("//! "),
-            Some("sdf") if name.starts_with("examples") || name.starts_with("compiler/prelude") => text.starts_with("//! "),
+            Some("sdf") if name.starts_with("examples") || name.starts_with("compiler/prelude") || name.starts_with("compiler/std") => text.starts_with("//! "),
             Some("wgsl") => text.starts_with("// "),
             _ => true,
         };

@@ -89,7 +89,7 @@ fn texts(name: &str) -> Vec<(String, Vec<u8>)> {
 }
 
 fn corpus() -> Corpus {
-    let folders = ["examples", "examples/parts", "compiler/prelude", "tests/corpus/right"];
+    let folders = ["examples", "examples/parts", "compiler/prelude", "compiler/std", "tests/corpus/right"];
     let all: Vec<String> =
         folders.iter().flat_map(|f| texts(f)).map(|(_, bytes)| String::from_utf8(bytes).unwrap()).collect();
     assert!(all.len() > 10, "the corpus is gone");

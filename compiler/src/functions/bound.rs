@@ -71,6 +71,7 @@ impl Builder<'_> {
                 let b = self.bound(shape, b, domain, continuous);
                 self.graph.op(Op::Select, &[c, a, b])
             }
+            Node::Op(Op::Add | Op::Sub, _) if let Some(apart) = self.moved_apart(node) => self.bound(shape, apart, domain, continuous),
             // A positive multiple has the same zero set.
             Node::Op(op @ (Op::Mul | Op::Div), args) => {
                 let (Some(&a), Some(&b)) = (args.first(), args.get(1)) else { return node };
@@ -111,6 +112,29 @@ impl Builder<'_> {
         }
     }
 
+    /// A union or an intersection that a number is added to, as the union of what it is added to: `min(a, b) - r` is `min(a - r, b - r)`. So each
+    /// operand has a bound and a region of its own. None of what has a bound over all space as it is.
+    fn moved_apart(&mut self, node: NodeId) -> Option<NodeId> {
+        let (op, joined, by) = self.moved(node)?;
+        if self.facts.constant(self.graph, joined, &Domain::of(Box3::ALL), 1).is_within(STEEPEST) {
+            return None;
+        }
+        let Node::Op(joins, parts) = self.graph.node(joined).clone() else { return None };
+        let parts: Vec<NodeId> = parts.iter().map(|&part| self.graph.op(op, &[part, by])).collect();
+        Some(self.graph.op(joins, &parts))
+    }
+
+    /// A union or an intersection, and the number that is added to it or taken from it.
+    fn moved(&self, node: NodeId) -> Option<(Op, NodeId, NodeId)> {
+        let Node::Op(op @ (Op::Add | Op::Sub), args) = self.graph.node(node) else { return None };
+        let (joined, by) = match *args.as_ref() {
+            [a, b] if self.is_uniform(b) => (a, b),
+            [a, b] if *op == Op::Add && self.is_uniform(a) => (b, a),
+            _ => return None,
+        };
+        matches!(self.graph.node(joined), Node::Op(Op::Min | Op::Max, _)).then_some((*op, joined, by))
+    }
+
     /// Whether a multiple of a shape at a moved point is gentler than what moves the point: that may stretch by what the value is divided by.
     fn is_stretched_back(&mut self, multiple: NodeId, call: NodeId, domain: &Domain) -> bool {
         let Node::Call(_, Function::Field, args) = self.graph.node(call).clone() else { return false };
@@ -125,6 +149,7 @@ impl Builder<'_> {
         match self.graph.node(node) {
             Node::Op(Op::Min | Op::Max | Op::Select, _) | Node::Call(..) | Node::Claim(_, Claim::Continuous) => true,
             Node::Op(Op::Neg, args) => args.first().is_some_and(|&a| self.has_parts(a)),
+            Node::Op(Op::Add | Op::Sub, _) => self.moved(node).is_some(),
             Node::Op(Op::Mul | Op::Div, args) => match *args.as_ref() {
                 [a, b] if self.is_uniform(b) => self.has_parts(a),
                 [a, b] if self.is_uniform(a) => self.has_parts(b),

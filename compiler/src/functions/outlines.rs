@@ -117,8 +117,14 @@ impl Builder<'_> {
             return known;
         }
         let (span, exactness) = (self.place(self.root, first), Exactness::Formula);
-        let shape = Shape { name, dimensions, value, variables: [].into(), exactness, material: None, paints: [].into(), span };
-        let shape = self.graph.add_shape(shape);
+        let mut outline = Shape { name, dimensions, value, variables: [].into(), exactness, material: None, paints: [].into(), span };
+        let new = self.graph.shapes().len();
+        let mut shape = self.graph.add_shape(outline.clone());
+        // A shape of the scene may be the same, and can't stand for its own formula.
+        while (shape.0 as usize) < new {
+            outline.name = Some(format!("{}_formula", outline.name.as_deref().unwrap_or("own")).into());
+            shape = self.graph.add_shape(outline.clone());
+        }
         // Where it jumps the shapes that ask for it say so.
         self.gradients.walled.insert(shape, false);
         self.built.formulas.insert((shape, Function::Field), value);

@@ -229,7 +229,10 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
             if b == c {
                 return Some(b);
             }
-            ca.map(|condition| if condition != 0.0 { b } else { c })
+            match ca {
+                Some(condition) => Some(if condition != 0.0 { b } else { c }),
+                None => compared(graph, a, b, c),
+            }
         }
         Op::And if is(ca, 1.0) => Some(b),
         Op::And if is(cb, 1.0) => Some(a),
@@ -243,6 +246,25 @@ pub fn simplify<T: Terms>(graph: &mut T, op: Op, args: &[T::Id]) -> Option<T::Id
         },
         _ => None,
     }
+}
+
+/// A choice between the two numbers that its condition compares: the lesser, the greater, or the magnitude of one. A union is taken apart at these.
+fn compared<T: Terms>(graph: &mut T, condition: T::Id, yes: T::Id, no: T::Id) -> Option<T::Id> {
+    let (Op::Lt | Op::Le, &[below, above]) = graph.operation(condition)? else { return None };
+    if (yes, no) == (below, above) {
+        return Some(graph.op(Op::Min, &[yes, no]));
+    }
+    if (yes, no) == (above, below) {
+        return Some(graph.op(Op::Max, &[yes, no]));
+    }
+    let zero = Some(0.0);
+    let (positive, negative) = match (graph.as_constant(below), graph.as_constant(above)) {
+        (_, of) if of == zero => (no, yes),
+        (of, _) if of == zero => (yes, no),
+        _ => return None,
+    };
+    let of_one = (positive == below || positive == above) && negated(graph, negative) == Some(positive);
+    of_one.then(|| graph.op(Op::Abs, &[positive]))
 }
 
 /// `min(1 + sign(x - e), 1)`: a choice, of which more is known than of a sign.

@@ -61,9 +61,9 @@ impl World {
         &self.texts.diagnostics
     }
 
-    /// The paths of all texts but those of the prelude.
+    /// The paths of all texts but those that come with the language.
     pub fn paths(&self) -> impl Iterator<Item = &str> {
-        (1..self.texts.modules.count()).map(|module| self.texts.modules.path(module))
+        (1..self.texts.modules.count()).filter(|&module| !self.texts.modules.comes_along(module)).map(|module| self.texts.modules.path(module))
     }
 
     /// The tree of a text. None for a text of the prelude, whose trees are one.

@@ -35,7 +35,7 @@ impl Elaborator<'_> {
         let Some(declared) = modules.item(item) else { return Err(Stop) };
         let ItemKind::Function(function) = &declared.kind else { return Err(Stop) };
         if let Some(claim) = &function.claim
-            && !modules.is_prelude(item.module)
+            && !modules.comes_along(item.module)
         {
             self.error(
                 Code::PreludeOnly,

@@ -576,10 +576,10 @@ impl Elaborator<'_> {
         Err(self.error(Code::TypeMismatch, at, format!("`{name}` takes no point"), at_a_point(function)))
     }
 
-    /// Runs `inside` for a declaration; where it is the prelude's and a user calls it, what goes wrong inside is reported at the call.
+    /// Runs `inside` for a declaration; where it comes with the language and a user calls it, what goes wrong inside is reported at the call.
     pub(super) fn for_user<T>(&mut self, item: ItemRef, call: Span, inside: impl FnOnce(&mut Self) -> T) -> T {
         let before = self.outside;
-        if !self.modules.is_prelude(item.module) {
+        if !self.modules.comes_along(item.module) {
             self.outside = None;
         } else if !crate::prelude::in_prelude(call) {
             self.outside = Some(call);

@@ -2,7 +2,7 @@
 
 use crate::loader::Loader;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::prelude::PRELUDE;
+use crate::prelude::{self, PARTS, PRELUDE};
 use crate::shader::{self, Failure, Language};
 use crate::source::{FileId, Sources, Span};
 use crate::syntax::ast::{self, BlockKind, Item, ItemKind, Name};
@@ -20,6 +20,9 @@ static PRELUDE_TREE: LazyLock<(Sources, Arc<Module>, Vec<Diagnostic>)> = LazyLoc
         let (file, found) = parser::parse(id, text);
         diagnostics.extend(found);
         ast.items.extend(file.items);
+    }
+    for (name, text) in PARTS {
+        sources.add(*name, *text);
     }
     let mut module = Module::new(FileId(0), String::new(), ast);
     module.index_names(0);
@@ -226,7 +229,14 @@ impl Reader<'_> {
                     Code::Unreadable,
                     span,
                     format!("`{path}` can't be read: {why}"),
-                    from.map_or("give the path of a scene file, `name.sdf`", |_| "write the path of a file, relative to the file that imports it"),
+                    match from {
+                        None => "give the path of a scene file, `name.sdf`".to_owned(),
+                        Some(_) if path.split('/').rev().nth(1) == Some("std") => {
+                            let names: Vec<&str> = PARTS.iter().filter_map(|(name, _)| name.strip_prefix("<std>/")).collect();
+                            format!("of `std` there are {}", names.join(", "))
+                        }
+                        Some(_) => "write the path of a file, relative to the file that imports it".to_owned(),
+                    },
                 ));
                 return None;
             }
@@ -240,7 +250,12 @@ impl Reader<'_> {
             file = self.sources.add(format!("<shader>/{path}"), text.clone());
             shader = Some(Arc::new(known));
         }
-        let (ast, found) = parser::parse(file, &text);
+        Some(self.module(path, file, &text, shader))
+    }
+
+    /// A module of a text, and what the text imports.
+    fn module(&mut self, path: &str, file: FileId, text: &str, shader: Option<Arc<Shader>>) -> usize {
+        let (ast, found) = parser::parse(file, text);
         self.broken |= !found.is_empty();
         self.diagnostics.extend(found);
         let mut module = Module::new(file, path.to_owned(), ast);
@@ -262,7 +277,7 @@ impl Reader<'_> {
             }
         }
         // What a formula takes from a shader is read here too; its names stay there.
-        for (target, span) in shaders(file, &text) {
+        for (target, span) in shaders(file, text) {
             self.import(path, &target, span);
         }
         self.stack.pop();
@@ -270,11 +285,12 @@ impl Reader<'_> {
         if let Some(slot) = self.list.get_mut(index) {
             *slot = Arc::new(module);
         }
-        Some(index)
+        index
     }
 
     fn import(&mut self, from: &str, target: &str, span: Span) -> Option<usize> {
-        let path = join(from, target);
+        let part = prelude::part(target);
+        let path = part.map_or_else(|| join(from, target), |(_, name)| name.to_owned());
         if self.stack.contains(&path) {
             self.broken = true;
             self.diagnostics.push(Diagnostic::new(
@@ -297,7 +313,13 @@ impl Reader<'_> {
             ));
             return None;
         }
-        self.read(&path, Some(span))
+        match part {
+            Some((file, name)) => {
+                let text = PARTS.iter().find(|(known, _)| *known == name)?.1;
+                Some(self.module(name, file, text, None))
+            }
+            None => self.read(&path, Some(span)),
+        }
     }
 
     /// A shader as text of the language.
@@ -468,7 +490,7 @@ impl Modules {
 
     /// The module of a text; that of the prelude for each of its texts.
     pub fn of_file(&self, file: FileId) -> Option<usize> {
-        if crate::prelude::in_prelude(Span::new(file, 0, 0)) {
+        if prelude::is_prelude(file) {
             return Some(self.prelude);
         }
         self.list.iter().skip(1).position(|m| m.file == file).map(|at| at + 1)
@@ -487,6 +509,11 @@ impl Modules {
     /// Whether an item is of the prelude.
     pub fn is_prelude(&self, module: usize) -> bool {
         module == self.prelude
+    }
+
+    /// Whether a text comes with the language: the prelude or a part.
+    pub fn comes_along(&self, module: usize) -> bool {
+        self.is_prelude(module) || prelude::in_prelude(self.head(module))
     }
 
     /// Index of the prelude.

@@ -6,18 +6,19 @@ use crate::files;
 use crate::picture::write_png;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
+use surefoot_compiler::graph::Proof;
 use surefoot_compiler::reference::film::{dither, level};
 use surefoot_compiler::reference::{Area, Reference, View};
-use surefoot_compiler::reference_text::{language_reference, pictures};
+use surefoot_compiler::reference_text::{language_reference, parts_reference, pictures};
 use surefoot_compiler::{MemoryLoader, Options, compile};
 
 /// Where to write, and what.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The folder to write to: language.md, and its pictures in pictures/.
+    /// The folder to write to: language.md, parts.md, and their pictures in pictures/.
     #[arg(short, long, default_value = "docs", value_name = "FOLDER")]
     output: PathBuf,
-    /// Only check whether language.md in that folder is up to date.
+    /// Only check whether language.md and parts.md in that folder are up to date.
     #[arg(long)]
     check: bool,
     /// Write the text only, and leave the pictures as they are.
@@ -48,25 +49,36 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         print(format!("{}\n", grammar::classes(&text)).as_bytes())?;
         return Ok(Exit::Fine);
     }
-    let page = language_reference();
-    let path = args.output.join("language.md");
+    let pages = [("language.md", language_reference()), ("parts.md", parts_reference(&steepest))].map(|(name, page)| (args.output.join(name), page));
     if args.check {
-        let written = std::fs::read_to_string(&path).unwrap_or_default();
-        if written == page {
-            return Ok(Exit::Fine);
+        let old: Vec<_> = pages.iter().filter(|(path, page)| std::fs::read_to_string(path).unwrap_or_default() != *page).collect();
+        for (path, _) in &old {
+            eprintln!("{} is not up to date; `surefoot reference` writes it", path.display());
         }
-        eprintln!("{} is not up to date; `surefoot reference` writes it", path.display());
-        return Ok(Exit::Errors);
+        return Ok(if old.is_empty() { Exit::Fine } else { Exit::Errors });
     }
-    std::fs::create_dir_all(args.output.join("pictures"))
-        .and_then(|()| std::fs::write(&path, page))
-        .map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
+    for (path, page) in pages {
+        std::fs::create_dir_all(args.output.join("pictures"))
+            .and_then(|()| std::fs::write(&path, page))
+            .map_err(|why| Failure::usage(format!("can't write {}: {why}", path.display())))?;
+    }
     if !args.text_only {
         for (name, scene) in pictures() {
             draw(&args.output.join("pictures").join(name), scene)?;
         }
     }
     Ok(Exit::Fine)
+}
+
+/// The greatest factor of a scene, as `×1.5`, and whether all of its factors are proven.
+fn steepest(scene: &str) -> String {
+    let loader = MemoryLoader::new().with("scene.sdf", scene);
+    let Some(compiled) = compile(&loader, "scene.sdf", &Options::default()).compiled else { return "unknown".to_owned() };
+    let factors = &compiled.graph.factors;
+    let greatest = factors.iter().map(|factor| factor.lipschitz).fold(1.0, f64::max);
+    let measured = factors.iter().any(|factor| factor.proof == Proof::Measured);
+    // Rounded up: no smaller number is proven.
+    format!("×{}{}", (100.0 * greatest - 1e-3).ceil() / 100.0, if measured { ", measured" } else { "" })
 }
 
 /// Draws a scene on the processor, so that every machine makes the same file.

@@ -2,7 +2,7 @@
 
 use crate::files;
 use std::path::{Path, PathBuf};
-use surefoot_compiler::prelude::PRELUDE;
+use surefoot_compiler::prelude::{PARTS, PRELUDE};
 
 /// More scenes than these are not looked at.
 const MOST_FILES: usize = 1000;
@@ -56,8 +56,9 @@ pub(super) fn is_of_prelude(path: &str) -> bool {
 
 /// The path of a text of the prelude, which is written if it does not stand there as it is. None where it can't be.
 pub(super) fn prelude_file(name: &str) -> Option<String> {
-    let (_, text) = PRELUDE.iter().find(|(known, _)| *known == name)?;
-    let path = prelude_folder().join(name.rsplit('/').next()?);
+    let (_, text) = PRELUDE.iter().chain(PARTS).find(|(known, _)| *known == name)?;
+    // `<prelude>/noise.sdf`, and `std/noise.sdf` below the same folder.
+    let path = prelude_folder().join(name.trim_start_matches("<prelude>/").replace(['<', '>'], ""));
     if std::fs::read(&path).map_or(true, |known| known != text.as_bytes()) {
         std::fs::create_dir_all(path.parent()?).ok()?;
         // An older one may be there, which nobody may write.
