@@ -29,7 +29,7 @@ mod tests;
 
 pub use log::Log;
 pub use recovery::Recovery;
-pub use trial::Measured;
+pub use trial::{Measured, Rested, Typed};
 
 use crate::files::FileLoader;
 use apply::apply;

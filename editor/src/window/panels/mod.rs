@@ -10,6 +10,7 @@ mod history;
 pub mod icons;
 pub mod legend;
 pub mod lines;
+pub mod marks;
 pub mod measures;
 mod menus;
 pub mod notes;
