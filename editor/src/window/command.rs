@@ -2,6 +2,7 @@
 
 use crate::window::document::{Disk, Resolution};
 use crate::window::examples::Example;
+use crate::window::holding::Number;
 use crate::window::orbit::Side;
 use crate::window::session::{Mend, Place, Purpose, Search};
 use crate::window::theme::Choice;
@@ -20,6 +21,17 @@ pub enum Command {
     Edit(String),
     /// The same by a hand that goes on: the picture follows it.
     EditOn(String),
+    /// A hand takes a number of the text that is shown.
+    HoldNumber(Number),
+    /// It drags it: the text with the number that it is by now.
+    DragNumber {
+        /// The text.
+        text: String,
+        /// The number, which stands at the same place.
+        number: Number,
+    },
+    /// It lets go of it.
+    LetNumberGo,
     /// Write the text that is shown to the disk.
     Save,
     /// Write it under another name, and go on with that.

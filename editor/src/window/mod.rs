@@ -8,6 +8,7 @@ mod command;
 mod document;
 mod examples;
 mod export;
+mod holding;
 mod kept;
 mod keys;
 mod log;
@@ -168,8 +169,8 @@ impl App {
         self.session.documents.focus = false;
     }
 
-    /// What came from outside since the last frame.
-    fn hear(&mut self) {
+    /// What came from outside since the last frame. `is_held`: whether the pointer is pressed.
+    fn hear(&mut self, is_held: bool) {
         for command in self.world.hear() {
             apply(&mut self.session, &mut self.world, command);
         }
@@ -179,6 +180,9 @@ impl App {
         }
         if let Some(place) = self.session.looking.hear() {
             apply(&mut self.session, &mut self.world, Command::Jump(place));
+        }
+        if self.session.holding.is_some() && !is_held {
+            apply(&mut self.session, &mut self.world, Command::LetNumberGo);
         }
         self.session.said.loading = self.world.loading();
         self.session.said.work = self.world.work();
@@ -366,7 +370,7 @@ impl eframe::App for App {
         if ui.ctx().zoom_factor() != self.session.open.zoom {
             ui.ctx().set_zoom_factor(self.session.open.zoom);
         }
-        self.hear();
+        self.hear(ui.input(|i| i.pointer.primary_down()));
         self.let_time_pass();
         let mut commands = Vec::new();
         keys::hear(ui, &self.session, &mut commands);

@@ -2,6 +2,7 @@
 
 use super::document::Document;
 use super::export::Export;
+use super::holding::{Holding, is_held};
 use super::kept::SceneState;
 use super::looking::Looking;
 use super::measuring::Measuring;
@@ -60,6 +61,10 @@ pub struct Session {
     pub looking: Looking,
     /// How far into the picture the ball is that a hand holds, if one does.
     pub held: Option<f64>,
+    /// The number of the text that a hand holds, if one does and it can be a slider.
+    pub holding: Option<Holding>,
+    /// How many numbers were held so far.
+    pub holds: u64,
 }
 
 /// The texts: the scene's own first, then those that were opened.
@@ -320,6 +325,8 @@ impl Session {
             export: Export::default(),
             looking: Looking::default(),
             held: None,
+            holding: None,
+            holds: 0,
         }
     }
 
@@ -383,6 +390,9 @@ impl Session {
 
     /// Whether a parameter has another value than the text gives it.
     pub fn is_moved(&self, parameter: &Parameter) -> bool {
+        if is_held(parameter) {
+            return false;
+        }
         match self.stage.value(parameter) {
             Some(value) => value != parameter.default,
             None => self.choice(parameter) != parameter.choice(),

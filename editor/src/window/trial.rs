@@ -21,7 +21,7 @@ const STILL: u32 = 256;
 /// From one key to the next, in milliseconds: as people type, in words with pauses in which a picture is begun, and refined.
 const PAUSES: [u64; 10] = [90, 120, 80, 150, 110, 400, 130, 95, 700, 160];
 /// Nobody waits longer for a picture or a still.
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_secs(90);
 /// How long the window is left alone before it is measured, and for how long it is.
 const REST: (Duration, Duration) = (Duration::from_millis(500), Duration::from_secs(8));
 /// How soon it is looked again whether there is a new picture.
