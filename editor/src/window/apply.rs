@@ -147,6 +147,7 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
                 session.stage.reset_balls();
             }
         }
+        Command::Timeline(timeline) => session.timeline = timeline,
         Command::StepBalls => session.stage.step_balls(),
         Command::ResetBalls => session.stage.reset_balls(),
         Command::DropBalls { at, size } => drop_balls(session, at, size),

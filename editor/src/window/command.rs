@@ -4,7 +4,7 @@ use crate::window::document::{Disk, Resolution};
 use crate::window::examples::Example;
 use crate::window::holding::Number;
 use crate::window::orbit::Side;
-use crate::window::session::{Mend, Place, Purpose, Search};
+use crate::window::session::{Mend, Place, Purpose, Search, Timeline};
 use crate::window::theme::Choice;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -114,6 +114,8 @@ pub enum Command {
     Play(bool),
     /// Go to a moment.
     Time(f64),
+    /// How long the timeline is, and whether it loops.
+    Timeline(Timeline),
     /// One step of the balls.
     StepBalls,
     /// The balls back to where they begin.

@@ -70,6 +70,7 @@ pub const KEYS: &[Part] = &[
             ("Home, or a double click", "the scene's own camera"),
             ("Alt and a click", "name what made the pixel, and follow its ray"),
             ("Space", "let time run or stand"),
+            ("L", "let time begin anew at the end of the timeline, or run on"),
             ("B, or Ctrl and a click", "more balls here, in a scene with balls"),
             ("Ctrl and drag", "take a ball and throw it"),
         ],

@@ -206,7 +206,7 @@ impl App {
         let passed = now.duration_since(self.ticked).min(Duration::from_millis(250));
         self.ticked = now;
         if self.session.stage.animates() {
-            self.session.stage.advance(passed.as_secs_f64());
+            self.session.advance(passed.as_secs_f64());
         }
     }
 
@@ -259,6 +259,10 @@ impl App {
                 }
                 CentralPanel::default().frame(Frame::NONE).show(ui, |ui| panels::parameters::show(ui, session, commands));
             });
+        }
+        if session.moves() {
+            let strip = Panel::bottom("timeline").frame(bar).exact_size(26.0).resizable(false);
+            strip.show(ui, |ui| panels::timeline::show(ui, session, commands));
         }
         if widths != session.open.widths {
             commands.push(Command::Widths(widths));

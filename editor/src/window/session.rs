@@ -47,6 +47,8 @@ pub struct Session {
     pub question: Option<Question>,
     /// Something that went wrong outside of the scene, for a person to read once.
     pub notice: Option<String>,
+    /// How long time runs.
+    pub timeline: Timeline,
     /// What the compiler is asked for, with the choices that a person made.
     pub options: Options,
     /// What drawing takes.
@@ -65,6 +67,20 @@ pub struct Session {
     pub holding: Option<Holding>,
     /// How many numbers were held so far.
     pub holds: u64,
+}
+
+/// How long time runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timeline {
+    /// Its length in seconds.
+    pub length: f64,
+    /// Whether time begins anew at its end.
+    pub loops: bool,
+}
+
+impl Timeline {
+    /// The least and the greatest length, in seconds.
+    pub const LENGTHS: std::ops::RangeInclusive<f64> = 0.1..=3600.0;
 }
 
 /// The texts: the scene's own first, then those that were opened.
@@ -318,6 +334,7 @@ impl Session {
             restoring: None,
             question: None,
             notice: None,
+            timeline: Timeline { length: 10.0, loops: false },
             options: Options::default(),
             meter: Meter::default(),
             found: Vec::new(),
@@ -327,6 +344,20 @@ impl Session {
             held: None,
             holding: None,
             holds: 0,
+        }
+    }
+
+    /// Whether the scene that is drawn changes with time.
+    pub fn moves(&self) -> bool {
+        self.said.reads_time || self.stage.balls().is_some()
+    }
+
+    /// Lets so many seconds pass. At the end of a timeline that loops time begins anew, but not where balls would be left behind.
+    pub fn advance(&mut self, seconds: f64) {
+        self.stage.advance(seconds);
+        let Timeline { length, loops } = self.timeline;
+        if loops && self.stage.playing && self.stage.balls().is_none() && self.stage.time() >= length {
+            self.stage.set_time(self.stage.time().rem_euclid(length));
         }
     }
 

@@ -10,6 +10,7 @@ mod measures;
 mod numbers;
 mod random;
 mod tabs;
+mod timeline;
 mod typing;
 mod unsaved;
 

@@ -28,4 +28,5 @@ pub mod source;
 pub mod start;
 pub mod status;
 mod tabs;
+pub mod timeline;
 pub mod toolbar;

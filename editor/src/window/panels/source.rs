@@ -11,11 +11,12 @@ use egui::cache::{ComputerMut, FrameCache};
 use egui::text::{CCursor, CCursorRange, LayoutJob, TextFormat};
 use egui::text_edit::{TextEditOutput, TextEditState};
 use egui::{
-    Align, Align2, Color32, Event, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, ScrollArea, Stroke, TextBuffer,
+    Align, Align2, Color32, Event, Frame, Galley, Id, Key, Margin, Modifiers, Rect, Response, RichText, ScrollArea, Stroke, TextBuffer,
     TextEdit, Ui, vec2,
 };
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::Arc;
 use surefoot_compiler::diagnostic::Severity;
 use surefoot_compiler::factors::Explained;
 use surefoot_compiler::graph::Proof;
@@ -44,13 +45,20 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
     let room = Margin { left: gutter as i8, right: 6, top: 4, bottom: 4 };
     let id = id(document);
     let mut text = document.text.clone();
+    // egui asks several times a frame, and a long text takes milliseconds.
+    let mut laid_out: Option<(String, f32, Arc<Galley>)> = None;
     let mut layouter = |ui: &Ui, buffer: &dyn TextBuffer, width: f32| {
+        if let Some((_, _, galley)) = laid_out.as_ref().filter(|(text, at, _)| text == buffer.as_str() && *at == width) {
+            return galley.clone();
+        }
         let manner = Manner::of(session, width);
         let job = ui.memory_mut(|m| {
             let cache = m.caches.cache::<FrameCache<LayoutJob, Colours>>();
             cache.get((buffer.as_str(), &marks, manner)).clone()
         });
-        ui.fonts_mut(|f| f.layout_job(job))
+        let galley = ui.fonts_mut(|f| f.layout_job(job));
+        laid_out = Some((buffer.as_str().to_owned(), width, galley.clone()));
+        galley
     };
     assist::hear(ui);
     renaming::keys(ui, session, document);
