@@ -2,6 +2,7 @@
 
 use crate::window::command::{Answer, Command, DROP};
 use crate::window::examples::TEMPLATE;
+use crate::window::export::{Scene, Wanted};
 use crate::window::kept;
 use crate::window::document::{Disk, Document, Resolution};
 use crate::window::holding::{self, Holding, Number};
@@ -27,6 +28,9 @@ use surefoot_compiler::vector::{add, dot, length, scale, sub};
 use surefoot_runtime::Physics;
 use surefoot_runtime::live::{Update, Words};
 
+/// A picture as it is asked for at first.
+const PICTURE: Wanted = Wanted { size: (1920, 1080), each: false };
+
 /// Does what is asked.
 pub fn apply(session: &mut Session, world: &mut World, command: Command) {
     match command {
@@ -42,11 +46,19 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         }
         Command::SaveAs(path) => save_as(session, world, &path),
         Command::SavePicture(path) => {
-            session.asked = None;
-            if let (Some(scene), Some(live), Some(camera)) = (session.scene().cloned(), session.stage.live().cloned(), session.camera()) {
-                session.export.begin(&scene, &live, camera, session.look.mode, path, world.waker());
+            let wanted = session.asked.take().map_or(PICTURE, |asked| asked.wanted);
+            if let (Some(compiled), Some(live)) = (session.scene().cloned(), session.stage.live().cloned()) {
+                let moved = session.look.orbit.as_ref().map(Orbit::camera);
+                let (camera, view, length) = (session.look.camera.clone(), session.look.mode, session.timeline.length);
+                session.export.begin(Scene { compiled, live, moved, camera, view, length }, wanted, path, world.waker());
             }
         }
+        Command::Picture(wanted) => {
+            if let Some(asked) = &mut session.asked {
+                asked.wanted = wanted;
+            }
+        }
+        Command::CancelPicture => session.export.cancel(),
         Command::ToSliders(wanted) => session.open.to_sliders = wanted,
         Command::AskPath(purpose) => match purpose {
             Some(purpose) => ask_path(session, purpose),
@@ -600,7 +612,7 @@ fn ask_path(session: &mut Session, purpose: Purpose) {
         Purpose::SaveAs => session.documents.current().short_name().to_owned(),
         Purpose::Picture => path.with_extension("png").file_name().unwrap_or_default().to_string_lossy().into_owned(),
     };
-    session.asked = Some(PathAsked { purpose, folder: PathBuf::new(), typed, entries: Vec::new() });
+    session.asked = Some(PathAsked { purpose, folder: PathBuf::new(), typed, entries: Vec::new(), wanted: PICTURE });
     look_into(session, path.parent().unwrap_or(Path::new("/")));
 }
 

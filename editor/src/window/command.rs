@@ -2,6 +2,7 @@
 
 use crate::window::document::{Disk, Resolution};
 use crate::window::examples::Example;
+use crate::window::export::Wanted;
 use crate::window::holding::Number;
 use crate::window::orbit::Side;
 use crate::window::session::{Mend, Place, Purpose, Search, Timeline};
@@ -36,8 +37,12 @@ pub enum Command {
     Save,
     /// Write it under another name, and go on with that.
     SaveAs(String),
-    /// Write the picture into a file.
+    /// Write the picture into a file: a film where its ending says so.
     SavePicture(PathBuf),
+    /// How large that is, and whether each picture of the timeline gets a file.
+    Picture(Wanted),
+    /// Draw no further for a file.
+    CancelPicture,
     /// The keyboard goes to the first slider, or it is there.
     ToSliders(bool),
     /// Ask for a path, or no longer.

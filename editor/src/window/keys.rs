@@ -22,7 +22,7 @@ pub const KEYS: &[Part] = &[
             ("Ctrl+O", "open a scene"),
             ("Ctrl+S", "save"),
             ("Ctrl+Shift+S", "save under another name"),
-            ("Ctrl+Shift+E", "save the picture"),
+            ("Ctrl+Shift+E", "save the picture, a film or a sequence"),
             ("F1", "this list"),
             ("F6", "from the text to the sliders, to the picture, and back"),
             ("Ctrl+Tab, Ctrl+Shift+Tab", "the next tab, the one before"),

@@ -221,7 +221,7 @@ impl App {
         let top = Panel::top("toolbar").frame(bar).exact_size(34.0).resizable(false);
         top.show(ui, |ui| panels::toolbar::show(ui, session, commands));
         let bottom = Panel::bottom("status").frame(bar).exact_size(22.0).resizable(false);
-        bottom.show(ui, |ui| panels::status::show(ui, session));
+        bottom.show(ui, |ui| panels::status::show(ui, session, commands));
         panels::paths::show(ui, session, commands);
         panels::help::show(ui, session, commands);
         panels::questions::show(ui, session, commands);

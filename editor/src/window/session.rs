@@ -1,7 +1,8 @@
 //! All that the window knows. Panels read it and push [`Command`](super::command::Command)s.
 
 use super::document::Document;
-use super::export::Export;
+use crate::animation::Format;
+use super::export::{Export, Wanted};
 use super::holding::{Holding, is_held};
 use super::kept::SceneState;
 use super::looking::Looking;
@@ -286,6 +287,8 @@ pub struct PathAsked {
     pub typed: String,
     /// What the folder holds: names, and whether each is a folder.
     pub entries: Vec<(String, bool)>,
+    /// Of a picture: its size, and whether it is one of many.
+    pub wanted: Wanted,
 }
 
 impl PathAsked {
@@ -293,7 +296,7 @@ impl PathAsked {
     pub fn path(&self) -> PathBuf {
         let path = self.folder.join(self.typed.trim());
         // A picture is never written over a scene.
-        if self.purpose == Purpose::Picture && !path.is_dir() {
+        if self.purpose == Purpose::Picture && Format::of(&path).is_none() && !path.is_dir() {
             return path.with_extension("png");
         }
         if self.typed.ends_with(['/', '\\']) || path.is_dir() || path.extension().is_some() { path } else { path.with_extension("sdf") }
