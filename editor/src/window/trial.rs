@@ -24,8 +24,6 @@ const PAUSES: [u64; 10] = [90, 120, 80, 150, 110, 400, 130, 95, 700, 160];
 const PATIENCE: Duration = Duration::from_secs(90);
 /// How long the window is left alone before it is measured, and for how long it is.
 const REST: (Duration, Duration) = (Duration::from_millis(500), Duration::from_secs(8));
-/// How soon it is looked again whether there is a new picture.
-const SOON: Duration = Duration::from_millis(5);
 
 /// What was measured.
 #[derive(Clone, Debug, Default)]
@@ -270,7 +268,8 @@ impl Trial {
                     self.drawn = drawn;
                     ctx.request_repaint();
                 } else {
-                    ctx.request_repaint_after(SOON);
+                    // What draws wakes the window. Frames in between would only take its time.
+                    ctx.request_repaint_after(REST.0);
                 }
             }
             Phase::Refining if canvas.is_done() && session.said.work.is_none() && !session.stage.settles() => {
