@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::fs::File;
 use std::io::{BufWriter, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 /// The formats, by the ending of a file's name.
@@ -137,6 +137,13 @@ impl Animation {
     }
 }
 
+/// `out.png` and 7 make `out_0007.png`.
+pub fn numbered(path: &Path, number: u32) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().map_or_else(|| "png".into(), |e| e.to_string_lossy());
+    path.with_file_name(format!("{stem}_{number:04}.{extension}"))
+}
+
 /// How long a picture stays, as a fraction of seconds of 16 bits each.
 fn delay(rate: f64) -> (u16, u16) {
     let over = [1, 1000, 100, 10].into_iter().find(|over| {
@@ -207,5 +214,11 @@ mod tests {
         assert_eq!(Format::Mp4.refuses((101, 50), 30.0).unwrap(), "MP4 needs even sides: write --size 102x50");
         assert!(Format::Gif.refuses((100, 50), 60.0).is_some());
         assert!(Format::Apng.refuses((101, 50), 60.0).is_none());
+    }
+
+    #[test]
+    fn frames_are_numbered_before_the_extension() {
+        assert_eq!(numbered(Path::new("a/out.png"), 7), Path::new("a/out_0007.png"));
+        assert_eq!(numbered(Path::new("out"), 12345), Path::new("out_12345.png"));
     }
 }

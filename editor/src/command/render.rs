@@ -3,7 +3,7 @@
 use super::bar::LateBar;
 use super::values::{self, Setting};
 use super::console::{Exit, Failure, ends_wrong, print, show_broken, show_found, spare};
-use crate::animation::{Animation, Format};
+use crate::animation::{Animation, Format, numbered};
 use crate::picture::{Device, Mode, NoPainter, Painter, Shot, write_png};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -254,13 +254,6 @@ pub fn camera(frame: &Frame, name: Option<&str>) -> Result<Camera, Failure> {
     })
 }
 
-/// `out.png` and 7 make `out_0007.png`.
-fn numbered(path: &Path, number: u32) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let extension = path.extension().map_or_else(|| "png".into(), |e| e.to_string_lossy());
-    path.with_file_name(format!("{stem}_{number:04}.{extension}"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -279,11 +272,5 @@ mod tests {
         for wrong in ["", "3", "3..3", "4..3", "a..b", "0..=3"] {
             assert!(frames(wrong).is_err(), "{wrong}");
         }
-    }
-
-    #[test]
-    fn frames_are_numbered_before_the_extension() {
-        assert_eq!(numbered(Path::new("a/out.png"), 7), Path::new("a/out_0007.png"));
-        assert_eq!(numbered(Path::new("out"), 12345), Path::new("out_12345.png"));
     }
 }

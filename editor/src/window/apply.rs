@@ -2,8 +2,10 @@
 
 use crate::window::command::{Answer, Command, DROP};
 use crate::window::examples::TEMPLATE;
+use crate::window::export::{Scene, Wanted};
 use crate::window::kept;
 use crate::window::document::{Disk, Document, Resolution};
+use crate::window::holding::{self, Holding, Number};
 use crate::window::looking::Asked;
 use crate::window::orbit::Orbit;
 use crate::window::recovery::{Found, Recovery};
@@ -26,11 +28,17 @@ use surefoot_compiler::vector::{add, dot, length, scale, sub};
 use surefoot_runtime::Physics;
 use surefoot_runtime::live::{Update, Words};
 
+/// A picture as it is asked for at first.
+const PICTURE: Wanted = Wanted { size: (1920, 1080), each: false };
+
 /// Does what is asked.
 pub fn apply(session: &mut Session, world: &mut World, command: Command) {
     match command {
         Command::Edit(text) => session.documents.current_mut().edit(text, Instant::now()),
         Command::EditOn(text) => session.documents.current_mut().edit_on(text, Instant::now()),
+        Command::HoldNumber(number) => hold_number(session, world, &number),
+        Command::DragNumber { text, number } => drag_number(session, world, text, &number),
+        Command::LetNumberGo => let_number_go(session, world),
         Command::Save => {
             let shown = session.documents.shown;
             // What must be decided before is asked above the text.
@@ -38,11 +46,19 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         }
         Command::SaveAs(path) => save_as(session, world, &path),
         Command::SavePicture(path) => {
-            session.asked = None;
-            if let (Some(scene), Some(live), Some(camera)) = (session.scene().cloned(), session.stage.live().cloned(), session.camera()) {
-                session.export.begin(&scene, &live, camera, session.look.mode, path, world.waker());
+            let wanted = session.asked.take().map_or(PICTURE, |asked| asked.wanted);
+            if let (Some(compiled), Some(live)) = (session.scene().cloned(), session.stage.live().cloned()) {
+                let moved = session.look.orbit.as_ref().map(Orbit::camera);
+                let (camera, view, length) = (session.look.camera.clone(), session.look.mode, session.timeline.length);
+                session.export.begin(Scene { compiled, live, moved, camera, view, length }, wanted, path, world.waker());
             }
         }
+        Command::Picture(wanted) => {
+            if let Some(asked) = &mut session.asked {
+                asked.wanted = wanted;
+            }
+        }
+        Command::CancelPicture => session.export.cancel(),
         Command::ToSliders(wanted) => session.open.to_sliders = wanted,
         Command::AskPath(purpose) => match purpose {
             Some(purpose) => ask_path(session, purpose),
@@ -143,6 +159,7 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
                 session.stage.reset_balls();
             }
         }
+        Command::Timeline(timeline) => session.timeline = timeline,
         Command::StepBalls => session.stage.step_balls(),
         Command::ResetBalls => session.stage.reset_balls(),
         Command::DropBalls { at, size } => drop_balls(session, at, size),
@@ -189,6 +206,8 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::Answer(answer) => self::answer(session, world, answer),
         Command::Dismiss => session.notice = None,
         Command::Arrived(update) => arrived(session, world, *update),
+        // Of a text with a slider that nobody has written there is nothing to say.
+        Command::Said(words) if holding::is_of_one(&words) => {}
         Command::Said(words) => said(session, words),
         Command::OnDisk(name, disk) => on_disk(session, world, &name, &disk),
         Command::Drawn(error) => session.said.drawing = error,
@@ -593,7 +612,7 @@ fn ask_path(session: &mut Session, purpose: Purpose) {
         Purpose::SaveAs => session.documents.current().short_name().to_owned(),
         Purpose::Picture => path.with_extension("png").file_name().unwrap_or_default().to_string_lossy().into_owned(),
     };
-    session.asked = Some(PathAsked { purpose, folder: PathBuf::new(), typed, entries: Vec::new() });
+    session.asked = Some(PathAsked { purpose, folder: PathBuf::new(), typed, entries: Vec::new(), wanted: PICTURE });
     look_into(session, path.parent().unwrap_or(Path::new("/")));
 }
 
@@ -636,7 +655,60 @@ fn answer(session: &mut Session, world: &mut World, answer: Answer) {
     }
 }
 
+/// Compiles the text that is shown with a slider in a number's place.
+fn hold_number(session: &mut Session, world: &mut World, number: &Number) {
+    session.holds += 1;
+    let count = session.holds;
+    let document = session.documents.current_mut();
+    let holding = Holding::begin(&document.name, &document.text, number, count);
+    if holding.is_some() {
+        document.was_given();
+    }
+    session.holding = holding;
+    if let Some(holding) = &session.holding {
+        world.live.set_text(&holding.file, Some(holding.text.clone()));
+    }
+}
+
+/// Moves the number that is held, and the slider in its place. Where the slider ends, another one begins.
+fn drag_number(session: &mut Session, world: &mut World, text: String, number: &Number) {
+    let document = session.documents.current_mut();
+    let Some(holding) = &mut session.holding else { return document.edit_on(text, Instant::now()) };
+    document.edit_held(text, Instant::now());
+    if !holding.set(number.value) {
+        return hold_number(session, world, number);
+    }
+    move_held(session);
+}
+
+fn move_held(session: &mut Session) {
+    let at = session.holding.as_ref().zip(session.stage.scene()).and_then(|(holding, scene)| holding.at(scene));
+    if let Some((name, value)) = at {
+        session.stage.set(&name, &[value]);
+    }
+}
+
+/// Compiles the text itself again.
+fn let_number_go(session: &mut Session, world: &mut World) {
+    let Some(holding) = session.holding.take() else { return };
+    let document = session.documents.find(&holding.file).and_then(|index| session.documents.all.get_mut(index));
+    let text = document.and_then(|document| {
+        document.lent = document.is_off_disk();
+        document.lent.then(|| document.text.clone())
+    });
+    world.live.set_text(&holding.file, text);
+}
+
 fn arrived(session: &mut Session, world: &mut World, update: Update) {
+    let is_of_one = holding::is_of_one(&update.words);
+    let is_held = session.holding.as_ref().is_some_and(|holding| holding.is_of(&update.words));
+    // The number can't be a slider: its text is compiled now and then while it is dragged.
+    if is_held && update.ready.as_ref().is_none_or(|ready| session.holding.as_ref().and_then(|holding| holding.at(&ready.compiled)).is_none()) {
+        return let_number_go(session, world);
+    }
+    if is_of_one && update.ready.is_none() {
+        return;
+    }
     let swapped = update.ready.is_some();
     if let Some(ready) = update.ready {
         session.said.reads_time = ready.compiled.reads_time();
@@ -651,7 +723,15 @@ fn arrived(session: &mut Session, world: &mut World, update: Update) {
             follow_choices(session, world, &old);
         }
     }
-    said(session, update.words);
+    if is_held {
+        if let Some(holding) = &mut session.holding {
+            holding.is_live = true;
+        }
+        move_held(session);
+    }
+    if !is_of_one {
+        said(session, update.words);
+    }
     session.said.failure = update.failure;
     session.said.times = update.times;
     let errors = session.said.problems.iter().filter(|p| p.severity == Severity::Error).count();

@@ -2,8 +2,10 @@
 
 use crate::window::document::{Disk, Resolution};
 use crate::window::examples::Example;
+use crate::window::export::Wanted;
+use crate::window::holding::Number;
 use crate::window::orbit::Side;
-use crate::window::session::{Mend, Place, Purpose, Search};
+use crate::window::session::{Mend, Place, Purpose, Search, Timeline};
 use crate::window::theme::Choice;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,12 +22,27 @@ pub enum Command {
     Edit(String),
     /// The same by a hand that goes on: the picture follows it.
     EditOn(String),
+    /// A hand takes a number of the text that is shown.
+    HoldNumber(Number),
+    /// It drags it: the text with the number that it is by now.
+    DragNumber {
+        /// The text.
+        text: String,
+        /// The number, which stands at the same place.
+        number: Number,
+    },
+    /// It lets go of it.
+    LetNumberGo,
     /// Write the text that is shown to the disk.
     Save,
     /// Write it under another name, and go on with that.
     SaveAs(String),
-    /// Write the picture into a file.
+    /// Write the picture into a file: a film where its ending says so.
     SavePicture(PathBuf),
+    /// How large that is, and whether each picture of the timeline gets a file.
+    Picture(Wanted),
+    /// Draw no further for a file.
+    CancelPicture,
     /// The keyboard goes to the first slider, or it is there.
     ToSliders(bool),
     /// Ask for a path, or no longer.
@@ -102,6 +119,8 @@ pub enum Command {
     Play(bool),
     /// Go to a moment.
     Time(f64),
+    /// How long the timeline is, and whether it loops.
+    Timeline(Timeline),
     /// One step of the balls.
     StepBalls,
     /// The balls back to where they begin.

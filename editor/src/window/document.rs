@@ -158,6 +158,17 @@ impl Document {
         self.edited = before.or(self.edited);
     }
 
+    /// Takes an edit of a hand that holds a number: the compiler has the text with a slider in its place, and is given no other one.
+    pub fn edit_held(&mut self, text: String, now: Instant) {
+        self.edit(text, now);
+        self.edited = None;
+    }
+
+    /// Hears that the compiler has what was edited.
+    pub fn was_given(&mut self) {
+        self.edited = None;
+    }
+
     /// How long until the compiler should be given the edits; none where it has them.
     pub fn wait(&self, now: Instant) -> Option<Duration> {
         self.edited.map(|edited| PAUSE.saturating_sub(now.duration_since(edited)))

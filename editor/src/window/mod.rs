@@ -8,6 +8,7 @@ mod command;
 mod document;
 mod examples;
 mod export;
+mod holding;
 mod kept;
 mod keys;
 mod log;
@@ -29,7 +30,7 @@ mod tests;
 
 pub use log::Log;
 pub use recovery::Recovery;
-pub use trial::Measured;
+pub use trial::{Measured, Rested, Typed};
 
 use crate::files::FileLoader;
 use apply::apply;
@@ -168,8 +169,8 @@ impl App {
         self.session.documents.focus = false;
     }
 
-    /// What came from outside since the last frame.
-    fn hear(&mut self) {
+    /// What came from outside since the last frame. `is_held`: whether the pointer is pressed.
+    fn hear(&mut self, is_held: bool) {
         for command in self.world.hear() {
             apply(&mut self.session, &mut self.world, command);
         }
@@ -179,6 +180,9 @@ impl App {
         }
         if let Some(place) = self.session.looking.hear() {
             apply(&mut self.session, &mut self.world, Command::Jump(place));
+        }
+        if self.session.holding.is_some() && !is_held {
+            apply(&mut self.session, &mut self.world, Command::LetNumberGo);
         }
         self.session.said.loading = self.world.loading();
         self.session.said.work = self.world.work();
@@ -202,7 +206,7 @@ impl App {
         let passed = now.duration_since(self.ticked).min(Duration::from_millis(250));
         self.ticked = now;
         if self.session.stage.animates() {
-            self.session.stage.advance(passed.as_secs_f64());
+            self.session.advance(passed.as_secs_f64());
         }
     }
 
@@ -217,7 +221,7 @@ impl App {
         let top = Panel::top("toolbar").frame(bar).exact_size(34.0).resizable(false);
         top.show(ui, |ui| panels::toolbar::show(ui, session, commands));
         let bottom = Panel::bottom("status").frame(bar).exact_size(22.0).resizable(false);
-        bottom.show(ui, |ui| panels::status::show(ui, session));
+        bottom.show(ui, |ui| panels::status::show(ui, session, commands));
         panels::paths::show(ui, session, commands);
         panels::help::show(ui, session, commands);
         panels::questions::show(ui, session, commands);
@@ -255,6 +259,10 @@ impl App {
                 }
                 CentralPanel::default().frame(Frame::NONE).show(ui, |ui| panels::parameters::show(ui, session, commands));
             });
+        }
+        if session.moves() {
+            let strip = Panel::bottom("timeline").frame(bar).exact_size(26.0).resizable(false);
+            strip.show(ui, |ui| panels::timeline::show(ui, session, commands));
         }
         if widths != session.open.widths {
             commands.push(Command::Widths(widths));
@@ -366,7 +374,7 @@ impl eframe::App for App {
         if ui.ctx().zoom_factor() != self.session.open.zoom {
             ui.ctx().set_zoom_factor(self.session.open.zoom);
         }
-        self.hear();
+        self.hear(ui.input(|i| i.pointer.primary_down()));
         self.let_time_pass();
         let mut commands = Vec::new();
         keys::hear(ui, &self.session, &mut commands);

@@ -1,7 +1,9 @@
 //! All that the window knows. Panels read it and push [`Command`](super::command::Command)s.
 
 use super::document::Document;
-use super::export::Export;
+use crate::animation::Format;
+use super::export::{Export, Wanted};
+use super::holding::{Holding, is_held};
 use super::kept::SceneState;
 use super::looking::Looking;
 use super::measuring::Measuring;
@@ -46,6 +48,8 @@ pub struct Session {
     pub question: Option<Question>,
     /// Something that went wrong outside of the scene, for a person to read once.
     pub notice: Option<String>,
+    /// How long time runs.
+    pub timeline: Timeline,
     /// What the compiler is asked for, with the choices that a person made.
     pub options: Options,
     /// What drawing takes.
@@ -60,6 +64,24 @@ pub struct Session {
     pub looking: Looking,
     /// How far into the picture the ball is that a hand holds, if one does.
     pub held: Option<f64>,
+    /// The number of the text that a hand holds, if one does and it can be a slider.
+    pub holding: Option<Holding>,
+    /// How many numbers were held so far.
+    pub holds: u64,
+}
+
+/// How long time runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timeline {
+    /// Its length in seconds.
+    pub length: f64,
+    /// Whether time begins anew at its end.
+    pub loops: bool,
+}
+
+impl Timeline {
+    /// The least and the greatest length, in seconds.
+    pub const LENGTHS: std::ops::RangeInclusive<f64> = 0.1..=3600.0;
 }
 
 /// The texts: the scene's own first, then those that were opened.
@@ -265,6 +287,8 @@ pub struct PathAsked {
     pub typed: String,
     /// What the folder holds: names, and whether each is a folder.
     pub entries: Vec<(String, bool)>,
+    /// Of a picture: its size, and whether it is one of many.
+    pub wanted: Wanted,
 }
 
 impl PathAsked {
@@ -272,7 +296,7 @@ impl PathAsked {
     pub fn path(&self) -> PathBuf {
         let path = self.folder.join(self.typed.trim());
         // A picture is never written over a scene.
-        if self.purpose == Purpose::Picture && !path.is_dir() {
+        if self.purpose == Purpose::Picture && Format::of(&path).is_none() && !path.is_dir() {
             return path.with_extension("png");
         }
         if self.typed.ends_with(['/', '\\']) || path.is_dir() || path.extension().is_some() { path } else { path.with_extension("sdf") }
@@ -313,6 +337,7 @@ impl Session {
             restoring: None,
             question: None,
             notice: None,
+            timeline: Timeline { length: 10.0, loops: false },
             options: Options::default(),
             meter: Meter::default(),
             found: Vec::new(),
@@ -320,6 +345,22 @@ impl Session {
             export: Export::default(),
             looking: Looking::default(),
             held: None,
+            holding: None,
+            holds: 0,
+        }
+    }
+
+    /// Whether the scene that is drawn changes with time.
+    pub fn moves(&self) -> bool {
+        self.said.reads_time || self.stage.balls().is_some()
+    }
+
+    /// Lets so many seconds pass. At the end of a timeline that loops time begins anew, but not where balls would be left behind.
+    pub fn advance(&mut self, seconds: f64) {
+        self.stage.advance(seconds);
+        let Timeline { length, loops } = self.timeline;
+        if loops && self.stage.playing && self.stage.balls().is_none() && self.stage.time() >= length {
+            self.stage.set_time(self.stage.time().rem_euclid(length));
         }
     }
 
@@ -383,6 +424,9 @@ impl Session {
 
     /// Whether a parameter has another value than the text gives it.
     pub fn is_moved(&self, parameter: &Parameter) -> bool {
+        if is_held(parameter) {
+            return false;
+        }
         match self.stage.value(parameter) {
             Some(value) => value != parameter.default,
             None => self.choice(parameter) != parameter.choice(),

@@ -2,12 +2,15 @@
 
 mod assist;
 mod changing;
+mod effort;
 mod files;
 mod keyboard;
 mod looking;
 mod measures;
 mod numbers;
+mod random;
 mod tabs;
+mod timeline;
 mod typing;
 mod unsaved;
 
@@ -55,12 +58,16 @@ impl Drop for Folder {
 }
 
 fn window(scene: &str) -> Harness<'static, App> {
+    window_that_reads(scene, Arc::new(FileLoader))
+}
+
+fn window_that_reads(scene: &str, loader: SharedLoader) -> Harness<'static, App> {
     let scene = scene.to_owned();
     let recovery = Recovery::within(Some(Path::new(&scene).with_file_name("recovery")));
     let builder =
         Harness::builder().with_size([1100.0, 700.0]).with_max_steps(2).with_step_dt(0.02).wgpu();
     let mut harness = builder.build_eframe(move |cc| {
-        App::new(cc, &scene, Options::default(), Arc::new(FileLoader), recovery, Log::default()).unwrap()
+        App::new(cc, &scene, Options::default(), loader, recovery, Log::default()).unwrap()
     });
     // One picture is enough, but where stills are looked at.
     harness.state_mut().canvas.as_mut().unwrap().set_still(1);

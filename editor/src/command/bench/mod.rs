@@ -76,8 +76,8 @@ pub struct Args {
     /// Measure what each rule for bounds gains, in its own scene and in these.
     #[arg(long, value_name = "SCENES", num_args = 1..)]
     ablation: Vec<String>,
-    /// Measure a window on this scene: the delay of a key while the picture is refined, and the cost of a caret.
-    #[arg(long, value_name = "SCENE", conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands"])]
+    /// Measure a window on this scene, or one of 1,000 lines: the delay of a key and of the picture after it, and the cost of a caret.
+    #[arg(long, value_name = "SCENE", num_args = 0..=1, default_missing_value = "", conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands"])]
     window: Option<String>,
     /// Mesh these scenes, and prove how far the meshes are from the surfaces at most.
     #[arg(long, value_name = "SCENES", num_args = 1.., conflicts_with_all = ["scenes", "compile", "edits", "factors", "rules", "many", "balls", "parts", "hand", "operands"])]

@@ -152,7 +152,9 @@ pub fn show(ui: &mut Ui, session: &Session, document: &Document, output: &TextEd
     let before = document.text[..place].chars().next_back();
     let typing = ui.data(|data| data.get_temp::<String>(Id::unique("typed"))).is_some_and(|text| text != document.text);
     ui.data_mut(|data| data.insert_temp(Id::unique("typed"), document.text.clone()));
-    let in_word = before.is_some_and(|c| c.is_ascii_alphanumeric() || c == '_' || c == '.');
+    // In a comment there is nothing to complete, and a long text takes its time to be read.
+    let is_comment = document.text[..place].rsplit('\n').next().is_some_and(|line| line.contains("//"));
+    let in_word = !is_comment && before.is_some_and(|c| c.is_ascii_alphanumeric() || c == '_' || c == '.');
     match list(ui) {
         // It follows what is written, and goes with what it was of.
         Some(shown) if shown.of != (document.text.clone(), place) => match in_word && shown.of.0 != document.text {

@@ -2,6 +2,7 @@
 
 use crate::window::command::Command;
 use crate::window::document::Document;
+use crate::window::holding::Number;
 use crate::window::panels::cursor::{byte, caret, id};
 use crate::window::panels::history;
 use egui::text::{CCursor, CCursorRange};
@@ -70,6 +71,15 @@ impl Literal {
         Some(Self { range, value, decimals, tail: tail.to_owned(), follows_operator })
     }
 
+    /// The number that stands in its place as it is written by now.
+    fn number(&self, written: &str) -> Number {
+        let bare = written.trim_matches(['(', ')']);
+        let bare = bare.strip_suffix(self.tail.as_str()).unwrap_or(bare);
+        let decimals = bare.split_once('.').map_or(0, |(_, after)| after.len());
+        let range = self.range.start..self.range.start + written.len();
+        Number { range, value: bare.parse().unwrap_or(self.value), decimals, tail: self.tail.clone() }
+    }
+
     /// What stands in its place after so many steps of its last digit, and so many of a tenth of them.
     fn stepped(&self, steps: f64, tenths: f64) -> String {
         let decimals = if tenths == 0.0 { self.decimals } else { self.decimals + 1 };
@@ -110,7 +120,7 @@ pub fn keys(ui: &Ui, document: &Document, text: &mut String) -> bool {
 /// Lets a hand drag the number under the pointer. After the text was shown.
 pub fn show(ui: &Ui, document: &Document, output: &TextEditOutput, commands: &mut Vec<Command>) {
     let slot = Id::unique(("dragged number", &document.name));
-    let Some(mut drag) = ui.data(|data| data.get_temp::<Drag>(slot)).or_else(|| begin(ui, document, output, slot)) else { return };
+    let Some(mut drag) = ui.data(|data| data.get_temp::<Drag>(slot)).or_else(|| begin(ui, document, output, slot, commands)) else { return };
     let (is_down, at, is_fine) = ui.input(|i| (i.pointer.primary_down(), i.pointer.latest_pos(), i.modifiers.shift));
     let range = drag.literal.range.start..drag.literal.range.start + drag.written.len();
     let is_there = document.text.get(range.clone()) == Some(drag.written.as_str());
@@ -126,8 +136,9 @@ pub fn show(ui: &Ui, document: &Document, output: &TextEditOutput, commands: &mu
         if written != drag.written {
             let mut text = document.text.clone();
             text.replace_range(range, &written);
+            let number = drag.literal.number(&written);
             drag.written = written;
-            commands.push(Command::EditOn(text));
+            commands.push(Command::DragNumber { text, number });
         }
     }
     if is_down && is_there {
@@ -139,7 +150,7 @@ pub fn show(ui: &Ui, document: &Document, output: &TextEditOutput, commands: &mu
 }
 
 /// Takes the number that a hand presses on. The pointer says over which one it may.
-fn begin(ui: &Ui, document: &Document, output: &TextEditOutput, slot: Id) -> Option<Drag> {
+fn begin(ui: &Ui, document: &Document, output: &TextEditOutput, slot: Id, commands: &mut Vec<Command>) -> Option<Drag> {
     let (is_asked, is_pressed) = ui.input(|i| (i.modifiers.command || i.modifiers.alt, i.pointer.primary_pressed()));
     // Where the hand pressed: on a busy machine it may be farther by now.
     let at = ui.input(|i| if is_pressed { i.pointer.press_origin() } else { i.pointer.hover_pos() });
@@ -156,6 +167,7 @@ fn begin(ui: &Ui, document: &Document, output: &TextEditOutput, slot: Id) -> Opt
     ui.ctx().set_dragged_id(slot);
     history::hold(ui, document);
     let written = document.text.get(literal.range.clone())?.to_owned();
+    commands.push(Command::HoldNumber(literal.number(&written)));
     Some(Drag { literal, written, x: at.x, coarse: 0.0, fine: 0.0 })
 }
 

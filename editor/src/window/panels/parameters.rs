@@ -1,6 +1,7 @@
 //! The scene's parameters: a slider for a number, a tick for a condition, a list for a choice. A double click gives back the text's value.
 
 use crate::window::command::Command;
+use crate::window::holding::is_held;
 use crate::window::session::Session;
 use crate::window::theme;
 use egui::{ComboBox, Id, Response, RichText, ScrollArea, Sense, Slider, SliderClamping, Ui};
@@ -29,7 +30,7 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.add_space(2.0);
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         let mut to_first = session.open.to_sliders;
-        if scene.parameters.is_empty() {
+        if scene.parameters.iter().all(is_held) {
             let words = "None. Write one:\n\nparam size = 1 in 0.1..2";
             ui.label(RichText::new(words).color(theme::WEAK));
         }
@@ -48,7 +49,7 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// The file's own parameters, then those of each import under its name.
 fn groups(scene: &Compiled) -> Vec<(&str, Vec<&Parameter>)> {
     let mut groups: Vec<(&str, Vec<&Parameter>)> = Vec::new();
-    for parameter in &scene.parameters {
+    for parameter in scene.parameters.iter().filter(|p| !is_held(p)) {
         let group = parameter.name.rsplit_once('.').map_or("", |(group, _)| group);
         match groups.iter_mut().find(|(known, _)| *known == group) {
             Some((_, members)) => members.push(parameter),

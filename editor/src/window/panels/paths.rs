@@ -1,12 +1,13 @@
 //! Where a path is asked for: a scene to open, or a name to save under.
 
 use crate::window::command::Command;
+use crate::window::export::refuses;
 use crate::window::panels::icons;
 use crate::window::session::{PathAsked, Purpose, Session};
 use crate::window::theme;
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
-use egui::{Button, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Button, DragValue, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 use std::path::{Path, PathBuf};
 
 /// Shows what is asked, if anything is.
@@ -31,6 +32,9 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         list(ui, asked, commands);
         ui.add_space(6.0);
         let entered = name(ui, asked, commands);
+        if asked.purpose == Purpose::Picture {
+            picture(ui, session, asked, commands);
+        }
         ui.add_space(6.0);
         bottom(ui, asked, entered, commands);
     });
@@ -79,6 +83,31 @@ fn name(ui: &mut Ui, asked: &PathAsked, commands: &mut Vec<Command>) -> bool {
         response.request_focus();
     }
     response.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter))
+}
+
+/// How large a picture is, and whether it is one of many.
+fn picture(ui: &mut Ui, session: &Session, asked: &PathAsked, commands: &mut Vec<Command>) {
+    let mut wanted = asked.wanted;
+    ui.add_space(6.0);
+    ui.horizontal(|ui| {
+        for (name, side) in [("Width", &mut wanted.size.0), ("Height", &mut wanted.size.1)] {
+            let response = ui.add(DragValue::new(side).range(1..=16384).suffix(" px"));
+            icons::name(ui, response.id, name);
+        }
+        if session.moves() {
+            let words = format!("one for each 1/30 s of {} s", session.timeline.length);
+            ui.checkbox(&mut wanted.each, "Sequence").on_hover_text(words);
+        }
+    });
+    if session.moves() {
+        ui.label(RichText::new("A name that ends with .gif, .apng, .mp4 or .webm makes a film of the timeline.").color(theme::WEAK).small());
+    }
+    if let Some(why) = refuses(&asked.path(), wanted) {
+        ui.label(RichText::new(why).color(theme::WARNING));
+    }
+    if wanted != asked.wanted {
+        commands.push(Command::Picture(wanted));
+    }
 }
 
 fn bottom(ui: &mut Ui, asked: &PathAsked, entered: bool, commands: &mut Vec<Command>) {

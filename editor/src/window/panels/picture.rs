@@ -5,7 +5,7 @@ use crate::window::command::Command;
 use crate::window::orbit::Side;
 use crate::window::panels::icons::{self, Icon};
 use crate::window::panels::status::working;
-use crate::window::session::Session;
+use crate::window::session::{Session, Timeline};
 use crate::window::theme;
 use egui::{
     Align, Color32, CornerRadius, Frame, Key, Layout, Margin, PointerButton, Rect, Response, RichText, Sense, Ui,
@@ -77,6 +77,9 @@ pub fn keys(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
     }
     if plain(Key::F) {
         commands.push(Command::FrameSelection);
+    }
+    if plain(Key::L) && session.moves() {
+        commands.push(Command::Timeline(Timeline { loops: !session.timeline.loops, ..session.timeline }));
     }
     if ui.input(|i| i.key_pressed(Key::Space)) {
         commands.push(Command::Play(!session.stage.playing));

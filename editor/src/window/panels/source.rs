@@ -3,17 +3,20 @@
 use crate::window::command::Command;
 use crate::window::document::Document;
 use crate::window::panels::cursor::{id, selection};
-use crate::window::panels::{advice, assist, colors, history, icons, lines, notes, numbers, problems, renaming, search, tabs};
-use crate::window::session::{Place, Problem, Session};
+use crate::window::panels::marks::character;
+use crate::window::panels::{advice, assist, colors, history, icons, lines, marks, notes, numbers, problems, renaming, search, tabs};
+use crate::window::session::{Place, Session};
 use crate::window::theme::{self, TEXT_SIZE, code};
 use egui::cache::{ComputerMut, FrameCache};
 use egui::text::{CCursor, CCursorRange, LayoutJob, TextFormat};
 use egui::text_edit::{TextEditOutput, TextEditState};
 use egui::{
-    Align, Align2, Color32, Event, Frame, Id, Key, Margin, Modifiers, Rect, Response, RichText, ScrollArea, Stroke, TextBuffer,
+    Align, Align2, Color32, Event, Frame, Galley, Id, Key, Margin, Modifiers, Rect, Response, RichText, ScrollArea, Stroke, TextBuffer,
     TextEdit, Ui, vec2,
 };
+use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::Arc;
 use surefoot_compiler::diagnostic::Severity;
 use surefoot_compiler::factors::Explained;
 use surefoot_compiler::graph::Proof;
@@ -34,7 +37,7 @@ pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Vec<Command>) {
-    let marks = marks(&session.said.problems, document);
+    let marks = marks::of(session, document);
     let lines = document.text.bytes().filter(|b| *b == b'\n').count() + 1;
     let digits = lines.to_string().len().max(2);
     let digit = ui.fonts_mut(|f| f.glyph_width(&theme::code_font(session.open.text_size), '0'));
@@ -42,13 +45,20 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
     let room = Margin { left: gutter as i8, right: 6, top: 4, bottom: 4 };
     let id = id(document);
     let mut text = document.text.clone();
+    // egui asks several times a frame, and a long text takes milliseconds.
+    let mut laid_out: Option<(String, f32, Arc<Galley>)> = None;
     let mut layouter = |ui: &Ui, buffer: &dyn TextBuffer, width: f32| {
+        if let Some((_, _, galley)) = laid_out.as_ref().filter(|(text, at, _)| text == buffer.as_str() && *at == width) {
+            return galley.clone();
+        }
         let manner = Manner::of(session, width);
         let job = ui.memory_mut(|m| {
             let cache = m.caches.cache::<FrameCache<LayoutJob, Colours>>();
             cache.get((buffer.as_str(), &marks, manner)).clone()
         });
-        ui.fonts_mut(|f| f.layout_job(job))
+        let galley = ui.fonts_mut(|f| f.layout_job(job));
+        laid_out = Some((buffer.as_str().to_owned(), width, galley.clone()));
+        galley
     };
     assist::hear(ui);
     renaming::keys(ui, session, document);
@@ -81,7 +91,7 @@ fn editor(ui: &mut Ui, session: &Session, document: &Document, commands: &mut Ve
             if by_lines || paged || output.cursor_range != before {
                 keep_in_view(ui, &output, gutter);
             }
-            numbers(ui, &output, gutter, session, document);
+            numbers(ui, &output, gutter, session, &marks::by_line(&marks, &document.text));
             numbers::show(ui, document, &output, commands);
             colors::show(ui, document, &output, commands);
             explain_term(ui, &output, session, document);
@@ -299,7 +309,7 @@ fn jump(ui: &Ui, id: Id, output: &TextEditOutput, text: &str, place: &Place) {
 }
 
 /// The numbers of the lines, and signs at those with problems.
-fn numbers(ui: &Ui, output: &TextEditOutput, gutter: f32, session: &Session, document: &Document) {
+fn numbers(ui: &Ui, output: &TextEditOutput, gutter: f32, session: &Session, worst: &BTreeMap<u32, Severity>) {
     let cursor =
         output.cursor_range.map(|range| output.galley.pos_from_cursor(range.primary).min.y);
     let visible = ui.clip_rect();
@@ -316,9 +326,8 @@ fn numbers(ui: &Ui, output: &TextEditOutput, gutter: f32, session: &Session, doc
         let rect = row.rect().translate(output.galley_pos.to_vec2());
         if starts && rect.max.y >= visible.min.y && rect.min.y <= visible.max.y {
             let here = cursor.is_some_and(|y| (y - row.pos.y).abs() < 1.0);
-            let worst = worst(&session.said.problems, document, line);
-            let color = match worst {
-                Some(severity) => problems::color(severity),
+            let color = match worst.get(&line) {
+                Some(severity) => problems::color(*severity),
                 None if here => *theme::TEXT,
                 None => theme::LINE.gamma_multiply(1.9),
             };
@@ -329,47 +338,6 @@ fn numbers(ui: &Ui, output: &TextEditOutput, gutter: f32, session: &Session, doc
         starts = row.ends_with_newline;
         line += u32::from(starts);
     }
-}
-
-/// The worst problem of a line.
-fn worst(problems: &[Problem], document: &Document, line: u32) -> Option<Severity> {
-    let here = |p: &&Problem| p.place.file == document.name && p.place.start.0 == line;
-    problems.iter().filter(here).map(|p| p.severity).max()
-}
-
-/// The pieces of the text that have a problem, as bytes.
-fn marks(problems: &[Problem], document: &Document) -> Vec<(Range<usize>, Severity)> {
-    let mut marks: Vec<_> = problems
-        .iter()
-        .filter(|p| p.place.file == document.name)
-        .map(|p| {
-            let start = byte(&document.text, p.place.start);
-            let end = byte(&document.text, p.place.end).max(start);
-            (start..end, p.severity)
-        })
-        .collect();
-    // Errors last: they are drawn over warnings.
-    marks.sort_by_key(|(range, severity)| (*severity, range.start));
-    marks
-}
-
-/// The byte of a line and column; the nearest where the text has become another one meanwhile.
-fn byte(text: &str, (line, column): (u32, u32)) -> usize {
-    let start = match line {
-        0 | 1 => 0,
-        n => {
-            let ends = text.match_indices('\n').nth(n as usize - 2);
-            ends.map_or(text.len(), |(at, _)| at + 1)
-        }
-    };
-    let line = text[start..].split('\n').next().unwrap_or_default();
-    let within = line.char_indices().nth(column.max(1) as usize - 1);
-    start + within.map_or(line.len(), |(at, _)| at)
-}
-
-/// The character of a line and column.
-fn character(text: &str, place: (u32, u32)) -> usize {
-    text[..byte(text, place)].chars().count()
 }
 
 /// How a text is written.
@@ -457,18 +425,6 @@ fn color(class: TokenClass) -> Color32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn places_become_bytes_and_characters() {
-        let text = "a é\n\nlast";
-        assert_eq!(byte(text, (1, 1)), 0);
-        assert_eq!(byte(text, (1, 4)), 4);
-        assert_eq!(byte(text, (1, 99)), 4);
-        assert_eq!(byte(text, (2, 1)), 5);
-        assert_eq!(byte(text, (3, 3)), 8);
-        assert_eq!(byte(text, (9, 9)), text.len());
-        assert_eq!(character(text, (3, 1)), 5);
-    }
 
     #[test]
     fn a_layout_holds_the_whole_text() {

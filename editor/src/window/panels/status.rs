@@ -1,5 +1,6 @@
 //! The bar at the bottom: what the scene costs.
 
+use crate::window::command::Command;
 use crate::window::session::Session;
 use crate::window::theme;
 use egui::{Label, RichText, Ui};
@@ -12,7 +13,7 @@ use surefoot_runtime::live::{Times, Work};
 const SHORT: Duration = Duration::from_millis(400);
 
 /// Shows the bar.
-pub fn show(ui: &mut Ui, session: &Session) {
+pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 14.0;
         ui.style_mut().override_text_style = Some(egui::TextStyle::Small);
@@ -35,7 +36,10 @@ pub fn show(ui: &mut Ui, session: &Session) {
             }
         }
         if let Some(part) = session.export.part() {
-            entry(ui, "the picture for its file", &format!("{:.0} %", 100.0 * part), "drawn on another thread, 1920 × 1080");
+            entry(ui, "the picture for its file", &format!("{:.0} %", 100.0 * part), "drawn on another thread");
+            if ui.small_button("Cancel").on_hover_text("end it after the picture that is being drawn").clicked() {
+                commands.push(Command::CancelPicture);
+            }
         }
         if let Some(loading) = &session.said.loading {
             entry(ui, "reading", loading, "on another thread; the last picture stays until it is there");

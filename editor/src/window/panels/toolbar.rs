@@ -132,7 +132,7 @@ fn cameras(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 fn time(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let stage = &session.stage;
-    if !session.said.reads_time && stage.balls().is_none() {
+    if !session.moves() {
         return;
     }
     ui.separator();

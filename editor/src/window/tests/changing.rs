@@ -8,7 +8,7 @@ fn what_takes_long_is_said() {
     let mut session = Session::new(Document::new("a.sdf", "scene = sphere(1)"));
     session.said.times = Times { compile: Duration::from_millis(20), pipeline: Duration::from_millis(893), ..Times::default() };
     let shown = |session: Session| Harness::new_ui(move |ui| {
-        panels::status::show(ui, &session);
+        panels::status::show(ui, &session, &mut Vec::new());
         let rect = ui.available_rect_before_wrap();
         panels::picture::paint(ui, rect, &session, None);
     });

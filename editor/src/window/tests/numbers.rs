@@ -79,6 +79,86 @@ fn a_number_is_dragged_and_the_picture_follows() {
     assert!(text(&harness).starts_with("scene = sphere(1.004)\n"));
 }
 
+/// Presses with Ctrl on a place of the text, or lets go, and moves by so many points.
+fn hold(harness: &mut Harness<'_, App>, from: egui::Pos2, x: f32, pressed: Option<bool>) {
+    harness.event(egui::Event::ModifiersChanged(Modifiers::COMMAND));
+    harness.event(egui::Event::PointerMoved(from + egui::vec2(x, 0.0)));
+    harness.step();
+    if let Some(pressed) = pressed {
+        let (pos, modifiers) = (from + egui::vec2(x, 0.0), Modifiers::COMMAND);
+        harness.event(egui::Event::PointerButton { pos, button: egui::PointerButton::Primary, pressed, modifiers });
+        harness.step();
+    }
+}
+
+#[test]
+fn a_number_that_is_dragged_is_a_slider_until_it_is_let_go() {
+    let scene = "scene = sphere(0.50)\ncamera { eye: (0, 0, 8), target: (0, 0, 0) }\n";
+    let folder = Folder::new("live", scene);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let from = place(&harness, 0, 16.5);
+    for _ in 0..3 {
+        hold(&mut harness, from, 0.0, None);
+    }
+    hold(&mut harness, from, 0.0, Some(true));
+    until(&mut harness, |app| app.session.holding.as_ref().is_some_and(|holding| holding.is_live));
+    let app = harness.state();
+    let (swaps, modules, before) = (app.session.said.swaps, app.world.stats().modules, frames(app));
+    for x in 1..=50 {
+        hold(&mut harness, from, 6.0 * x as f32, None);
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let app = harness.state();
+    assert!(text(&harness).starts_with("scene = sphere(1.00)\n"), "{}", text(&harness));
+    let parameter = &app.session.scene().unwrap().parameters[0];
+    assert!((app.session.stage.value(parameter).unwrap()[0] - 1.0).abs() < 1e-6, "the slider is where the text is");
+    assert!(frames(app) >= before + 40, "each move is drawn: {}", frames(app) - before);
+    assert_eq!((app.session.said.swaps, app.world.stats().modules), (swaps, modules), "and nothing is compiled for it");
+    assert!(harness.query_by_role(Role::Slider).is_none(), "the panel has no slider for it");
+    assert!(app.session.moved().is_empty() && app.session.said.problems.is_empty());
+    // Beyond the slider's range there is another slider.
+    for x in 51..=90 {
+        hold(&mut harness, from, 6.0 * x as f32, None);
+    }
+    until(&mut harness, |app| app.session.said.swaps > swaps && app.session.holding.as_ref().is_some_and(|holding| holding.is_live));
+    let app = harness.state();
+    let parameter = &app.session.scene().unwrap().parameters[0];
+    assert!((app.session.stage.value(parameter).unwrap()[0] - 1.4).abs() < 1e-6);
+    let swaps = app.session.said.swaps;
+    hold(&mut harness, from, 540.0, Some(false));
+    harness.event(egui::Event::ModifiersChanged(Modifiers::NONE));
+    until(&mut harness, |app| app.session.said.swaps > swaps);
+    let app = harness.state();
+    assert!(app.session.holding.is_none() && app.session.scene().unwrap().parameters.is_empty(), "the text is compiled as it is");
+    assert!(text(&harness).starts_with("scene = sphere(1.40)\n"), "{}", text(&harness));
+    let read = |app: &App| app.session.said.words.sources.iter().any(|(_, file)| file.text.starts_with("scene = sphere(1.40)"));
+    assert!(read(harness.state()));
+}
+
+#[test]
+fn a_number_that_can_be_no_slider_is_compiled_as_it_is_dragged() {
+    let scene = "param size = 0.5 in 0.1..2\nscene = sphere(size)\ncamera { eye: (0, 0, 8), target: (0, 0, 0) }\n";
+    let folder = Folder::new("refused", scene);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let swaps = harness.state().session.said.swaps;
+    let from = place(&harness, 0, 13.5);
+    for _ in 0..3 {
+        hold(&mut harness, from, 0.0, None);
+    }
+    hold(&mut harness, from, 0.0, Some(true));
+    assert!(harness.state().session.holding.is_some());
+    until(&mut harness, |app| app.session.holding.is_none());
+    for x in 1..=5 {
+        hold(&mut harness, from, 6.0 * x as f32, None);
+    }
+    assert!(text(&harness).starts_with("param size = 1.0 in"), "{}", text(&harness));
+    until(&mut harness, |app| app.session.said.swaps > swaps && value(app, "size") == 1.0);
+    assert!(harness.state().session.said.problems.is_empty());
+    hold(&mut harness, from, 30.0, Some(false));
+}
+
 #[test]
 fn a_number_at_the_cursor_is_changed_by_keys() {
     let folder = Folder::new("arrows", "scene = box(1.5).rotate(y, 30deg)\n");
