@@ -6,7 +6,7 @@ pub mod alike;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use surefoot_compiler::compiled::{Compiled, Export, Loader, Options};
-use surefoot_compiler::reference_text::{CHAPTERS, entries};
+use surefoot_compiler::reference_text::{CHAPTERS, entries, part_scenes};
 use surefoot_compiler::{MemoryLoader, compile, diagnostic};
 use surefoot_compiler::sampled::{Grid, Settings};
 use surefoot_runtime::Gpu;
@@ -60,15 +60,17 @@ pub fn compile_file(path: &str) -> Result<Compiled, String> {
     outcome.compiled.ok_or(words)
 }
 
-/// The scenes that document the prelude, each once, by the name of what they document, with modules of these exports.
+/// The scenes that document the prelude and the parts, each once, by the name of what they document, with modules of these exports.
 pub fn prelude(exports: &[Export]) -> Vec<(String, Compiled)> {
     let mut seen = Vec::new();
     let mut scenes = Vec::new();
-    for entry in CHAPTERS.iter().flat_map(|(file, _, text)| entries(file, text)) {
+    let of_prelude = CHAPTERS.iter().flat_map(|(file, _, text)| entries(file, text)).map(|entry| (String::new(), entry));
+    let of_parts = part_scenes().into_iter().map(|(part, entry, _)| (format!("import \"std/{part}.sdf\"\n"), entry));
+    for (import, entry) in of_prelude.chain(of_parts) {
         if seen.contains(&entry.example) {
             continue;
         }
-        let loader = MemoryLoader::new().with("main.sdf", format!("scene = {}\n", entry.example));
+        let loader = MemoryLoader::new().with("main.sdf", format!("{import}scene = {}\n", entry.example));
         let options = Options { exports: exports.to_vec(), ..Options::default() };
         let outcome = compile(&loader, "main.sdf", &options);
         let compiled = outcome.compiled.unwrap_or_else(|| panic!("{}: {:?}", entry.example, outcome.diagnostics));
