@@ -156,7 +156,9 @@ fn the_gpu_computes_what_the_cpu_computes() {
 fn the_gpu_computes_the_prelude_as_the_cpu_does() {
     let gpu = gpu();
     // Modules have no more than what is asked here: drivers in software take long over the rest.
-    let scenes = prelude(&FUNCTIONS.map(|(export, _)| export));
+    let mut scenes = prelude(&FUNCTIONS.map(|(export, _)| export));
+    // A union of many has another bound: that of the cell's list, no farther than the cell's side.
+    scenes.retain(|(_, compiled)| compiled.module.tables.is_none());
     assert!(scenes.len() > 100, "only {} examples", scenes.len());
     println!("on {}, {} examples at {POINTS} points", gpu.name(), scenes.len());
     println!("{:24} {:>9} {:>12} {:>9} {:>12}", "item", "function", "within 1e-5", "p99", "worst/table");
