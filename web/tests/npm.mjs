@@ -54,6 +54,7 @@ const files = Object.fromEntries(readdirSync(join(examples, 'parts')).map((name)
 const text = (name) => readFileSync(join(examples, name), 'utf8');
 // naga orders the variables of a function in SPIR-V by a hash, which is another one where addresses have 32 bits: there the words are the same, not their order.
 const words = (bytes) => new Uint32Array(Uint8Array.from(bytes).buffer).sort();
+// In these the sine of an angle has another last digit in WebAssembly. Then other terms are found to be the same, and the text differs.
 const OTHER_SINES = ['gearbox.sdf'];
 const same = async (name, options, args, ending) => {
   const file = join(folder, `${name.slice(0, -4)}.${ending}`);
@@ -61,13 +62,15 @@ const same = async (name, options, args, ending) => {
   const { output, beside } = await compile(text(name), { name, files, ...options });
   const theirs = readFileSync(file);
   const isSame = ending === 'spv' ? Buffer.from(words(theirs).buffer).equals(Buffer.from(words(output).buffer)) : theirs.equals(Buffer.from(output));
-  // The two machines' sines of some angles have another last digit, and then other terms are found to be the same and shared.
-  if (OTHER_SINES.includes(name)) return;
   assert(isSame, `${name} ${JSON.stringify(options)}: not what the program writes`);
   for (const [other, data] of Object.entries(beside)) assert(readFileSync(join(folder, other)).equals(Buffer.from(data)), `${name}: ${other}`);
 };
 let compared = 0;
 for (const name of readdirSync(examples).filter((name) => name.endsWith('.sdf') && name !== 'ducks.sdf')) {
+  if (OTHER_SINES.includes(name)) {
+    assert((await compile(text(name), { name, files })).output.length > 0);
+    continue;
+  }
   await same(name, {}, [], 'wgsl');
   compared += 1;
 }
