@@ -165,3 +165,21 @@ pub fn aside(forth: Vec3) -> Vec3 {
     let off = |axis: Vec3| unit(sub(axis, scale(forth, dot(axis, forth)))).filter(|_| dot(axis, forth).abs() < 0.999_999);
     off([0.0, 1.0, 0.0]).or_else(|| off([0.0, 0.0, 1.0])).unwrap_or([1.0, 0.0, 0.0])
 }
+
+/// The axis, of length one, and the angle of the turn that carries the axes to these, which have length one and are at right angles, right-handed: by its quaternion (Shepperd, "Quaternion from rotation
+/// matrix", 1978).
+pub fn turn([[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]]: [Vec3; 3]) -> (Vec3, f64) {
+    // Each is four times a product of two parts of the quaternion; the largest square says by which to divide.
+    let (a, b, c) = (yz - zy, zx - xz, xy - yx);
+    let parts = [
+        (1.0 + xx + yy + zz, [a, b, c], 1.0 + xx + yy + zz),
+        (1.0 + xx - yy - zz, [1.0 + xx - yy - zz, yx + xy, zx + xz], a),
+        (1.0 - xx + yy - zz, [yx + xy, 1.0 - xx + yy - zz, zy + yz], b),
+        (1.0 - xx - yy + zz, [zx + xz, zy + yz, 1.0 - xx - yy + zz], c),
+    ];
+    let (_, axis, real) = parts.into_iter().max_by(|(one, ..), (other, ..)| one.total_cmp(other)).unwrap_or((0.0, [0.0; 3], 1.0));
+    match unit(axis) {
+        Some(direction) => (direction, 2.0 * length(axis).atan2(real)),
+        None => ([0.0, 1.0, 0.0], 0.0),
+    }
+}

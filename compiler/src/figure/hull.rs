@@ -15,12 +15,12 @@ type Place = [i64; 3];
 /// "Applications of random sampling in computational geometry, II", 1989, without its lists of conflicts). Which sees which is decided exactly. An error says why there is none.
 pub fn hull(points: &[Vec3]) -> Result<Vec<Face>, String> {
     if points.len() > MOST_POINTS {
-        return Err(format!("it has {} points, and {MOST_POINTS} are the most", points.len()));
+        return Err(format!("there are {}, and {MOST_POINTS} are the most", points.len()));
     }
     if let Some(at) = points.iter().position(|p| p.iter().any(|c| !c.is_finite() || c.abs() > 1e15)) {
         return Err(format!("point {at} is nowhere: a coordinate is not a number, or too large"));
     }
-    let Some(first) = points.first() else { return Err("it has no points".to_owned()) };
+    let Some(first) = points.first() else { return Err("there are none".to_owned()) };
     let (mut low, mut high) = (*first, *first);
     for p in points {
         for ((low, high), c) in low.iter_mut().zip(&mut high).zip(p) {
@@ -29,7 +29,7 @@ pub fn hull(points: &[Vec3]) -> Result<Vec<Face>, String> {
     }
     let size = high.iter().zip(low).map(|(h, l)| h - l).fold(0.0, f64::max);
     if size == 0.0 {
-        return Err("all its points are at one place".to_owned());
+        return Err("all of them are at one place".to_owned());
     }
     let unit = size / UNITS;
     let counted = |p: &Vec3| -> Place {
@@ -55,7 +55,7 @@ fn volume(a: Place, b: Place, c: Place, d: Place) -> i128 {
 
 fn wrapped(places: &[Place]) -> Result<Vec<[u32; 3]>, String> {
     let place = |i: u32| places.get(i as usize).copied().unwrap_or_default();
-    let flat = || "all its points lie in one plane, so their hull has no volume: extrude a drawing".to_owned();
+    let flat = || "all of them lie in one plane".to_owned();
     let count = places.len() as u32;
     // Four that span a volume.
     let is_off_line = |a: u32, b: u32, c: u32| {

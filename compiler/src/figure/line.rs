@@ -52,10 +52,8 @@ pub struct Frame {
 pub struct Stretch {
     /// The bow.
     pub bow: Bow,
-    /// By how much the drawing's place is turned in the middle of it, where x is `across` and y is `out`.
+    /// By how much the drawing's place is turned in it, where x is across and y is `out`.
     pub turn: f64,
-    /// By how much more for each unit along it.
-    pub rate: f64,
     /// The planes where it begins and where it ends: the direction away from it, and how far from the origin along that.
     pub ends: [(Vec3, f64); 2],
 }
@@ -244,12 +242,13 @@ impl Line {
         dot(cross(y, first.y), first.forth).atan2(dot(y, first.y))
     }
 
-    /// The stretches of a sweep that is turned by so much as a whole, and those that meet at a kink, each once more without the planes there. At a kink both end
-    /// at the plane between them; what both would hold without it is inside of the sweep. Where there is none each reaches into the next one, as far as it does not leave it.
-    pub fn stretches(&self, twist: f64) -> (Vec<Stretch>, Vec<[Stretch; 2]>) {
+    /// The stretches of a sweep, and those that meet at a kink, each once more without the planes there. At a kink both end
+    /// at the plane between them; what both would hold without it is inside of the sweep. Where there is none each reaches into the next one, as far as it does not leave it. What a
+    /// closed curve lacks of a whole turn is shared out among its joints.
+    pub fn stretches(&self) -> (Vec<Stretch>, Vec<[Stretch; 2]>) {
         let frames = self.frames();
         let whole = self.length();
-        let rate = -(twist + self.rest(&frames)) / whole;
+        let rate = -self.rest(&frames) / whole;
         let mut way = 0.0;
         let mut all: Vec<Stretch> = Vec::with_capacity(self.bows.len());
         for (bow, [start, _]) in self.bows.iter().zip(&frames) {
@@ -261,7 +260,7 @@ impl Line {
                 let out = scale(forth, sign);
                 (out, dot(out, place))
             };
-            all.push(Stretch { bow: *bow, turn, rate, ends: [plane(-bow.half, -1.0), plane(bow.half, 1.0)] });
+            all.push(Stretch { bow: *bow, turn, ends: [plane(-bow.half, -1.0), plane(bow.half, 1.0)] });
         }
         let mut kinks = Vec::new();
         let count = all.len();

@@ -10,7 +10,7 @@ mod line;
 mod polygon;
 mod tree;
 
-pub use bow::Bow;
+pub use bow::{Bow, turn};
 pub use face::{Face, closed};
 pub use hull::{MOST_POINTS, hull};
 pub use line::{Frame, Line, MOST_BOWS, Stretch};

@@ -223,7 +223,7 @@ impl Elaborator<'_> {
                 self.way_to(line, &q, span)
             }
             ("frame_of", [Value::Curve(line), i, count]) => self.frame_of(line, (i, place(1)), (count, place(2))),
-            ("swept_of" | "kinks_of", [Value::Curve(line), twist]) => self.swept_of(line, (twist, place(1)), name == "kinks_of"),
+            ("swept_of" | "kinks_of", [Value::Curve(line)]) => self.swept_of(line, span, name == "kinks_of"),
             ("at", [Value::Curve(line), share]) => self.curve_at(line, (share, place(1))),
             ("solid_of", [points, faces]) => self.solid_of((points, place(0)), (faces, place(1)), span),
             ("hull_of", [points]) => self.hull_of((points, place(0)), span),
@@ -558,7 +558,7 @@ pub fn argument_names(name: &str, count: usize) -> &'static [&'static str] {
         "helix_of" => &["radius", "pitch", "turns"],
         "way_to" => &["curve", "q"],
         "frame_of" => &["curve", "i", "count"],
-        "swept_of" | "kinks_of" => &["curve", "twist"],
+        "swept_of" | "kinks_of" => &["curve"],
         "solid_of" => &["points", "faces"],
         "hull_of" => &["points"],
         _ if KERNEL.iter().any(|row| row.callable && row.name == name) => &["a"],
@@ -613,7 +613,7 @@ fn usage(name: &str) -> (String, usize) {
         "shader" => ("shader(\"rock.glsl\", map)".into(), 2),
         "curve_of" | "helix_of" | "frame_of" => (format!("{name}({})", argument_names(name, 3).join(", ")), 3),
         "way_to" => ("way_to(curve, q)".into(), 2),
-        "swept_of" | "kinks_of" => (format!("{name}(curve, twist)"), 2),
+        "swept_of" | "kinks_of" => (format!("{name}(curve)"), 1),
         "solid_of" => ("solid_of(points, faces)".into(), 2),
         "vec2" => ("vec2(x, y)".into(), 1),
         "vec3" => ("vec3(x, y, z)".into(), 1),

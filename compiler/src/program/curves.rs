@@ -4,9 +4,9 @@ use super::value::Value;
 use super::{Elaborated, Elaborator, Stop};
 use crate::analysis::Box3;
 use crate::diagnostic::Code;
-use crate::figure::{Bow, Face, Figure, Frame, Line, MOST_BOWS, MOST_POINTS, Stretch, closed, hull, triangles};
+use crate::figure::{Bow, Face, Figure, Frame, Line, MOST_BOWS, MOST_POINTS, Stretch, closed, hull, triangles, turn};
 use crate::graph::interval::Interval;
-use crate::graph::{Claim, ClaimGroup, Leaf, Node, NodeId, NodeList, ValueRange};
+use crate::graph::{Claim, ClaimGroup, Leaf, Node, NodeId, ValueRange};
 use crate::kept::Kept;
 use crate::sampled::MOST_DEVICE_BYTES;
 use crate::source::Span;
@@ -139,30 +139,30 @@ impl Elaborator<'_> {
         Ok(Value::Vector(frame.at.into_iter().map(|c| self.graph.constant(c)).collect()))
     }
 
-    /// `frame_of(curve, i, count)`: what carries copy `i` of `count` there, its z along the curve. They stand evenly, from its start to its end or all around.
+    /// `frame_of(curve, i, count)`: what carries copy `i` of `count` there, its z along the curve: an axis, the angle about it, and the place. They stand evenly, from its start to its end or all around.
     #[inline(never)]
     pub(super) fn frame_of(&mut self, line: &Line, i: Given<'_>, count: Given<'_>) -> Elaborated<Value> {
         let [i, count] = [i, count].map(|(value, at)| self.to_constant(value, at));
         let (i, spans) = (i?, if line.is_closed { count? } else { count? - 1.0 });
         let Some(Frame { at, x, y, forth }) = line.at(i / spans.max(1.0), &line.frames()) else { return Err(Stop) };
-        let cells: NodeList = [(x, 0.0), (y, 0.0), (forth, 0.0), (at, 1.0)].into_iter().flat_map(|([a, b, c], d)| [a, b, c, d]).map(|c| self.graph.constant(c)).collect();
-        Ok(Value::Matrix(4, cells))
+        let (axis, angle) = turn([x, y, forth]);
+        let rows: [&[f64]; 3] = [&axis, &[angle, 0.0], &at];
+        Ok(Value::List(rows.map(|row| Value::Vector(row.iter().map(|c| self.graph.constant(*c)).collect())).to_vec().into()))
     }
 
-    /// `swept_of(curve, twist)` and `kinks_of(curve, twist)`: the stretches of a sweep, and of its kinks two by two. Each is a list for the prelude's `swept`.
+    /// `swept_of(curve)` and `kinks_of(curve)`: the stretches of a sweep, and of its kinks two by two. Each is a list for the prelude's `swept`.
     #[inline(never)]
-    pub(super) fn swept_of(&mut self, line: &Line, (twist, span): Given<'_>, of_kinks: bool) -> Elaborated<Value> {
-        let twist = self.to_constant(twist, span)?;
+    pub(super) fn swept_of(&mut self, line: &Line, span: Span, of_kinks: bool) -> Elaborated<Value> {
         if line.bows.len() > MOST_SWEPT {
             let words = format!("a drawing is carried along {MOST_SWEPT} arcs at most, and this curve has {}", line.bows.len());
             return Err(self.error(Code::TooLarge, span, words, "carry it along parts of the curve, or write fewer points"));
         }
-        let (all, kinks) = line.stretches(twist);
+        let (all, kinks) = line.stretches();
         let one = |e: &mut Self, stretch: &Stretch| {
-            let Stretch { bow: Bow { middle, out, forth, bend, .. }, turn, rate, ends } = *stretch;
+            let Stretch { bow: Bow { middle, out, forth, bend, .. }, turn, ends } = *stretch;
             let across = cross(out, forth);
             let [[a, b, c, d], [f, g, h, i]] = ends.map(|([a, b, c], d)| [a, b, c, d]);
-            let rows: [&[f64]; 7] = [&across, &out, &forth, &middle, &[bend, turn, rate], &[a, b, c, d], &[f, g, h, i]];
+            let rows: [&[f64]; 7] = [&across, &out, &forth, &middle, &[bend, turn], &[a, b, c, d], &[f, g, h, i]];
             Value::List(rows.into_iter().map(|row| Value::Vector(row.iter().map(|c| e.graph.constant(*c)).collect())).collect())
         };
         let items: Vec<Value> = if of_kinks {
