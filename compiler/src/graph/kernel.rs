@@ -5,6 +5,7 @@
 //! same way everywhere: no operation gives NaN.
 
 use crate::graph::interval::Interval;
+use crate::figure::{Figure, Found};
 use crate::kept::Kept;
 use crate::outline::{Nearest, Outline};
 use crate::sampled::{Grid, Hull};
@@ -102,9 +103,14 @@ impl Op {
         matches!(self, Op::Outlined | Op::OutlinedX | Op::OutlinedY)
     }
 
+    /// Whether it reads a figure, whose number is its first argument.
+    pub fn reads_figure(self) -> bool {
+        matches!(self, Op::Figured | Op::FiguredX | Op::FiguredY | Op::FiguredZ)
+    }
+
     /// Whether it reads data by its number.
     pub fn reads_data(self) -> bool {
-        self.reads_grid() || self.reads_outline()
+        self.reads_grid() || self.reads_outline() || self.reads_figure()
     }
 
     /// What is left of a number when its whole part by this operation is taken away. None of operations that find no whole part.
@@ -251,6 +257,18 @@ kernel! {
     OutlinedY "outlined_y" 3 false Number true 9 Inherited, "sf_outlined({0}, {1}, {2}).z",
         |[n, x, y, _]| outlined(n, [x, y], |near| near.gradient[1]), |[n, x, y, _]| outlined_slope(n, [x, y], |[_, slope]| slope),
         "How fast the distance to an outline changes along y.";
+    Figured "figured" 4 false Number false 9 Inherited, "sf_figured({0}, {1}, {2}, {3}).x",
+        |[n, x, y, z]| figured(n, [x, y, z], |found| found.value), |[n, x, y, z]| figured_interval(n, [x, y, z]),
+        "The distance to the figure of this number, below zero inside of a closed one.";
+    FiguredX "figured_x" 4 false Number true 9 Inherited, "sf_figured({0}, {1}, {2}, {3}).y",
+        |[n, x, y, z]| figured(n, [x, y, z], |found| found.gradient[0]), |[_, x, y, z]| figured_slope([x, y, z]),
+        "How fast the distance to a figure changes along x.";
+    FiguredY "figured_y" 4 false Number true 9 Inherited, "sf_figured({0}, {1}, {2}, {3}).z",
+        |[n, x, y, z]| figured(n, [x, y, z], |found| found.gradient[1]), |[_, x, y, z]| figured_slope([x, y, z]),
+        "How fast the distance to a figure changes along y.";
+    FiguredZ "figured_z" 4 false Number true 9 Inherited, "sf_figured({0}, {1}, {2}, {3}).w",
+        |[n, x, y, z]| figured(n, [x, y, z], |found| found.gradient[2]), |[_, x, y, z]| figured_slope([x, y, z]),
+        "How fast the distance to a figure changes along z.";
 }
 
 /// What an outline says; nought where there is none.
@@ -276,6 +294,29 @@ fn outlined_interval(number: Interval, [x, y]: [Interval; 2]) -> Interval {
     }
     Kept::<Outline>::find(number.lo).map_or(I::ZERO, |outline| {
         let [lo, hi] = outline.value_within([x.lo, y.lo], [x.hi, y.hi]);
+        I { lo, hi }
+    })
+}
+
+/// What a figure says; nought where there is none.
+fn figured(number: f64, p: [f64; 3], of: impl Fn(Found) -> f64) -> f64 {
+    Kept::<Figure>::find(number).map_or(0.0, |figure| of(figure.at(p)))
+}
+
+/// It is a coordinate of a direction.
+fn figured_slope(p: [Interval; 3]) -> Interval {
+    if p.iter().any(|side| side.is_empty()) { I::EMPTY } else { I { lo: -1.0, hi: 1.0 } }
+}
+
+fn figured_interval(number: Interval, p: [Interval; 3]) -> Interval {
+    if p.iter().any(|side| side.is_empty()) {
+        return I::EMPTY;
+    }
+    if !number.is_point() {
+        return I::ALL;
+    }
+    Kept::<Figure>::find(number.lo).map_or(I::ZERO, |figure| {
+        let [lo, hi] = figure.value_within(p.map(|side| side.lo), p.map(|side| side.hi));
         I { lo, hi }
     })
 }

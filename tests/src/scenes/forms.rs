@@ -105,6 +105,17 @@ const SHAPE: &[&str] = &[
     "metaballs(seeds)",
     "metaballs([(<vector>, <size>), (<vector>, <size>), (<vector>, 0.8)], <small>)",
     "metaballs([for i in 0..4 { (cos(i), sin(2 * i), 0.3 * i, <size>) }])",
+    // Of curves and points.
+    "tube(polyline([<vector>, (0.3, <size>, 0.2), (1, -0.2, <size>)]), <small>)",
+    "tube(catmull_rom([(<size>, 0, 0.3), (0, 0.4, <size>), (-0.7, <size>, 0), (0, -0.5, -0.6)], closed: true), <small>)",
+    "tube(bezier([(-1, 0, <size>), (-0.3, <size>, 0.2), (0.4, -0.7, 0), (1, <size>, 0.1)]), 0.1 + 0.05 * <size>)",
+    "tube(helix(0.3 + <size>, <size>, 1 + <size>), <small>)",
+    "<same>.scale(0.3).along(arc((-1, 0, 0), (0, <size>, 0.1), (1, 0, 0)), 4)",
+    "<drawing>.scale(0.2).sweep(catmull_rom([(0.8, 0, 0), (0, <size>, 0.8), (-0.8, 0, <size>)]))",
+    "<drawing>.scale(0.2).sweep(polyline([(0.8, 0, 0), (0, <size>, 0.8), (-0.8, 0, <size>)]))",
+    "<drawing>.translate(<size>, 0).revolve(abs(<angle>) + 0.2)",
+    "hull([(0, 0, 0), (<size>, 0, 0), (0, <size>, 0), (0, 0, <size>), (0.4, 0.4, 0.5)])",
+    "polyhedron([(-0.6, 0, -0.6), (0.6, 0, -0.6), (0, 0, 0.6), (0, 0.3 + <size>, 0)], [[0, 1, 2], [0, 1, 3], [1, 2, 3], [2, 0, 3]])",
     "(nothing | <same>)",
     "(<same> - nothing)",
     // Of drawings.
