@@ -88,7 +88,7 @@ impl Line {
         if let &[a, b, c] = &points[..] {
             points = vec![a, mix(a, b, 2.0 / 3.0), mix(c, b, 2.0 / 3.0), c];
         }
-        if is_closed && points.len() % 3 == 0 {
+        if is_closed && points.len().is_multiple_of(3) {
             points.extend(points.first().copied());
         }
         if points.len() < 4 || points.len() % 3 != 1 {

@@ -48,7 +48,7 @@ fn cut(points: &[Vec3], corners: &[usize]) -> Result<Vec<[u32; 3]>, String> {
         _ => sum,
     });
     let area = length(normal);
-    if !(area > 1e-12 * size * size) {
+    if area.is_nan() || area <= 1e-12 * size * size {
         return Err("it has no area".to_owned());
     }
     let normal = scale(normal, 1.0 / area);
