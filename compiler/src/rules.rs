@@ -187,7 +187,7 @@ rules! {
     ContinuousSelect "continuous-select" Continuity Once "analysis/rules/continuous_select.rs"
         what "A choice whose sides are the same where it changes over kinks there and does not jump."
         source "x - y is a multiple of a - b in `if a < b { x } else { y }`."
-        scene "field f = { let q = if p.x < p.y { (p.y, p.x) } else { (p.x, p.y) }; length((q.x - 1, q.y, p.z)) - 0.5 }\nscene = f"
+        scene "field f = { let x = if p.x < p.y { 2 * p.y - p.x } else { p.x }; length((x - 1, p.y, p.z)) - 0.5 }\nscene = f"
     AnglePeriodicity "angle-periodicity" Continuity Box "analysis/rules/angle_periodicity.rs"
         what "What turns by whole turns under a sine does not jump where the angle does."
         source "sin(t + 2πn) = sin(t)."

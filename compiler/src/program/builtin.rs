@@ -21,6 +21,9 @@ pub const FUNCTIONS: &[&str] = &[
     "curve_of", "helix_of", "way_to", "frame_of", "swept_of", "kinks_of", "solid_of", "hull_of",
 ];
 
+/// Those of them that only the prelude calls, which has a name for what each does.
+pub const OF_PRELUDE: &[&str] = &["value", "curve_of", "helix_of", "way_to", "frame_of", "swept_of", "kinks_of", "solid_of", "hull_of"];
+
 /// Names that stand for a value and are not declared in the prelude.
 pub const NAMES: &[&str] =
     &["p", "world", "normal", "time", "pi", "tau", "x", "y", "z", "nothing", "on", "off", "true", "false"];
