@@ -43,13 +43,13 @@ impl ModuleTables {
     }
 }
 
-/// What a module's `sf_lists` holds: for each table a head, the whole list, and the lists of its cells; then the grids and the outlines. `cells`: whether there are
+/// What a module's `sf_lists` holds: for each table a head, the whole list, and the lists of its cells; then the grids, the outlines and the figures. `cells`: whether there are
 /// cells; without them the whole lists count everywhere.
 ///
 /// The head: first and last entry of the whole list; levels; the first cell of level 0; the center; one over half the innermost box's sides; the
 /// cells along its axes; those along an axis of other levels; where the cells' spans begin.
 pub fn lists(tables: &Tables, cells: bool) -> Vec<u32> {
-    let mut lists = vec![0; HEAD as usize * (tables.tables.len() + tables.grids.len() + tables.outlines.len())];
+    let mut lists = vec![0; HEAD as usize * (tables.tables.len() + tables.grids.len() + tables.outlines.len() + tables.figures.len())];
     let mut ordered: Vec<&Table> = tables.tables.values().collect();
     ordered.sort_unstable_by_key(|t| t.index);
     for table in ordered {
@@ -77,6 +77,7 @@ pub fn lists(tables: &Tables, cells: bool) -> Vec<u32> {
     }
     tables.grids.iter().zip(tables.tables.len()..).for_each(|(kept, at)| put(&*kept.data, at, &mut lists));
     tables.outlines.iter().zip(tables.tables.len() + tables.grids.len()..).for_each(|(kept, at)| put(&*kept.data, at, &mut lists));
+    tables.figures.iter().zip(tables.tables.len() + tables.grids.len() + tables.outlines.len()..).for_each(|(kept, at)| put(&*kept.data, at, &mut lists));
     lists
 }
 

@@ -15,6 +15,7 @@ pub mod diagnostic;
 pub mod emit;
 pub mod evaluate;
 pub mod factors;
+pub mod figure;
 pub mod followed;
 pub mod frame;
 pub mod functions;

@@ -7,6 +7,7 @@ pub const PRELUDE: &[(&str, &str)] = &[
     ("<prelude>/numbers.sdf", include_str!("../prelude/numbers.sdf")),
     ("<prelude>/primitives.sdf", include_str!("../prelude/primitives.sdf")),
     ("<prelude>/drawings.sdf", include_str!("../prelude/drawings.sdf")),
+    ("<prelude>/curves.sdf", include_str!("../prelude/curves.sdf")),
     ("<prelude>/blends.sdf", include_str!("../prelude/blends.sdf")),
     ("<prelude>/placement.sdf", include_str!("../prelude/placement.sdf")),
     ("<prelude>/warps.sdf", include_str!("../prelude/warps.sdf")),

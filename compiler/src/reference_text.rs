@@ -15,6 +15,7 @@ pub const HEAD: &str = include_str!("reference_text/head.md");
 pub const CHAPTERS: &[(&str, &str, &str)] = &[
     ("primitives", "Solids", include_str!("../prelude/primitives.sdf")),
     ("drawings", "Drawings", include_str!("../prelude/drawings.sdf")),
+    ("curves", "Curves and points", include_str!("../prelude/curves.sdf")),
     ("blends", "Combinations", include_str!("../prelude/blends.sdf")),
     ("placement", "Placement", include_str!("../prelude/placement.sdf")),
     ("warps", "Deformations", include_str!("../prelude/warps.sdf")),

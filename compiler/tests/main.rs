@@ -16,6 +16,7 @@ mod cost;
 mod distance;
 mod emitted;
 mod factors;
+mod figures;
 mod gaps;
 mod goldens;
 mod holes;

@@ -9,8 +9,8 @@ use surefoot_compiler::source::Sources;
 use surefoot_compiler::syntax::parse;
 use surefoot_compiler::{MemoryLoader, Options, compile};
 
-const FILES: [&str; 7] =
-    ["numbers", "primitives", "drawings", "blends", "placement", "warps", "noise"];
+const FILES: [&str; 8] =
+    ["numbers", "primitives", "drawings", "curves", "blends", "placement", "warps", "noise"];
 
 fn text(name: &str) -> String {
     let path = format!("{}/prelude/{name}.sdf", env!("CARGO_MANIFEST_DIR"));

@@ -13,7 +13,7 @@ const FLOORS: [(&str, &[&str]); 4] = [
     (
         "compiler",
         &[
-            "kept loader outline prelude random rules sampled shader source spread srgb unit vector",
+            "figure kept loader outline prelude random rules sampled shader source spread srgb unit vector",
             "diagnostic",
             "graph syntax",
             "live interface images camera",

@@ -10,6 +10,7 @@ mod common;
 mod corpus;
 mod draw;
 mod examples;
+mod figures;
 mod house;
 mod imports;
 mod looks;

@@ -139,8 +139,11 @@ fn the_gpu_computes_what_the_cpu_computes() {
                 let tape = tape(&compiled, &live, &[function]).unwrap();
                 let got = evaluate(&gpu, &compiled, &live, [0.0; 3], export, &points).unwrap();
                 let mut errors = vec![0.0; got.len()];
+                // The bound of a union of many is that of a cell's list, which may be less.
+                let may_be_less = function == Function::Bound && compiled.module.tables.is_some();
                 tape.evaluator().at(&exact, &[], |i, values| {
-                    errors[i] = (f64::from(got[i]) - values[0]).abs() / allowed[i];
+                    let off = f64::from(got[i]) - values[0];
+                    errors[i] = if may_be_less { off.max(0.0) } else { off.abs() } / allowed[i];
                 });
                 judge(export.name(), errors, 0.99);
             }

@@ -1,12 +1,11 @@
 //! Words and paths: bounds, pictures of both machines, and texts that need no buffers.
 
+use crate::common::alike::drawn_alike;
 use crate::common::gpu;
 use surefoot_compiler::compiled::{Compiled, Export, Live, Options};
-use surefoot_compiler::reference::{Area, Reference, View, rgb8};
 use surefoot_compiler::verify::{Settings, WORK, verify};
 use surefoot_compiler::{MemoryLoader, compile, diagnostic};
-use surefoot_runtime::headless::{self, Shot};
-use surefoot_runtime::{ViewMode, evaluate};
+use surefoot_runtime::evaluate;
 
 fn compile_text(text: &str) -> Result<Compiled, String> {
     let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
@@ -47,23 +46,8 @@ fn no_bound_is_too_large() {
 #[test]
 fn both_machines_draw_the_same() {
     let gpu = gpu();
-    let (width, height) = (96, 72);
     for (name, text) in scenes() {
-        let scene = compile_text(&text).unwrap_or_else(|words| panic!("{name}: {words}"));
-        let live = scene.live();
-        let frame = scene.frame(&live);
-        let reference = Reference::new(&scene, &live).unwrap();
-        for (mode, view) in [(ViewMode::Normals, View::Normals), (ViewMode::Depth, View::Depth)] {
-            let drawn = headless::render(&gpu, &scene, &live, &Shot { mode, ..Shot::new(width, height) }).unwrap();
-            let area = Area { left: 0, top: 0, width, height };
-            let computed = rgb8(&reference.light_at(&frame, &frame.cameras[0].1, (width, height), view, area, 0), area, view);
-            let background = computed[..3].to_vec();
-            let differ = |(drawn, computed): (&[u8], &[u8])| drawn.iter().zip(computed).any(|(a, b)| a.abs_diff(*b) > 8);
-            let count = drawn.rgba.chunks_exact(4).zip(computed.chunks_exact(3)).filter(|pair| differ(*pair)).count();
-            let seen = computed.chunks_exact(3).filter(|pixel| **pixel != background[..]).count();
-            assert!(seen > 200, "{name}: {seen} pixels of {mode:?} show anything");
-            assert!(count * 100 < (width * height) as usize, "{name}: {count} pixels of {mode:?} differ");
-        }
+        drawn_alike(&gpu, name, &compile_text(&text).unwrap_or_else(|words| panic!("{name}: {words}")));
     }
 }
 

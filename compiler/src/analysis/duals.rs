@@ -74,7 +74,7 @@ impl Algebra for Duals {
                 let jumped = !value.is_point() && a.norm > 0.0;
                 Dual { jumps: jumps | u8::from(jumped), ..Dual::constant(value) }
             }
-            (Op::Lt | Op::Le | Op::Eq | Op::Hash | Op::SampledX | Op::SampledY | Op::SampledZ | Op::OutlinedX | Op::OutlinedY, _) => {
+            (Op::Lt | Op::Le | Op::Eq | Op::Hash | Op::SampledX | Op::SampledY | Op::SampledZ | Op::OutlinedX | Op::OutlinedY | Op::FiguredX | Op::FiguredY | Op::FiguredZ, _) => {
                 let jumped = !value.is_point() && moving;
                 Dual { jumps: jumps | u8::from(jumped), ..Dual::constant(value) }
             }

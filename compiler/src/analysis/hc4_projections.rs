@@ -8,9 +8,11 @@ use super::domain::Box3;
 use super::facts::Facts;
 use super::formula::Formula;
 use super::tape::Step;
+use crate::figure::Figure;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Graph, Leaf};
+use crate::kept::Kept;
 use crate::rules::Rule;
 
 /// So many steps are few.
@@ -118,6 +120,14 @@ impl Walk<'_> {
         let (a, b) = (arg(0), arg(1));
         let (ra, rb) = (self.range(a), self.range(b));
         match op {
+            // No farther from its box than that.
+            Op::Figured if target.hi.is_finite() => {
+                let figure = if ra.is_point() { Kept::<Figure>::find(ra.lo) } else { None };
+                let Some([low, high]) = figure.map(|figure| figure.bounds()) else { return region };
+                let reach = target.hi.max(0.0);
+                let side = |i: usize| Interval::new(low.get(i).copied().unwrap_or(0.0), high.get(i).copied().unwrap_or(0.0)).grow(reach);
+                self.point(args.get(1..).unwrap_or(&[]), Box3([0, 1, 2].map(side)), region)
+            }
             Op::Add => match (self.capped(a), self.capped(b)) {
                 // On each side of the kink it is a sum of its own, which says more than the hull of both.
                 (Some((part, cap)), None) => self.capped_sum(b, part, cap, target, region),

@@ -444,6 +444,10 @@ fn slopes(op: Op, [a, b, c, d]: [Interval; 4], out: Interval) -> ([Interval; 4],
             let by = |op: Op| (op.row().interval)([a, b, c, d]);
             ([ZERO, by(Op::OutlinedX), by(Op::OutlinedY), ZERO], false)
         }
+        Op::Figured => {
+            let by = |op: Op| (op.row().interval)([a, b, c, d]);
+            ([ZERO, by(Op::FiguredX), by(Op::FiguredY), by(Op::FiguredZ)], false)
+        }
         // The others are told apart before.
         _ => ([Interval::ALL; 4], true),
     }

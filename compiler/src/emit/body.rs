@@ -232,7 +232,7 @@ impl Body {
             Code::Point(n) | Code::Vector(n) | Code::Swizzle(n, _) | Code::Uniform(_, n) | Code::Computed(_, n) => n,
             Code::Value(n) | Code::Aside(n) => n,
             Code::Row(_) => 4,
-            Code::VectorOp(_, n) | Code::Splat(n) => n,
+            Code::VectorOp(_, n) | Code::Splat(n) | Code::Whole(_, n) => n,
             Code::World | Code::Scene | Code::Normal => 3,
             Code::Call(_) | Code::Item(_) => 4,
             _ => 1,
@@ -474,7 +474,13 @@ impl Terms for Body {
                 }
                 length
             }
-            _ => self.add(Code::Op(op), args),
+            _ => match op.component() {
+                Some((whole, component, count)) => {
+                    let found = self.add(Code::Whole(whole, count), args);
+                    self.component(found, component)
+                }
+                None => self.add(Code::Op(op), args),
+            },
         }
     }
 

@@ -30,6 +30,8 @@ pub enum Code {
     Computed(u32, u8),
     /// An operation of the kernel. `Length2` and its kin take one vector.
     Op(Op),
+    /// What one call of the operation's helper gives: so many components, of which operations are made.
+    Whole(Op, u8),
     /// A function of the module: the point, then numbers.
     Call(TargetId),
     /// A loop that calls a function of the module so often. For each argument one that is the same in all calls, or where its bit in the last is set one for each.
@@ -90,6 +92,7 @@ impl Code {
             Code::Computed(field, _) => (20, u64::from(field)),
             Code::Batch(target, ..) => (21, u64::from(target)),
             Code::Item(i) => (22, u64::from(i)),
+            Code::Whole(op, _) => (24, op as u64),
         };
         kind << 40 | detail
     }

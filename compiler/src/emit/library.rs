@@ -23,7 +23,7 @@ pub struct Piece {
 pub const LEAST_DIVISOR: f64 = 9e-31;
 
 /// Helpers, in the order in which they are emitted. The place is the helper's bit in [`Helpers`].
-pub const HELPERS: [Piece; 15] = [
+pub const HELPERS: [Piece; 16] = [
     Piece { name: "square", text: "\
 fn sf_square(a: f32) -> f32 {
   return a * a;
@@ -288,10 +288,129 @@ fn sf_outlined(outline: f32, x: f32, y: f32) -> vec3f {
   return vec3f(value, (select(vec2f(0.0), gradient * (side * way), beyond == vec2f(0.0)) + beyond) / value);
 }
 " },
+    // The twins of `Bow::away`, `Face::away` and `Figure::at` in `figure/`.
+    Piece { name: "figured", text: "\
+// From the nearest place of a straight piece or an arc to a point. It is given by its middle, the directions away from the centre and along it, one over the radius, its end
+// about the middle, and sine and cosine of half of its angle.
+fn sf_bow(at: u32, p: vec3f) -> vec3f {
+  let off = p - vec3f(bitcast<f32>(sf_lists[at]), bitcast<f32>(sf_lists[at + 1u]), bitcast<f32>(sf_lists[at + 2u]));
+  let out = vec3f(bitcast<f32>(sf_lists[at + 3u]), bitcast<f32>(sf_lists[at + 4u]), bitcast<f32>(sf_lists[at + 5u]));
+  let forth = vec3f(bitcast<f32>(sf_lists[at + 6u]), bitcast<f32>(sf_lists[at + 7u]), bitcast<f32>(sf_lists[at + 8u]));
+  let bend = bitcast<f32>(sf_lists[at + 9u]);
+  let across = cross(out, forth);
+  let x = dot(off, out);
+  let y = dot(off, forth);
+  let z = dot(off, across);
+  let past = vec2f(x - bitcast<f32>(sf_lists[at + 10u]), abs(y) - bitcast<f32>(sf_lists[at + 11u]));
+  if past.y * bitcast<f32>(sf_lists[at + 13u]) - past.x * bitcast<f32>(sf_lists[at + 12u]) > 0.0 {
+    return out * past.x + forth * select(past.y, -past.y, y < 0.0) + across * z;
+  }
+  // How much farther from the centre than the circle.
+  let rise = bend * (x * x + y * y) + 2.0 * x;
+  let from_centre = sqrt(max(1.0 + bend * rise, 0.0));
+  let beyond = rise / (1.0 + from_centre);
+  let to = select(vec2f(1.0, 0.0), vec2f(1.0 + bend * x, bend * y) / max(from_centre, 1e-12), from_centre > 1e-12);
+  return out * (beyond * to.x) + forth * (beyond * to.y) + across * z;
+}
+
+// From the nearest place of a triangle to a point, and where the direction stands that is out there; of its inside, none.
+fn sf_face(at: u32, p: vec3f) -> vec4f {
+  let a = vec3f(bitcast<f32>(sf_lists[at]), bitcast<f32>(sf_lists[at + 1u]), bitcast<f32>(sf_lists[at + 2u]));
+  let ab = vec3f(bitcast<f32>(sf_lists[at + 3u]), bitcast<f32>(sf_lists[at + 4u]), bitcast<f32>(sf_lists[at + 5u])) - a;
+  let ac = vec3f(bitcast<f32>(sf_lists[at + 6u]), bitcast<f32>(sf_lists[at + 7u]), bitcast<f32>(sf_lists[at + 8u])) - a;
+  let ap = p - a;
+  let ab_ap = dot(ab, ap);
+  let ac_ap = dot(ac, ap);
+  if ab_ap <= 0.0 && ac_ap <= 0.0 {
+    return vec4f(ap, 18.0);
+  }
+  let bp = ap - ab;
+  let ab_bp = dot(ab, bp);
+  let ac_bp = dot(ac, bp);
+  if ab_bp >= 0.0 && ac_bp <= ab_bp {
+    return vec4f(bp, 21.0);
+  }
+  let cp = ap - ac;
+  let ab_cp = dot(ab, cp);
+  let ac_cp = dot(ac, cp);
+  if ac_cp >= 0.0 && ab_cp <= ac_cp {
+    return vec4f(cp, 24.0);
+  }
+  if ab_ap * ac_bp - ab_bp * ac_ap <= 0.0 && ab_ap >= 0.0 && ab_bp <= 0.0 {
+    return vec4f(ap - ab * (ab_ap / max(ab_ap - ab_bp, 1e-30)), 9.0);
+  }
+  if ab_cp * ac_ap - ab_ap * ac_cp <= 0.0 && ac_ap >= 0.0 && ac_cp <= 0.0 {
+    return vec4f(ap - ac * (ac_ap / max(ac_ap - ac_cp, 1e-30)), 15.0);
+  }
+  if ab_bp * ac_cp - ab_cp * ac_bp <= 0.0 && ac_bp >= ab_bp && ab_cp >= ac_cp {
+    return vec4f(bp - (ac - ab) * ((ac_bp - ab_bp) / max(ac_bp - ab_bp + ab_cp - ac_cp, 1e-30)), 12.0);
+  }
+  let normal = cross(ab, ac);
+  return vec4f(normal * (dot(ap, normal) / max(dot(normal, normal), 1e-30)), 0.0);
+}
+
+// The distance to a figure, below zero inside of a closed one, and how it changes along each axis.
+fn sf_figured(figure: f32, x: f32, y: f32, z: f32) -> vec4f {
+  let head = sf_figure_head(figure);
+  let boxes = sf_lists[head];
+  let count = sf_lists[head + 1u];
+  let pieces = sf_lists[head + 2u];
+  let closed = sf_lists[head + 3u] == 1u;
+  let p = vec3f(x, y, z);
+  var best = 1e30;
+  var away = vec3f(0.0, 1.0, 0.0);
+  var out = vec3f(0.0);
+  var i = 0u;
+  while i < count {
+    let at = boxes + 8u * i;
+    let low = vec3f(bitcast<f32>(sf_lists[at]), bitcast<f32>(sf_lists[at + 1u]), bitcast<f32>(sf_lists[at + 2u]));
+    let high = vec3f(bitcast<f32>(sf_lists[at + 3u]), bitcast<f32>(sf_lists[at + 4u]), bitcast<f32>(sf_lists[at + 5u]));
+    let beyond = max(max(low - p, p - high), vec3f(0.0));
+    let near = dot(beyond, beyond) < best;
+    let first = sf_lists[at + 6u];
+    let many = sf_lists[at + 7u];
+    i = select(i + 1u, first, many == 0u && !near);
+    if near {
+      for (var piece = first; piece < first + many; piece += 1u) {
+        if closed {
+          let place = pieces + 27u * piece;
+          let found = sf_face(place, p);
+          let squared = dot(found.xyz, found.xyz);
+          if squared < best {
+            best = squared;
+            away = found.xyz;
+            let side = place + u32(found.w);
+            out = vec3f(bitcast<f32>(sf_lists[side]), bitcast<f32>(sf_lists[side + 1u]), bitcast<f32>(sf_lists[side + 2u]));
+            if side == place {
+              let b = vec3f(bitcast<f32>(sf_lists[place + 3u]), bitcast<f32>(sf_lists[place + 4u]), bitcast<f32>(sf_lists[place + 5u]));
+              let c = vec3f(bitcast<f32>(sf_lists[place + 6u]), bitcast<f32>(sf_lists[place + 7u]), bitcast<f32>(sf_lists[place + 8u]));
+              out = cross(b - out, c - out);
+            }
+          }
+        } else {
+          let found = sf_bow(pieces + 14u * piece, p);
+          let squared = dot(found, found);
+          if squared < best {
+            best = squared;
+            away = found;
+          }
+        }
+      }
+    }
+  }
+  let way = sqrt(best);
+  let side = select(1.0, -1.0, dot(out, away) < 0.0);
+  let straight = select(vec3f(0.0, 1.0, 0.0), out / max(length(out), 1e-30), dot(out, out) > 0.0);
+  return vec4f(side * way, select(straight, away * (side / max(way, 1e-30)), way > 1e-12));
+}
+" },
 ];
 
 /// The helper that reads outlines.
 pub const OUTLINES: &str = "outlined";
+
+/// The helper that reads figures.
+pub const FIGURES: &str = "figured";
 
 /// The helper that reads grids.
 pub const GRIDS: &str = "samples";

@@ -280,7 +280,7 @@ fn reserved_names(prefix: &str) -> Scope {
     let mut names = Scope::default();
     let exports = Export::ALL.iter().map(|e| e.name());
     let helpers = library::HELPERS.iter().map(|h| h.name);
-    let others = ["Around", "around", "extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists", "planes", "ahead", "rest_bound", "rest_distance", "region_low", "region_high", "passage", "shares", "across", "grid_head", "outline_head"];
+    let others = ["Around", "around", "extent", "vertex", "fragment", "Uniforms", "uniforms", "Layers", "layers", "Carry", "carry", "table", "lists", "planes", "ahead", "rest_bound", "rest_distance", "region_low", "region_high", "passage", "shares", "across", "grid_head", "outline_head", "figure_head", "bow", "face"];
     for text in exports.chain(helpers).chain(library::STRUCTURES).chain(others) {
         names.reserve(&format!("{prefix}{text}"));
     }
@@ -464,10 +464,15 @@ fn declarations(context: &Context, facts: &header::Facts, buffers: bool, wgsl: &
     }
     let Tables { tables, grids, .. } = context.tables;
     let first = table::HEAD * tables.len() as u32;
-    if context.has_outlines() {
-        // A text has no heads but those of outlines, after its lists.
+    if context.has_shapes() {
+        // A text has no heads but those of outlines and figures, after its lists.
         let before = if buffers { first + table::HEAD * grids.len() as u32 } else { table::text::entries(context.tables).iter().map(Vec::len).sum::<usize>() as u32 };
-        table::text::heads(context, "outline", before, &context.tables.outlines, wgsl);
+        if context.has_outlines() {
+            table::text::heads(context, "outline", before, &context.tables.outlines, wgsl);
+        }
+        if context.has_figures() {
+            table::text::heads(context, "figure", before + table::HEAD * context.tables.outlines.len() as u32, &context.tables.figures, wgsl);
+        }
     }
     if context.has_grids() {
         table::text::heads(context, "grid", first, &context.tables.grids, wgsl);

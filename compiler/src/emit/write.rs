@@ -162,7 +162,7 @@ impl Writer<'_, '_> {
             Code::Call(target) => self.context.operations.get(&target).copied().unwrap_or(0),
             Code::Batch(target, count, _) => count as usize * self.context.operations.get(&target).copied().unwrap_or(0),
             Code::VectorOp(_, count) => usize::from(count),
-            Code::Op(_) => 1,
+            Code::Op(_) | Code::Whole(..) => 1,
             _ => 0,
         }
     }
@@ -323,7 +323,7 @@ impl Writer<'_, '_> {
         let named = self.body.named(id).is_some();
         // Components are taken of names only.
         let State { uses, taken_apart, .. } = self.state(id);
-        let whole = matches!(code, Code::Call(_) | Code::VectorOp(..)) && taken_apart;
+        let whole = matches!(code, Code::Call(_) | Code::Whole(..) | Code::VectorOp(..)) && taken_apart;
         if uses > 1 && !short || named || whole {
             self.bind(id);
         }
@@ -413,6 +413,7 @@ impl Writer<'_, '_> {
                 Some(t) if t.group == Group::Gradient => "g",
                 _ => "d",
             },
+            Code::Whole(..) => "found",
             Code::Vector(_) | Code::VectorOp(..) | Code::Splat(_) => "v",
             _ => "a",
         }

@@ -4,6 +4,7 @@
 use super::{INPUTS, Tape};
 use crate::graph::interval::Interval;
 use crate::graph::kernel::{self, Accuracy, Op};
+use crate::figure::Figure;
 use crate::kept::Kept;
 use crate::outline::Outline;
 use crate::sampled::Grid;
@@ -70,6 +71,7 @@ fn answers(op: Op, arguments: [Interval; 4]) -> Interval {
         }
         _ if op.reads_grid() => read(op, arguments),
         Op::Outlined => nearest(arguments),
+        Op::Figured => nearest_in_space(arguments),
         _ => match op.row().accuracy {
             Accuracy::Exact | Accuracy::Inherited => right,
             Accuracy::Rounded => ulps(right, 1.0),
@@ -94,6 +96,13 @@ fn nearest([number, x, y, _]: [Interval; 4]) -> Interval {
     let Some(outline) = Kept::<Outline>::find(number.lo) else { return Interval::ZERO };
     let far = outline.size() + x.magnitude() + y.magnitude();
     kernel::interval(Op::Outlined, &[number, x, y]).grow(16.0 * ULP * far)
+}
+
+/// The distance to a figure, likewise.
+fn nearest_in_space([number, x, y, z]: [Interval; 4]) -> Interval {
+    let Some(figure) = Kept::<Figure>::find(number.lo) else { return Interval::ZERO };
+    let far = figure.size() + x.magnitude() + y.magnitude() + z.magnitude();
+    kernel::interval(Op::Figured, &[number, x, y, z]).grow(32.0 * ULP * far)
 }
 
 /// An exponential, of whatever base, of `x`: `3 + 2 |x|` units.

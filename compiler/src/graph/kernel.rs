@@ -5,6 +5,7 @@
 //! same way everywhere: no operation gives NaN.
 
 use crate::graph::interval::Interval;
+use crate::figure::{Figure, Found};
 use crate::kept::Kept;
 use crate::outline::{Nearest, Outline};
 use crate::sampled::{Grid, Hull};
@@ -102,9 +103,31 @@ impl Op {
         matches!(self, Op::Outlined | Op::OutlinedX | Op::OutlinedY)
     }
 
+    /// Whether it reads a figure, whose number is its first argument.
+    pub fn reads_figure(self) -> bool {
+        matches!(self, Op::Figured | Op::FiguredX | Op::FiguredY | Op::FiguredZ)
+    }
+
+    /// What it is a component of, where one call of the shader gives several: the operation that stands for the call, the component, and how many there are.
+    pub fn component(self) -> Option<(Op, u8, u8)> {
+        Some(match self {
+            Op::SampledX => (Op::SampledX, 0, 3),
+            Op::SampledY => (Op::SampledX, 1, 3),
+            Op::SampledZ => (Op::SampledX, 2, 3),
+            Op::Outlined => (Op::Outlined, 0, 3),
+            Op::OutlinedX => (Op::Outlined, 1, 3),
+            Op::OutlinedY => (Op::Outlined, 2, 3),
+            Op::Figured => (Op::Figured, 0, 4),
+            Op::FiguredX => (Op::Figured, 1, 4),
+            Op::FiguredY => (Op::Figured, 2, 4),
+            Op::FiguredZ => (Op::Figured, 3, 4),
+            _ => return None,
+        })
+    }
+
     /// Whether it reads data by its number.
     pub fn reads_data(self) -> bool {
-        self.reads_grid() || self.reads_outline()
+        self.reads_grid() || self.reads_outline() || self.reads_figure()
     }
 
     /// What is left of a number when its whole part by this operation is taken away. None of operations that find no whole part.
@@ -233,24 +256,36 @@ kernel! {
     Sampled "sampled" 4 false Number false 9 Inherited, "sf_sampled({0}, {1}, {2}, {3})",
         |[g, x, y, z]| sampled(g, |grid| grid.inside([x, y, z])), |[g, x, y, z]| sampled_interval(g, [x, y, z], |hull| hull.values),
         "The value of the grid of this number at a point, between the samples around; beyond its box, at the nearest place of that.";
-    SampledX "sampled_x" 4 false Number true 9 Inherited, "sf_sampled_slope({0}, {1}, {2}, {3}).x",
+    SampledX "sampled_x" 4 false Number true 9 Inherited, "sf_sampled_slope({0}, {1}, {2}, {3})",
         |[g, x, y, z]| sampled(g, |grid| grid.gradient([x, y, z])[0]), |[g, x, y, z]| sampled_interval(g, [x, y, z], |hull| hull.slopes[0]),
         "How fast the value of a grid changes along x, within a cell of it.";
-    SampledY "sampled_y" 4 false Number true 9 Inherited, "sf_sampled_slope({0}, {1}, {2}, {3}).y",
+    SampledY "sampled_y" 4 false Number true 9 Inherited, "sf_sampled_slope({0}, {1}, {2}, {3})",
         |[g, x, y, z]| sampled(g, |grid| grid.gradient([x, y, z])[1]), |[g, x, y, z]| sampled_interval(g, [x, y, z], |hull| hull.slopes[1]),
         "How fast the value of a grid changes along y, within a cell of it.";
-    SampledZ "sampled_z" 4 false Number true 9 Inherited, "sf_sampled_slope({0}, {1}, {2}, {3}).z",
+    SampledZ "sampled_z" 4 false Number true 9 Inherited, "sf_sampled_slope({0}, {1}, {2}, {3})",
         |[g, x, y, z]| sampled(g, |grid| grid.gradient([x, y, z])[2]), |[g, x, y, z]| sampled_interval(g, [x, y, z], |hull| hull.slopes[2]),
         "How fast the value of a grid changes along z, within a cell of it.";
-    Outlined "outlined" 3 false Number false 9 Inherited, "sf_outlined({0}, {1}, {2}).x",
+    Outlined "outlined" 3 false Number false 9 Inherited, "sf_outlined({0}, {1}, {2})",
         |[n, x, y, _]| outlined(n, [x, y], |near| near.value), |[n, x, y, _]| outlined_interval(n, [x, y]),
         "The signed distance to the outline of this number, in a plane.";
-    OutlinedX "outlined_x" 3 false Number true 9 Inherited, "sf_outlined({0}, {1}, {2}).y",
+    OutlinedX "outlined_x" 3 false Number true 9 Inherited, "sf_outlined({0}, {1}, {2})",
         |[n, x, y, _]| outlined(n, [x, y], |near| near.gradient[0]), |[n, x, y, _]| outlined_slope(n, [x, y], |[slope, _]| slope),
         "How fast the distance to an outline changes along x.";
-    OutlinedY "outlined_y" 3 false Number true 9 Inherited, "sf_outlined({0}, {1}, {2}).z",
+    OutlinedY "outlined_y" 3 false Number true 9 Inherited, "sf_outlined({0}, {1}, {2})",
         |[n, x, y, _]| outlined(n, [x, y], |near| near.gradient[1]), |[n, x, y, _]| outlined_slope(n, [x, y], |[_, slope]| slope),
         "How fast the distance to an outline changes along y.";
+    Figured "figured" 4 false Number false 9 Inherited, "sf_figured({0}, {1}, {2}, {3})",
+        |[n, x, y, z]| figured(n, [x, y, z], |found| found.value), |[n, x, y, z]| figured_interval(n, [x, y, z]),
+        "The distance to the figure of this number, below zero inside of a closed one.";
+    FiguredX "figured_x" 4 false Number true 9 Inherited, "sf_figured({0}, {1}, {2}, {3})",
+        |[n, x, y, z]| figured(n, [x, y, z], |found| found.gradient[0]), |[_, x, y, z]| figured_slope([x, y, z]),
+        "How fast the distance to a figure changes along x.";
+    FiguredY "figured_y" 4 false Number true 9 Inherited, "sf_figured({0}, {1}, {2}, {3})",
+        |[n, x, y, z]| figured(n, [x, y, z], |found| found.gradient[1]), |[_, x, y, z]| figured_slope([x, y, z]),
+        "How fast the distance to a figure changes along y.";
+    FiguredZ "figured_z" 4 false Number true 9 Inherited, "sf_figured({0}, {1}, {2}, {3})",
+        |[n, x, y, z]| figured(n, [x, y, z], |found| found.gradient[2]), |[_, x, y, z]| figured_slope([x, y, z]),
+        "How fast the distance to a figure changes along z.";
 }
 
 /// What an outline says; nought where there is none.
@@ -276,6 +311,29 @@ fn outlined_interval(number: Interval, [x, y]: [Interval; 2]) -> Interval {
     }
     Kept::<Outline>::find(number.lo).map_or(I::ZERO, |outline| {
         let [lo, hi] = outline.value_within([x.lo, y.lo], [x.hi, y.hi]);
+        I { lo, hi }
+    })
+}
+
+/// What a figure says; nought where there is none.
+fn figured(number: f64, p: [f64; 3], of: impl Fn(Found) -> f64) -> f64 {
+    Kept::<Figure>::find(number).map_or(0.0, |figure| of(figure.at(p)))
+}
+
+/// It is a coordinate of a direction.
+fn figured_slope(p: [Interval; 3]) -> Interval {
+    if p.iter().any(|side| side.is_empty()) { I::EMPTY } else { I { lo: -1.0, hi: 1.0 } }
+}
+
+fn figured_interval(number: Interval, p: [Interval; 3]) -> Interval {
+    if p.iter().any(|side| side.is_empty()) {
+        return I::EMPTY;
+    }
+    if !number.is_point() {
+        return I::ALL;
+    }
+    Kept::<Figure>::find(number.lo).map_or(I::ZERO, |figure| {
+        let [lo, hi] = figure.value_within(p.map(|side| side.lo), p.map(|side| side.hi));
         I { lo, hi }
     })
 }

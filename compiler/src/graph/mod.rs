@@ -33,6 +33,7 @@ pub use list::NodeList;
 pub use node::{ANY_TIME, Claim, ClaimGroup, FAR, FIRST_VARIABLE, Function, Leaf, Node, ParameterComponent, ValueRange, WORLD};
 pub use shape::{Baked, Exactness, Material, MaterialImage, Shape, Slot};
 
+use crate::figure::Figure;
 use crate::kept::{Data, Kept};
 use crate::outline::Outline;
 use crate::sampled::Grid;
@@ -75,6 +76,8 @@ pub struct Graph {
     pub grids: Vec<Kept<Grid>>,
     /// The outlines that formulas read, in the order in which the text names them.
     pub outlines: Vec<Kept<Outline>>,
+    /// The figures in space that formulas read, likewise.
+    pub figures: Vec<Kept<Figure>>,
     /// Shapes that are read from grids of samples, in the order in which they were met.
     pub baked: Vec<Baked>,
     /// Components of parameters.
@@ -199,6 +202,15 @@ impl Graph {
         self.op(Op::Outlined, &[number, x, y])
     }
 
+    /// The distance to a figure, below zero inside of a closed one.
+    pub fn figured(&mut self, kept: &Kept<Figure>, [x, y, z]: [NodeId; 3]) -> NodeId {
+        if self.figures.iter().all(|known| known.number != kept.number) {
+            self.figures.push(kept.clone());
+        }
+        let number = self.constant(kept.number);
+        self.op(Op::Figured, &[number, x, y, z])
+    }
+
     /// The number of what an operation reads, where it is one that does.
     pub fn data_of(&self, id: NodeId) -> Option<(Op, f64)> {
         let Node::Op(op, args) = self.node(id) else { return None };
@@ -211,7 +223,14 @@ impl Graph {
         let (op, number) = self.data_of(id)?;
         let grid = || self.grids.iter().find(|kept| kept.number == number).map(|kept| kept.data.content());
         let outline = || self.outlines.iter().find(|kept| kept.number == number).map(|kept| kept.data.content());
-        if op.reads_grid() { grid() } else { outline() }
+        let figure = || self.figures.iter().find(|kept| kept.number == number).map(|kept| kept.data.content());
+        if op.reads_grid() {
+            grid()
+        } else if op.reads_figure() {
+            figure()
+        } else {
+            outline()
+        }
     }
 
     /// A value from outside.

@@ -130,8 +130,12 @@ pub fn partials<A: Algebra>(
             let [x, y] = [Op::OutlinedX, Op::OutlinedY].map(|op| algebra.op(op, args));
             few([zero, x, y], &pad)
         }
+        Op::Figured => {
+            let [x, y, z] = [Op::FiguredX, Op::FiguredY, Op::FiguredZ].map(|op| algebra.op(op, args));
+            few([zero, x, y, z], &pad)
+        }
         // What jumps from cell to cell, or where another piece is nearest, is no curvature: who asks for one is told of the jumps.
-        Op::SampledX | Op::SampledY | Op::SampledZ | Op::OutlinedX | Op::OutlinedY => few([], &pad),
+        Op::SampledX | Op::SampledY | Op::SampledZ | Op::OutlinedX | Op::OutlinedY | Op::FiguredX | Op::FiguredY | Op::FiguredZ => few([], &pad),
         // Constant on each of their pieces.
         Op::Sign | Op::Floor | Op::Ceil | Op::Trunc | Op::Round | Op::Lt | Op::Le | Op::Eq | Op::And
         | Op::Or | Op::Not | Op::Hash => few([], &pad),

@@ -8,7 +8,7 @@ use super::walk::{AtCaret, CARET, Meaning, at_caret, meaning_of, type_of_item};
 use super::world::World;
 use crate::loader::Loader;
 use crate::program::blocks::keys;
-use crate::program::builtin::{FUNCTIONS, NAMES};
+use crate::program::builtin::{FUNCTIONS, NAMES, OF_PRELUDE};
 use crate::program::load::{ItemRef, Resolution, item_name, join};
 use crate::program::material;
 use crate::source::{FileId, Span};
@@ -261,7 +261,7 @@ impl List<'_> {
                 self.add(name, CompletionKind::Name(Meaning::Value), "", manual::of_value(name).unwrap_or_default(), 3);
             }
         }
-        for name in FUNCTIONS.iter().filter(|name| **name != "value") {
+        for name in FUNCTIONS.iter().filter(|name| !OF_PRELUDE.contains(name)) {
             self.callable(&Callable::built_in(name), false, 4);
         }
         for word in words::EXPRESSIONS.iter().filter(|word| !NAMES.contains(word)) {
@@ -300,7 +300,7 @@ impl List<'_> {
                 self.add(name, CompletionKind::Name(Meaning::Import), "", "", 3);
             }
         }
-        for name in FUNCTIONS.iter().filter(|name| !matches!(**name, "grid" | "polar" | "value" | "mesh_field" | "text" | "path" | "shader")) {
+        for name in FUNCTIONS.iter().filter(|name| !OF_PRELUDE.contains(name) && !matches!(**name, "grid" | "polar" | "mesh_field" | "text" | "path" | "shader")) {
             let callable = Callable::built_in(name);
             if receiver.is_none_or(|receiver| callable.takes(receiver)) {
                 self.callable(&callable, true, if matches!(receiver, Some(Type::Shape | Type::Shape2)) { 1 } else { 3 });

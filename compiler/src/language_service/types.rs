@@ -9,6 +9,7 @@ pub(super) fn component(ty: Option<&Type>, name: &str, is_declared: impl FnOnce(
     let is_component = match ty {
         Some(Type::Vec(_) | Type::Color) => reads_so,
         Some(Type::List(_)) => return (name == "count").then_some(Type::Int),
+        Some(Type::Curve) => return (name == "length").then_some(Type::Float),
         None => reads_so && !is_declared(),
         _ => false,
     };
@@ -34,7 +35,7 @@ pub(super) fn widest(types: &[Option<Type>]) -> Option<Type> {
         Type::Float | Type::Field => 1,
         Type::Color => 2,
         Type::Vec(_) => 3,
-        Type::Mat(_) | Type::List(_) | Type::Material => 4,
+        Type::Mat(_) | Type::List(_) | Type::Material | Type::Curve => 4,
         Type::Shape2 => 5,
         Type::Shape => 6,
     };
@@ -45,7 +46,8 @@ pub(super) fn widest(types: &[Option<Type>]) -> Option<Type> {
 pub(super) fn built_in_type(name: &str, types: &[Option<Type>]) -> Option<Type> {
     let first = types.first().cloned().flatten();
     match name {
-        "shader" | "length" | "distance" | "dot" | "determinant" | "at" | "hash" | "float" | "value" | "atan2" => Some(Type::Float),
+        "at" if first == Some(Type::Curve) => Some(Type::Vec(3)),
+        "shader" | "way_to" | "length" | "distance" | "dot" | "determinant" | "at" | "hash" | "float" | "value" | "atan2" => Some(Type::Float),
         "int" => Some(Type::Int),
         "cross" | "hash3" | "turn_about" | "low_corner" | "high_corner" | "vec3" => Some(Type::Vec(3)),
         "hash2" | "turn" | "vec2" => Some(Type::Vec(2)),
@@ -53,7 +55,8 @@ pub(super) fn built_in_type(name: &str, types: &[Option<Type>]) -> Option<Type> 
         "mat2" => Some(Type::Mat(2)),
         "mat3" => Some(Type::Mat(3)),
         "mat4" => Some(Type::Mat(4)),
-        "mesh_field" => Some(Type::Shape),
+        "mesh_field" | "solid_of" | "hull_of" => Some(Type::Shape),
+        "curve_of" | "helix_of" => Some(Type::Curve),
         "text" | "path" => Some(Type::Shape2),
         "material" | "paint" | "baked" | "transpose" | "inverse" | "normalize" => first,
         "grid" | "polar" => None,

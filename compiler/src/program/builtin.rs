@@ -18,7 +18,11 @@ pub const FUNCTIONS: &[&str] = &[
     "mat3", "mat4", "transpose", "determinant", "inverse", "hash", "hash2", "hash3", "turn", "turn_about", "at",
     "material", "paint", "float", "int", "grid", "polar", "value",
     "low_corner", "high_corner", "mesh_field", "baked", "text", "path", "shader",
+    "curve_of", "helix_of", "way_to", "frame_of", "swept_of", "kinks_of", "solid_of", "hull_of",
 ];
+
+/// Those of them that only the prelude calls, which has a name for what each does.
+pub const OF_PRELUDE: &[&str] = &["value", "curve_of", "helix_of", "way_to", "frame_of", "swept_of", "kinks_of", "solid_of", "hull_of"];
 
 /// Names that stand for a value and are not declared in the prelude.
 pub const NAMES: &[&str] =
@@ -212,6 +216,20 @@ impl Elaborator<'_> {
                 [data] => self.path(data, span),
                 _ => Err(super::Stop),
             },
+            ("curve_of", [Value::Text(kind), points, Value::Bool(closed)]) => {
+                let is_closed = self.to_constant(&Value::number(*closed), place(2))? != 0.0;
+                self.curve_of(kind, (points, place(1)), is_closed)
+            }
+            ("helix_of", [radius, pitch, turns]) => self.helix_of([(radius, place(0)), (pitch, place(1)), (turns, place(2))], span),
+            ("way_to", [Value::Curve(line), q]) => {
+                let q = self.to_vector(q, 3, place(1))?;
+                self.way_to(line, &q, span)
+            }
+            ("frame_of", [Value::Curve(line), i, count]) => self.frame_of(line, (i, place(1)), (count, place(2))),
+            ("swept_of" | "kinks_of", [Value::Curve(line)]) => self.swept_of(line, span, name == "kinks_of"),
+            ("at", [Value::Curve(line), share]) => self.curve_at(line, (share, place(1))),
+            ("solid_of", [points, faces]) => self.solid_of((points, place(0)), (faces, place(1)), span),
+            ("hull_of", [points]) => self.hull_of((points, place(0)), span),
             ("baked", [Value::Nothing, ..]) => Ok(Value::Nothing),
             ("baked", [Value::Shape(id), _, _]) => match args {
                 [_, resolution, padding] => {
@@ -539,6 +557,13 @@ pub fn argument_names(name: &str, count: usize) -> &'static [&'static str] {
         "text" => &["words", "size", "font", "align", "spacing", "leading"],
         "path" => &["data"],
         "shader" => &["file", "function"],
+        "curve_of" => &["kind", "points", "closed"],
+        "helix_of" => &["radius", "pitch", "turns"],
+        "way_to" => &["curve", "q"],
+        "frame_of" => &["curve", "i", "count"],
+        "swept_of" | "kinks_of" => &["curve"],
+        "solid_of" => &["points", "faces"],
+        "hull_of" => &["points"],
         _ if KERNEL.iter().any(|row| row.callable && row.name == name) => &["a"],
         _ => &[],
     }
@@ -589,6 +614,10 @@ fn usage(name: &str) -> (String, usize) {
         "text" => ("text(\"Surefoot\", size: 1)".into(), 6),
         "path" => ("path(\"M 0 0 H 1 V 1 Z\")".into(), 1),
         "shader" => ("shader(\"rock.glsl\", map)".into(), 2),
+        "curve_of" | "helix_of" | "frame_of" => (format!("{name}({})", argument_names(name, 3).join(", ")), 3),
+        "way_to" => ("way_to(curve, q)".into(), 2),
+        "swept_of" | "kinks_of" => (format!("{name}(curve)"), 1),
+        "solid_of" => ("solid_of(points, faces)".into(), 2),
         "vec2" => ("vec2(x, y)".into(), 1),
         "vec3" => ("vec3(x, y, z)".into(), 1),
         "vec4" => ("vec4(x, y, z, w)".into(), 1),

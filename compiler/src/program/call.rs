@@ -362,6 +362,10 @@ impl Elaborator<'_> {
             if let (Value::List(items), "count") = (&value, &*name.text) {
                 return Ok(self.constant(items.len() as f64));
             }
+            if let (Value::Curve(line), "length") = (&value, &*name.text) {
+                let length = line.length();
+                return Ok(self.constant(length));
+            }
             if let (Value::List(_), "length" | "len" | "size") = (&value, &*name.text) {
                 let message = format!("a list has no `{}`", name.text);
                 let said = Diagnostic::new(Code::UnknownMember, name.span, message, "write `.count`, how many it has");

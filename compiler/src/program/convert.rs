@@ -30,6 +30,7 @@ impl Elaborator<'_> {
             (Value::Shape(_), Type::Field | Type::Float) => true,
             (Value::Nothing, Type::Shape | Type::Shape2) => true,
             (Value::Material(_), Type::Material) => true,
+            (Value::Curve(_), Type::Curve) => true,
             _ => false,
         }
     }
@@ -104,6 +105,7 @@ impl Elaborator<'_> {
                         "write a number, or `if condition { 1 } else { 0 }`".to_owned()
                     }
                     (Value::Shape(_), Type::Vec(_)) => "write a vector, as `(1, 0, 0)`; a shape that is moved stands before the dot, `shape.translate(v)`".to_owned(),
+                    (Value::List(_), Type::Curve) => "make a curve of the points: `polyline([…])`, or `catmull_rom([…])`".to_owned(),
                     _ => format!("write {}", type_words(ty)),
                 };
                 Err(self.error(

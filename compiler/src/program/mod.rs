@@ -13,6 +13,7 @@ mod camera;
 mod capped;
 mod choice;
 mod convert;
+mod curves;
 mod elsewhere;
 mod env;
 pub mod expression;
@@ -474,6 +475,7 @@ impl Elaborator<'_> {
                 Value::Shape(self.make_shape(dimensions, value, span))
             }
             Type::Material => Value::Material(self.default_material()),
+            Type::Curve => self.stand_in_curve().unwrap_or(Value::Nothing),
             Type::List(inner) => {
                 let inner = self.stand_in(inner, span);
                 Value::List(vec![inner.clone(), inner.clone(), inner].into())

@@ -1,5 +1,6 @@
 //! What an expression is while compiling, and how one kind of value becomes another.
 
+use crate::figure::Line;
 use crate::graph::{Graph, MaterialId, NodeId, NodeList, ShapeId};
 use crate::source::Span;
 use crate::syntax::ast::Type;
@@ -24,6 +25,8 @@ pub enum Value {
     Shape(ShapeId),
     /// A material.
     Material(MaterialId),
+    /// A curve in space.
+    Curve(Rc<Line>),
     /// From and to.
     Range(Rc<(Value, Value)>),
     /// The empty shape, of either number of dimensions.
@@ -81,6 +84,7 @@ impl Value {
                 _ => "a shape".into(),
             },
             Value::Material(_) => "a material".into(),
+            Value::Curve(_) => "a curve".into(),
             Value::Range(_) => "a range".into(),
             Value::Nothing => "the empty shape".into(),
         }
@@ -135,6 +139,7 @@ pub fn type_words(ty: &Type) -> String {
         Type::Shape => "a shape".into(),
         Type::Shape2 => "a drawing (shape2)".into(),
         Type::Material => "a material".into(),
+        Type::Curve => "a curve".into(),
         Type::Field => "a number or a formula in `p`".into(),
         Type::List(inner) => format!("a list of which each is {}", type_words(inner)),
         Type::Str => "a text".into(),

@@ -90,6 +90,24 @@ impl Surface {
         Ok(surface)
     }
 
+    /// The surface of a convex hull, whose triangles face out. They may be so narrow that whether they cross is not decided in 64 bits.
+    pub fn of_hull(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<Self, String> {
+        let Joined { corners: places, triangles, findings, .. } = examine(positions, triangles)?;
+        let given: Vec<Triangle> = triangles.iter().map(|t| Triangle::new(t.map(|i| places[i as usize]))).collect();
+        let boxes = Boxes::new(&given);
+        let corners: Vec<[u32; 3]> = boxes.order.iter().map(|i| triangles[*i as usize]).collect();
+        let mut surface = Self { boxes, findings, sign: Sign::Pseudonormal, corners, edge_normals: Vec::new(), corner_normals: Vec::new() };
+        surface.sum_normals(places.len());
+        Ok(surface)
+    }
+
+    /// Of each triangle its corners, and the sums of the normals at its edges, from the first corner on, and at its corners. Of what sides are found by
+    /// pseudonormals.
+    pub fn sides(&self) -> impl Iterator<Item = ([Vec3; 3], [Vec3; 3], [Vec3; 3])> {
+        let tips = |ids: &[u32; 3]| ids.map(|i| self.corner_normals.get(i as usize).copied().unwrap_or_default());
+        self.boxes.triangles.iter().zip(&self.edge_normals).zip(&self.corners).map(move |((triangle, edges), ids)| (triangle.corners, *edges, tips(ids)))
+    }
+
     /// Turns the shells of a closed mesh that face inside, and counts those that are no boundary.
     fn face_out(&mut self, shell: &[u32]) {
         let mut largest: Vec<(f64, u32)> = vec![(-1.0, 0); self.findings.shells];

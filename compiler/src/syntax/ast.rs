@@ -234,6 +234,8 @@ pub enum Type {
     Shape2,
     /// `material`
     Material,
+    /// `curve`: a curve in space
+    Curve,
     /// `field`: a formula in `p`
     Field,
     /// `[T]`
@@ -255,6 +257,7 @@ impl Type {
             Type::Shape => "shape".to_owned(),
             Type::Shape2 => "shape2".to_owned(),
             Type::Material => "material".to_owned(),
+            Type::Curve => "curve".to_owned(),
             Type::Field => "field".to_owned(),
             Type::List(inner) => format!("[{}]", inner.name()),
             Type::Str => "text".to_owned(),

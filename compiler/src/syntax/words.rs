@@ -33,7 +33,7 @@ pub const CONTEXTUAL: &[&str] = &["as", "by", "exact", "lipschitz"];
 /// Names of types, as they are written.
 pub const TYPES: &[&str] = &[
     "bool", "int", "float", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "color", "shape",
-    "shape2", "material", "field",
+    "shape2", "material", "curve", "field",
 ];
 
 /// What other languages write where a type stands, and that is none here.

@@ -32,6 +32,25 @@ pub fn scene_with_meshes(files: &MemoryLoader) -> (Compiled, Assets) {
     (compiled, assets)
 }
 
+/// Holds a scene's normals and depths, as the device draws them, against those of the reference.
+pub fn drawn_alike(gpu: &Gpu, name: &str, scene: &Compiled) {
+    let (width, height) = (96, 72);
+    let live = scene.live();
+    let frame = scene.frame(&live);
+    let reference = Reference::new(scene, &live).unwrap();
+    for (mode, view) in [(ViewMode::Normals, View::Normals), (ViewMode::Depth, View::Depth)] {
+        let drawn = headless::render(gpu, scene, &live, &Shot { mode, ..Shot::new(width, height) }).unwrap();
+        let area = Area { left: 0, top: 0, width, height };
+        let computed = rgb8(&reference.light_at(&frame, &frame.cameras[0].1, (width, height), view, area, 0), area, view);
+        let background = computed[..3].to_vec();
+        let differ = |(drawn, computed): (&[u8], &[u8])| drawn.iter().zip(computed).any(|(a, b)| a.abs_diff(*b) > 8);
+        let count = drawn.rgba.chunks_exact(4).zip(computed.chunks_exact(3)).filter(|pair| differ(*pair)).count();
+        let seen = computed.chunks_exact(3).filter(|pixel| **pixel != background[..]).count();
+        assert!(seen > 200, "{name}: {seen} pixels of {mode:?} show anything");
+        assert!(count * 100 < (width * height) as usize, "{name}: {count} pixels of {mode:?} differ");
+    }
+}
+
 /// The picture of the GPU, with meshes.
 pub fn draw_with_meshes(gpu: &Gpu, compiled: &Compiled, assets: &Assets, shot: &Shot) -> Pixels {
     let mut picture = prepare_with_meshes(gpu, compiled, assets);

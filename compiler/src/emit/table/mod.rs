@@ -11,6 +11,7 @@ use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Function, Graph, NodeId};
 use crate::kept::Kept;
+use crate::figure::Figure;
 use crate::outline::Outline;
 use form::{Filled, Former};
 use rustc_hash::FxHashMap;
@@ -112,6 +113,8 @@ pub struct Tables {
     pub grids: Vec<Kept<crate::sampled::Grid>>,
     /// The outlines that formulas read. Their heads stand after those of the grids.
     pub outlines: Vec<Kept<Outline>>,
+    /// The figures that formulas read. Their heads stand after those of the outlines.
+    pub figures: Vec<Kept<Figure>>,
 }
 
 impl Class {
@@ -177,7 +180,7 @@ impl Tables {
     pub fn new(graph: &Graph, functions: &Functions) -> Self {
         let parameters = graph.parameters.iter().map(|p| Interval::new(p.min, p.max)).collect();
         let mut tables = Self { parameters, ..Self::default() };
-        (tables.grids, tables.outlines) = read(graph, functions);
+        (tables.grids, tables.outlines, tables.figures) = read(graph, functions);
         let mut unions: Vec<(&Of, &Union)> = functions.unions.iter().filter(|(_, u)| u.same.is_none()).collect();
         unions.sort_unstable_by_key(|(of, _)| **of);
         for (of, union) in unions {
@@ -300,20 +303,28 @@ impl Tables {
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.tables.is_empty() && self.grids.is_empty() && self.outlines.is_empty()
+        self.tables.is_empty() && self.grids.is_empty() && self.outlines.is_empty() && self.figures.is_empty()
     }
 }
 
-/// The grids and the outlines that the functions of a scene read, in the order in which its text names them.
-fn read(graph: &Graph, functions: &Functions) -> (Vec<Kept<crate::sampled::Grid>>, Vec<Kept<Outline>>) {
-    if graph.grids.is_empty() && graph.outlines.is_empty() {
+/// What functions of a scene read by its number.
+type Read = (Vec<Kept<crate::sampled::Grid>>, Vec<Kept<Outline>>, Vec<Kept<Figure>>);
+
+/// The grids, the outlines and the figures that the functions of a scene read, in the order in which its text names them.
+fn read(graph: &Graph, functions: &Functions) -> Read {
+    if graph.grids.is_empty() && graph.outlines.is_empty() && graph.figures.is_empty() {
         return Default::default();
     }
     let surfaces = std::iter::once(&functions.surface).chain(&functions.meshes);
     let looks = surfaces.flat_map(|surface| surface.look().into_iter().chain(surface.layer_nodes()).chain(surface.glass.into_iter().flatten()));
     let roots: Vec<NodeId> = functions.formulas.values().copied().chain(looks).collect();
-    let read: Vec<(bool, f64)> = graph.reachable(&roots).into_iter().filter_map(|id| graph.data_of(id)).map(|(op, number)| (op.reads_grid(), number)).collect();
-    (graph.grids.iter().filter(|kept| read.contains(&(true, kept.number))).cloned().collect(), graph.outlines.iter().filter(|kept| read.contains(&(false, kept.number))).cloned().collect())
+    let read: Vec<(Op, f64)> = graph.reachable(&roots).into_iter().filter_map(|id| graph.data_of(id)).collect();
+    let is_read = |is_of: fn(Op) -> bool, number: f64| read.iter().any(|(op, read)| is_of(*op) && *read == number);
+    (
+        graph.grids.iter().filter(|kept| is_read(Op::reads_grid, kept.number)).cloned().collect(),
+        graph.outlines.iter().filter(|kept| is_read(Op::reads_outline, kept.number)).cloned().collect(),
+        graph.figures.iter().filter(|kept| is_read(Op::reads_figure, kept.number)).cloned().collect(),
+    )
 }
 
 /// The tables of a module, and how a device reads them.

@@ -279,7 +279,7 @@ pub fn declare_buffers(prefix: &str, group: u32, binding: u32, wgsl: &mut String
     }
 }
 
-/// Writes the function that says where the head of a grid or an outline stands: that of the first at `first`, in words.
+/// Writes the function that says where the head of a grid, an outline or a figure stands: that of the first at `first`, in words.
 pub fn heads<T>(context: &Context, name: &str, first: u32, all: &[Kept<T>], wgsl: &mut String) {
     let _ = write!(wgsl, "\n// Where the head of the {name} of a number stands.\nfn {}{name}_head({name}: f32) -> u32 {{\n", context.prefix);
     for (kept, at) in all.iter().skip(1).zip(1..) {
@@ -288,18 +288,22 @@ pub fn heads<T>(context: &Context, name: &str, first: u32, all: &[Kept<T>], wgsl
     let _ = write!(wgsl, "  return {first}u;\n}}\n");
 }
 
-/// Entries of the lists that stand in a text before the heads of the outlines.
+/// Entries of the lists that stand in a text before the heads of the outlines and the figures.
 pub fn entries(tables: &Tables) -> Vec<Vec<u32>> {
     let mut all: Vec<&Table> = tables.tables.values().collect();
     all.sort_unstable_by_key(|t| t.index);
     all.into_iter().map(|t| t.fused(t.entries.iter().copied())).collect()
 }
 
-/// The outlines as words from a place on: their heads, and what these name.
-fn outline_words(tables: &Tables, first: usize) -> Vec<u32> {
-    let mut words = vec![0; HEAD as usize * tables.outlines.len()];
-    for (at, kept) in tables.outlines.iter().enumerate() {
-        let (head, rest) = kept.data.words((first + words.len()) as u32);
+/// The outlines and the figures as words from a place on: their heads, and what these name.
+fn shape_words(tables: &Tables, first: usize) -> Vec<u32> {
+    let count = tables.outlines.len() + tables.figures.len();
+    let mut words = vec![0; HEAD as usize * count];
+    for at in 0..count {
+        let begin = (first + words.len()) as u32;
+        let outline = || tables.outlines.get(at).map(|kept| kept.data.words(begin));
+        let figure = || tables.figures.get(at - tables.outlines.len()).map(|kept| kept.data.words(begin));
+        let Some((head, rest)) = outline().or_else(figure) else { continue };
         if let Some(slot) = words.get_mut(HEAD as usize * at..HEAD as usize * (at + 1)) {
             slot.copy_from_slice(&head);
         }
@@ -314,8 +318,8 @@ pub fn declare_text(context: &Context, wgsl: &mut String) {
     let Tables { rows, tables, .. } = context.tables;
     let lists = entries(context.tables);
     let mut entries: Vec<u32> = lists.concat();
-    if context.has_outlines() {
-        entries.extend(outline_words(context.tables, entries.len()));
+    if context.has_shapes() {
+        entries.extend(shape_words(context.tables, entries.len()));
     }
     if entries.is_empty() {
         // No array is empty.
@@ -333,10 +337,10 @@ pub fn declare_text(context: &Context, wgsl: &mut String) {
         }
         wgsl.push_str(");\n");
     }
-    let what = match (tables.is_empty(), context.has_outlines()) {
+    let what = match (tables.is_empty(), context.has_shapes()) {
         (false, false) => "What is united, one after the other: what is done, and below that its row.",
-        (true, _) => "Outlines: their cells, the lists of these, and the pieces.",
-        (false, true) => "What is united, one after the other: what is done, and below that its row. Then outlines: their cells, the lists of these, and the pieces.",
+        (true, _) => "Outlines: their cells, the lists of these, and the pieces. Figures: their boxes and the pieces.",
+        (false, true) => "What is united, one after the other: what is done, and below that its row. Then outlines: their cells, the lists of these, and the pieces; and figures: their boxes and the pieces.",
     };
     let _ = write!(wgsl, "\n// {what}\n{held} {p}lists = array<u32, {}>(\n", entries.len());
     for line in entries.chunks(12) {

@@ -168,7 +168,7 @@ impl Writer<'_, '_> {
                 }
                 self.list(args)
             }
-            Code::Op(op) => {
+            Code::Op(op) | Code::Whole(op, _) => {
                 self.operations += 1;
                 self.operation(id, op, args)
             }

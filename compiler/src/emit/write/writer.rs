@@ -3,7 +3,7 @@
 use crate::emit::arms::{Arm, Arms, BlockId};
 use crate::emit::body::Body;
 use crate::emit::code::ExprId;
-use crate::emit::library::{GRIDS, Helpers, OUTLINES};
+use crate::emit::library::{FIGURES, GRIDS, Helpers, OUTLINES};
 use crate::emit::names::Scope;
 use crate::emit::plan::{Plans, TargetId};
 use crate::emit::table::Tables;
@@ -71,16 +71,27 @@ impl Context<'_> {
         self.helpers.pieces().any(|piece| piece.name == OUTLINES)
     }
 
-    /// Whether what is read is too large for a text: grids, and outlines of many curves.
-    pub fn needs_buffers(&self) -> bool {
-        let outlines = || self.tables.outlines.iter().map(|kept| kept.data.bytes()).sum::<usize>();
-        let entries = || self.tables.tables.values().map(|table| size_of::<u32>() * table.entries.len()).sum::<usize>();
-        self.has_grids() || (self.has_outlines() && outlines() + entries() > MOST_WRITTEN)
+    /// Whether a function that is written reads a figure.
+    pub fn has_figures(&self) -> bool {
+        self.helpers.pieces().any(|piece| piece.name == FIGURES)
     }
 
-    /// Whether a function that is written reads a table, a grid, or an outline.
+    /// Whether one reads an outline or a figure, which may stand in a text.
+    pub fn has_shapes(&self) -> bool {
+        self.has_outlines() || self.has_figures()
+    }
+
+    /// Whether what is read is too large for a text: grids, and outlines and figures of many pieces.
+    pub fn needs_buffers(&self) -> bool {
+        let Tables { outlines, figures, .. } = self.tables;
+        let shapes = || outlines.iter().map(|kept| kept.data.bytes()).sum::<usize>() + figures.iter().map(|kept| kept.data.bytes()).sum::<usize>();
+        let entries = || self.tables.tables.values().map(|table| size_of::<u32>() * table.entries.len()).sum::<usize>();
+        self.has_grids() || (self.has_shapes() && shapes() + entries() > MOST_WRITTEN)
+    }
+
+    /// Whether a function that is written reads a table, a grid, an outline or a figure.
     pub fn has_tables(&self) -> bool {
-        self.has_grids() || self.has_outlines() || self.functions.keys().filter_map(|id| self.plans.get(*id)).any(|t| self.plans.table(t).is_some_and(|table| table.turns.is_none()))
+        self.has_grids() || self.has_shapes() || self.functions.keys().filter_map(|id| self.plans.get(*id)).any(|t| self.plans.table(t).is_some_and(|table| table.turns.is_none()))
     }
 }
 

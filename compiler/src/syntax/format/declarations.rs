@@ -183,6 +183,7 @@ fn type_name(ty: &Type) -> &'static str {
         Type::Shape => "shape",
         Type::Shape2 => "shape2",
         Type::Material => "material",
+        Type::Curve => "curve",
         Type::Field => "field",
         Type::List(_) | Type::Str => "",
     }

@@ -80,6 +80,7 @@ pub(super) fn type_of(word: &str) -> Option<Type> {
         "shape" => Type::Shape,
         "shape2" => Type::Shape2,
         "material" => Type::Material,
+        "curve" => Type::Curve,
         "field" => Type::Field,
         _ => return None,
     })

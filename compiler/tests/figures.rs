@@ -1,0 +1,445 @@
+//! Curves, tubes, polyhedra and hulls: distances against plain methods, errors and their places.
+
+use rayon::prelude::*;
+use std::time::{Duration, Instant};
+use surefoot_compiler::diagnostic::Severity;
+use surefoot_compiler::evaluate::Tape;
+use surefoot_compiler::figure::{Bow, Figure, Line, Stretch, closed, hull, triangles, turn};
+use surefoot_compiler::graph::Function;
+use surefoot_compiler::random::Random;
+use surefoot_compiler::sampled::{Sign, Surface};
+use surefoot_compiler::vector::{Vec3, add, cross, dot, length, mix, scale, sub};
+use surefoot_compiler::verify::{Settings, WORK, verify};
+use surefoot_compiler::{Compiled, MemoryLoader, Options, Outcome, compile};
+
+const PLACES: u64 = 100_000;
+/// So many random curves are swept along, unless SUREFOOT_SWEEPS says how many.
+const SWEEPS: u64 = 6;
+
+fn outcome(text: &str) -> Outcome {
+    compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default())
+}
+
+fn compiled(text: &str) -> Compiled {
+    let outcome = outcome(text);
+    assert!(!outcome.has_errors(), "{text}: {:?}", outcome.diagnostics);
+    outcome.compiled.expect("it has no error")
+}
+
+fn value(scene: &Compiled, p: Vec3) -> f64 {
+    let field = scene.functions.formulas[&(scene.root, Function::Field)];
+    let tape = Tape::new(&scene.graph, &scene.functions.formulas, &[field], &scene.live(), 1 << 20).unwrap();
+    let mut found = 0.0;
+    tape.evaluator().at(&[p], &[], |_, v| found = v[0]);
+    found
+}
+
+fn point(random: &mut Random, half: f64) -> Vec3 {
+    random.within(half)
+}
+
+fn curve(kind: &str, points: &[Vec3], is_closed: bool) -> Line {
+    match kind {
+        "bezier" => Line::bezier(points, is_closed),
+        "catmull_rom" => Line::catmull_rom(points, is_closed),
+        _ => Line::polyline(points, is_closed),
+    }
+    .unwrap()
+}
+
+/// The least way to a curve that is given by its places, of which the nearest of many is refined.
+fn plain(at: &(dyn Fn(f64) -> Vec3 + Sync), coarse: &[Vec3], q: Vec3) -> f64 {
+    let way = |p: Vec3| length(sub(p, q));
+    let steps = coarse.len() - 1;
+    let mut near: Vec<usize> = (0..=steps).filter(|&i| (i == 0 || way(coarse[i]) <= way(coarse[i - 1])) && (i == steps || way(coarse[i]) <= way(coarse[i + 1]))).collect();
+    near.sort_by(|a, b| way(coarse[*a]).total_cmp(&way(coarse[*b])));
+    near.iter().take(4).fold(f64::INFINITY, |best: f64, &i| {
+        let [mut low, mut high] = [i.saturating_sub(1), (i + 1).min(steps)].map(|i| i as f64 / steps as f64);
+        for _ in 0..60 {
+            let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+            if way(at(a)) < way(at(b)) { high = b } else { low = a }
+        }
+        best.min(way(at(0.5 * (low + high))))
+    })
+}
+
+/// The distance to a chain of arcs against that to the curve that was asked for, at many places.
+fn tube_holds(name: &str, line: &Line, at: &(dyn Fn(f64) -> Vec3 + Sync), size: f64) {
+    let figure = Figure::of_bows(&line.bows).unwrap();
+    let coarse: Vec<Vec3> = (0..=800).map(|i| at(f64::from(i) / 800.0)).collect();
+    let worst = (0..PLACES)
+        .into_par_iter()
+        .map(|i| {
+            let mut random = Random(i.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+            let q = point(&mut random, if i % 4 == 0 { 4.0 * size } else { size });
+            let found = figure.at(q);
+            assert!((length(found.gradient) - 1.0).abs() < 1e-9, "{name}: {found:?}");
+            let least = line.bows.iter().map(|bow| length(bow.away(q))).fold(f64::INFINITY, f64::min);
+            assert!((found.value - least).abs() < 1e-12 * size.max(1.0), "{name}: the nearest piece at {q:?}");
+            (found.value - plain(at, &coarse, q)).abs()
+        })
+        .reduce(|| 0.0, f64::max);
+    println!("{name}: {} arcs, off by {:.1e} of the size", line.bows.len(), worst / size);
+    assert!(worst < 1e-5 * size, "{name}: off by {worst} of {size}");
+    for pair in line.bows.windows(2) {
+        assert!(length(sub(pair[0].ends()[1], pair[1].ends()[0])) < 1e-9 * size, "{name}: a gap");
+    }
+}
+
+/// A vector turned about an axis of length one.
+fn turned(v: Vec3, axis: Vec3, angle: f64) -> Vec3 {
+    let (sine, cosine) = angle.sin_cos();
+    add(add(scale(v, cosine), scale(cross(axis, v), sine)), scale(axis, dot(axis, v) * (1.0 - cosine)))
+}
+
+fn cubic([a, b, c, d]: [Vec3; 4], t: f64) -> Vec3 {
+    let [ab, bc, cd] = [mix(a, b, t), mix(b, c, t), mix(c, d, t)];
+    mix(mix(ab, bc, t), mix(bc, cd, t), t)
+}
+
+#[test]
+fn tubes_are_as_far_as_the_curves_asked_for() {
+    let mut random = Random(5);
+    for i in 0..4 {
+        let four = [0; 4].map(|_| point(&mut random, 1.0));
+        tube_holds(&format!("bezier {i}"), &curve("bezier", &four, false), &|t| cubic(four, t), 2.0);
+    }
+    let points: Vec<Vec3> = (0..12).map(|_| point(&mut random, 1.0)).collect();
+    let at = |t: f64| {
+        let t = t * 11.0;
+        let i = (t as usize).min(10);
+        mix(points[i], points[i + 1], t - i as f64)
+    };
+    tube_holds("polyline", &curve("polyline", &points, false), &at, 2.0);
+    let at = |t: f64| {
+        let angle = (t - 0.5) * 3.0 * std::f64::consts::TAU;
+        [0.7 * angle.sin(), 0.5 * angle / std::f64::consts::TAU, 0.7 * angle.cos()]
+    };
+    tube_holds("helix", &Line::helix(0.7, 0.5, 3.0).unwrap(), &at, 2.0);
+    let circle = Line::arc([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]).unwrap();
+    tube_holds("arc", &circle, &|t| [(t * 1.5 * std::f64::consts::PI).cos(), (t * 1.5 * std::f64::consts::PI).sin(), 0.0], 2.0);
+}
+
+#[test]
+fn catmull_rom_passes_its_points_without_a_kink() {
+    let mut random = Random(9);
+    for is_closed in [false, true] {
+        let points: Vec<Vec3> = (0..9).map(|_| point(&mut random, 1.0)).collect();
+        let line = curve("catmull_rom", &points, is_closed);
+        let figure = Figure::of_bows(&line.bows).unwrap();
+        assert!(points.iter().all(|p| figure.at(*p).value < 1e-9), "it misses a point");
+        let joints = line.bows.iter().zip(line.bows.iter().cycle().skip(1)).take(line.bows.len() - usize::from(!is_closed));
+        for (a, b) in joints {
+            let [end, start] = [a.at(a.half).1, b.at(-b.half).1];
+            assert!(dot(end, start) > 1.0 - 1e-6, "a kink: {end:?} {start:?}");
+        }
+    }
+}
+
+#[test]
+fn frames_stand_at_right_angles_and_do_not_spin() {
+    let mut random = Random(2);
+    for i in 0..20 {
+        let points: Vec<Vec3> = (0..7).map(|_| point(&mut random, 1.0)).collect();
+        let line = curve(if i % 2 == 0 { "catmull_rom" } else { "polyline" }, &points, i % 4 < 2);
+        let frames = line.frames();
+        for (bow, [start, end]) in line.bows.iter().zip(&frames) {
+            for frame in [start, end] {
+                let rows = [frame.x, frame.y, frame.forth];
+                for (j, a) in rows.iter().enumerate() {
+                    for (k, b) in rows.iter().enumerate() {
+                        assert!((dot(*a, *b) - f64::from(u8::from(j == k))).abs() < 1e-9, "{frame:?}");
+                    }
+                }
+                assert!(dot(cross(frame.x, frame.y), frame.forth) > 0.999, "left-handed");
+            }
+            let (axis, angle) = turn([start.x, start.y, start.forth]);
+            let back = |v: Vec3| turned(v, axis, angle);
+            for (unit, to) in [([1.0, 0.0, 0.0], start.x), ([0.0, 1.0, 0.0], start.y), ([0.0, 0.0, 1.0], start.forth)] {
+                assert!(length(sub(back(unit), to)) < 1e-9, "the turn of {start:?} is {axis:?} by {angle}");
+            }
+            // What does not spin keeps its angle to the arc's axis.
+            let axis = cross(bow.out, bow.forth);
+            assert!((dot(start.y, axis) - dot(end.y, axis)).abs() < 1e-9, "it spins");
+        }
+        // The place at a share of the length, and a whole turn of a closed curve.
+        let [first, last] = [0.0, 1.0].map(|share| line.at(share, &frames).unwrap());
+        if line.is_closed {
+            assert!(length(sub(first.at, last.at)) < 1e-9, "open");
+            let smooth = i % 2 == 0;
+            assert!(!smooth || length(sub(first.y, last.y)) < 1e-4, "{first:?} {last:?}");
+        }
+    }
+}
+
+/// The boxes and prisms of which a solid's faces are, and one that is not convex.
+fn solids() -> Vec<(&'static str, Vec<Vec3>, Vec<Vec<usize>>)> {
+    let prism = |outline: &[[f64; 2]]| {
+        let n = outline.len();
+        let at = |z: f64| outline.iter().map(move |[x, y]| [*x, *y, z]);
+        let points: Vec<Vec3> = at(-0.4).chain(at(0.5)).collect();
+        let sides = (0..n).map(|i| vec![i, (i + 1) % n, n + (i + 1) % n, n + i]);
+        let faces: Vec<Vec<usize>> = [(0..n).collect(), (n..2 * n).collect()].into_iter().chain(sides).collect();
+        (points, faces)
+    };
+    let star: Vec<[f64; 2]> = (0..10).map(|i| [if i % 2 == 0 { 1.0 } else { 0.35 }, f64::from(i) * 0.2 * std::f64::consts::PI]).map(|[r, a]| [r * a.sin(), r * a.cos()]).collect();
+    let hook = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-0.5, 1.0], [-0.5, 0.3], [0.6, 0.3], [0.6, -0.4], [-1.0, -0.4]];
+    let (star, hook) = (prism(&star), prism(&hook));
+    let tent = vec![[-1.0, -0.7, -0.7], [1.0, -0.7, -0.7], [1.0, -0.7, 0.7], [-1.0, -0.7, 0.7], [0.3, 0.9, 0.1]];
+    let faces = vec![vec![0, 1, 2, 3], vec![0, 1, 4], vec![1, 2, 4], vec![2, 3, 4], vec![3, 0, 4]];
+    vec![("star", star.0, star.1), ("hook", hook.0, hook.1), ("tent", tent, faces)]
+}
+
+/// Distances and sides against every face in turn and the winding number.
+fn solid_holds(name: &str, figure: &Figure, points: &[Vec3], faces: &[[u32; 3]]) {
+    let surface = Surface::new(points, faces, Sign::Winding).unwrap();
+    let worst = (0..PLACES)
+        .into_par_iter()
+        .map(|i| {
+            let mut random = Random(i.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+            let q = point(&mut random, if i % 4 == 0 { 6.0 } else { 1.2 });
+            let found = figure.at(q);
+            let (way, winding) = surface.plain(q);
+            assert!((length(found.gradient) - 1.0).abs() < 1e-9);
+            if way > 1e-9 {
+                assert_eq!(found.value < 0.0, winding.abs() > 0.5, "{name}: the side of {q:?}, {found:?}");
+            }
+            (found.value.abs() - way).abs()
+        })
+        .reduce(|| 0.0, f64::max);
+    println!("{name}: {} triangles, off by {worst:.1e}", faces.len());
+    assert!(worst < 1e-9, "{name}: off by {worst}");
+}
+
+#[test]
+fn polyhedra_are_as_far_as_their_faces() {
+    for (name, points, faces) in solids() {
+        let cut = triangles(&points, &faces).unwrap();
+        let figure = Figure::of_faces(&closed(&points, &cut).unwrap()).unwrap();
+        solid_holds(name, &figure, &points, &cut);
+    }
+}
+
+#[test]
+fn hulls_are_convex_and_as_far_as_their_faces() {
+    let mut random = Random(3);
+    let cloud: Vec<Vec3> = (0..200).map(|_| point(&mut random, 1.0)).collect();
+    let ball: Vec<Vec3> = (0..300).map(|_| point(&mut random, 1.0)).map(|p| scale(p, 1.0 / length(p))).collect();
+    let grid: Vec<Vec3> = (0..125).map(|i| [i % 5, i / 5 % 5, i / 25].map(|c| 0.4 * f64::from(c) - 0.8)).collect();
+    let tall: Vec<Vec3> = (0..40).map(|i| [(f64::from(i) * 0.7).sin(), 1e-3 * f64::from(i % 2), (f64::from(i) * 0.7).cos()]).collect();
+    for (name, points) in [("cloud", cloud), ("ball", ball), ("grid", grid), ("plate", tall)] {
+        let faces = hull(&points).unwrap();
+        // No point is beyond a face, and each corner is a point.
+        for face in &faces {
+            let [a, b, c] = face.corners;
+            let normal = cross(sub(b, a), sub(c, a));
+            if length(normal) > 1e-9 {
+                let normal = scale(normal, 1.0 / length(normal));
+                assert!(points.iter().all(|p| dot(sub(*p, a), normal) < 1e-7), "{name}: a point is outside");
+            }
+            assert!(face.corners.iter().all(|corner| points.iter().any(|p| length(sub(*p, *corner)) < 1e-8)), "{name}: a corner of its own");
+        }
+        if name == "plate" {
+            // So flat that what is inside is decided by less than rounding.
+            continue;
+        }
+        let corners: Vec<Vec3> = faces.iter().flat_map(|face| face.corners).collect();
+        let numbers: Vec<[u32; 3]> = (0..faces.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let figure = Figure::of_faces(&faces).unwrap();
+        solid_holds(name, &figure, &corners, &numbers);
+        // Points inside know how deep they are by the nearest plane.
+        let middle = scale(points.iter().fold([0.0; 3], |sum, p| add(sum, *p)), 1.0 / points.len() as f64);
+        assert!(figure.at(middle).value < -0.3, "{name}: {:?}", figure.at(middle));
+    }
+}
+
+#[test]
+fn values_within_boxes_hold() {
+    let mut random = Random(17);
+    let line = Line::helix(0.7, 0.5, 3.0).unwrap();
+    let (_, points, faces) = solids().remove(0);
+    let star = Figure::of_faces(&closed(&points, &triangles(&points, &faces).unwrap()).unwrap()).unwrap();
+    for figure in [Figure::of_bows(&line.bows).unwrap(), star] {
+        for _ in 0..5_000 {
+            let (a, b) = (point(&mut random, 2.0), point(&mut random, 2.0));
+            let (low, high) = ([0, 1, 2].map(|i| a[i].min(b[i])), [0, 1, 2].map(|i| a[i].max(b[i])));
+            let [least, most] = figure.value_within(low, high);
+            let q = [0, 1, 2].map(|i| low[i] + (high[i] - low[i]) * random.next());
+            let value = figure.at(q).value;
+            assert!(least <= value && value <= most, "{value} at {q:?} is not in {least}..{most}");
+        }
+    }
+}
+
+#[test]
+fn an_arc_goes_through_its_points_however_flat_it_is() {
+    let mut random = Random(21);
+    for i in 0..2_000 {
+        let (a, c) = (point(&mut random, 1.0), point(&mut random, 1.0));
+        let b = add(mix(a, c, 0.2 + 0.6 * random.next()), scale(point(&mut random, 1.0), 10f64.powf(-f64::from(i % 9))));
+        let bow = Bow::through(a, b, c).unwrap();
+        let [from, to] = bow.ends();
+        for (p, q) in [(from, a), (to, c)] {
+            assert!(length(sub(p, q)) < 1e-9, "{bow:?} ends at {p:?}, not {q:?}");
+        }
+        assert!(length(bow.away(b)) < 1e-7, "{bow:?} misses {b:?}");
+        let [low, high] = bow.bounds();
+        for k in 0..=20 {
+            let (p, _) = bow.at(bow.half * (f64::from(k) / 10.0 - 1.0));
+            assert!((0..3).all(|i| low[i] - 1e-9 <= p[i] && p[i] <= high[i] + 1e-9), "{p:?} is not in {low:?} {high:?}");
+            assert!(length(bow.away(p)) < 1e-7, "{p:?} is on it");
+        }
+    }
+}
+
+#[test]
+fn what_is_exact_needs_no_factor() {
+    for text in [
+        "scene = tube(polyline([(-1, 0, 0), (0, 1, 0), (1, 0, 0.5)]), 0.2)",
+        "scene = tube(bezier([(-1, 0, 0), (0, 2, 0), (1, 0, 0.5)]), 0.2)",
+        "scene = tube(catmull_rom([(-1, 0, 0), (0, 1, 0), (1, 0, 0.5)], closed: true), 0.2).round(0.1)",
+        "scene = tube(helix(1, 0.4, 3), 0.1)",
+        "scene = tube(arc((-1, 0, 0), (0, 1, 0), (1, 0, 0.5)), 0.1)",
+        "scene = polyhedron([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]])",
+        "scene = hull([for i in 0..30 { hash3(i) }]).round(0.1)",
+        "scene = box(0.2).along(helix(1, 0.6, 2), 12)",
+    ] {
+        let scene = compiled(text);
+        assert!(scene.graph.factors.is_empty(), "{text}: {:?}", scene.graph.factors);
+        let bounds = scene.bounds().unwrap();
+        assert!(bounds.iter().flatten().all(|c| c.abs() < 1.7), "{text}: {bounds:?}");
+    }
+    // A radius that is a formula costs what it changes by.
+    let scene = compiled("scene = tube(helix(1, 0.6, 2), 0.1 + 0.05 * sin(6 * p.y))");
+    let factor = scene.graph.factors.first().map(|factor| factor.lipschitz);
+    assert!(factor.is_some_and(|factor| (1.29..1.31).contains(&factor)), "{factor:?}");
+}
+
+#[test]
+fn what_is_no_curve_or_solid_is_an_error_at_its_place() {
+    let tetrahedron = "[(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]";
+    let start = Instant::now();
+    let wrong = [
+        ("scene = tube(polyline([(1, 0, 0)]), 0.1)".to_owned(), "polyline"),
+        ("scene = tube(polyline([(1, 0, 0), (1, 0, 0)]), 0.1)".to_owned(), "at one place"),
+        ("scene = tube(polyline([(1, 0, 0), (2, 0, 0)], closed: true), 0.1)".to_owned(), "closed one needs 3"),
+        ("scene = tube(bezier([(1, 0, 0), (2, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)]), 0.1)".to_owned(), "it has 5 points"),
+        ("scene = tube(bezier([(1, 0, 0), (1, 0, 0), (1, 0, 0), (1, 0, 0)]), 0.1)".to_owned(), "at one place"),
+        ("scene = tube(arc((0, 0, 0), (2, 0, 0), (1, 0, 0)), 0.1)".to_owned(), "lie in a line"),
+        ("scene = tube(arc((0, 0, 0), (0, 0, 0), (1, 0, 0)), 0.1)".to_owned(), "at one place"),
+        ("scene = tube(helix(0, 1, 3), 0.1)".to_owned(), "helix"),
+        ("scene = tube(helix(1, 1, 0), 0.1)".to_owned(), "helix"),
+        ("scene = tube(helix(1, 1, 1e9), 0.1)".to_owned(), "1000 are the most"),
+        ("scene = tube(polyline([(1, 0, 0), (1e20, 0, 0)]), 0.1)".to_owned(), "nowhere"),
+        ("scene = tube(polyline([(1, 0, 0), (sqrt(p.x), 0, 0)]), 0.1)".to_owned(), "p"),
+        ("param a = 1 in 0..2\nscene = tube(polyline([(1, 0, 0), (a, 1, 0)]), 0.1)".to_owned(), "known while compiling"),
+        ("scene = tube([(1, 0, 0), (2, 0, 0)], 0.1)".to_owned(), "a curve"),
+        ("scene = tube(polyline([for i in 0..1000000 { (i, 0, 0) }]), 0.1)".to_owned(), ""),
+        ("scene = tube(polyline([for i in 0..50000 { (i, 0, 0) }]), 0.1)".to_owned(), "are the most"),
+        (format!("scene = polyhedron({tetrahedron}, [[0, 1, 2], [0, 1, 3], [0, 2, 3]])"), "faces"),
+        (format!("scene = polyhedron({tetrahedron}, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [0, 1, 2]])"), "an edge has two"),
+        (format!("scene = polyhedron({tetrahedron}, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2]])"), "face 3 of this solid is wrong: it has 2 corners"),
+        (format!("scene = polyhedron({tetrahedron}, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 4]])"), "it names point 4"),
+        (format!("scene = polyhedron({tetrahedron}, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 1]])"), "comes to point 1 twice"),
+        ("scene = polyhedron([(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 0, 1)], [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]])".to_owned(), "no area"),
+        ("scene = polyhedron([(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (0, 0, 2)], [[0, 2, 1, 3], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])".to_owned(), "is wrong"),
+        ("scene = polyhedron([(-1, -1, -1), (1, -1, -1), (1, 1, 0), (-1, 1, -1), (0, 0, 2)], [[0, 1, 2, 3], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])".to_owned(), "not flat"),
+        (crossed(), "go through a face"),
+        ("scene = hull([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)])".to_owned(), "in one plane"),
+        ("scene = hull([(0, 0, 0), (0, 0, 0), (0, 0, 0), (0, 0, 0)])".to_owned(), "at one place"),
+        ("scene = hull([(0, 0, 0), (1, 0, 0), (0, 1, 0)])".to_owned(), "points"),
+        ("scene = hull([for i in 0..9000 { hash3(i) }])".to_owned(), "4000"),
+    ];
+    for (text, words) in wrong {
+        let found = outcome(&text).diagnostics;
+        let says = |d: &surefoot_compiler::diagnostic::Diagnostic| {
+            let place = text.get(d.span.start as usize..d.span.end as usize).unwrap_or("");
+            d.severity == Severity::Error && (d.message.contains(words) || place.contains(words)) && !d.help.is_empty() && !place.is_empty()
+        };
+        assert!(found.iter().any(says), "{text}: {found:?}");
+    }
+    assert!(start.elapsed() < Duration::from_secs(60), "{:?}", start.elapsed());
+}
+
+/// A closed solid of two tetrahedra that go through each other.
+fn crossed() -> String {
+    let points = "(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0.2, 0.2, 0.2), (1.2, 0.2, 0.2), (0.2, 1.2, 0.2), (0.2, 0.2, 1.2)";
+    let faces = |k: u32| format!("[{}, {}, {}], [{}, {}, {}], [{}, {}, {}], [{}, {}, {}]", k, k + 1, k + 2, k, k + 1, k + 3, k, k + 2, k + 3, k + 1, k + 2, k + 3);
+    format!("scene = polyhedron([{points}], [{}, {}])", faces(0), faces(4))
+}
+
+#[test]
+fn a_function_of_a_curve_takes_one() {
+    compiled("shape rail(c: curve, r: float = 0.1) = tube(c, r) | sphere(2 * r).translate(c.at(0.5))\nlet way = arc((-1, 0, 0), (0, 1, 0), (1, 0, 0))\nscene = rail(way) | box(way.length).translate(0, 4, 0)");
+    // One that nobody calls is read too.
+    compiled("shape rail(points: [vec3]) = tube(catmull_rom(points), 0.1) | hull(points)\nscene = sphere(1)");
+}
+
+/// A random curve as text, and a drawing that is as wide as it bends.
+fn random_sweep(i: u64) -> String {
+    let mut random = Random(i);
+    let points: Vec<String> = (0..4 + i % 3).map(|_| point(&mut random, 0.8)).map(|[x, y, z]| format!("({x:.3}, {y:.3}, {z:.3})")).collect();
+    let kind = if i % 3 == 0 { "polyline" } else { "catmull_rom" };
+    let drawing = ["rectangle((0.5, 0.1))", "circle(0.12)", "star(5, 0.2, 0.1)", "rectangle((0.1, 0.4)).translate(0.1, 0.1)"][(i % 4) as usize];
+    format!("scene = {drawing}.sweep({kind}([{}], closed: {}))", points.join(", "), i % 2 == 0)
+}
+
+#[test]
+fn sweeps_along_random_curves_are_not_stepped_through() {
+    let count = std::env::var("SUREFOOT_SWEEPS").ok().and_then(|count| count.parse().ok()).unwrap_or(SWEEPS);
+    for i in 0..count {
+        let text = random_sweep(i);
+        let scene = compiled(&text);
+        let report = verify(&scene, Settings { samples: 200, certified: 2, seed: i, work: WORK }, None, &|_| {}).unwrap();
+        assert!(report.violations.is_empty(), "{text}: {:?}", report.violations);
+        assert!(scene.graph.factors.is_empty(), "{text}: {:?}", scene.graph.factors);
+    }
+}
+
+#[test]
+fn stretches_of_a_sweep_meet() {
+    let mut random = Random(41);
+    for i in 0..30 {
+        let points: Vec<Vec3> = (0..6).map(|_| point(&mut random, 1.0)).collect();
+        let line = curve(if i % 2 == 0 { "catmull_rom" } else { "polyline" }, &points, i % 4 < 2);
+        let (all, kinks) = line.stretches();
+        // Where a curve turns back it has flat ends.
+        let bends = line.bows.iter().zip(line.bows.iter().cycle().skip(1)).take(line.bows.len() - usize::from(!line.is_closed));
+        let mitred = bends.filter(|(a, b)| (-0.9..1.0 - 1e-7).contains(&dot(a.at(a.half).1, b.at(-b.half).1))).count();
+        assert_eq!(kinks.len(), if i % 2 == 1 { mitred } else { 0 }, "kinks");
+        for stretch in &all {
+            // The middle of each lies between its planes.
+            assert!(stretch.ends.iter().all(|(out, far)| dot(*out, stretch.bow.middle) < *far), "{stretch:?}");
+        }
+        for pair in all.windows(2) {
+            // Beside the joint, where one ends the other has begun, turned alike.
+            let [one, other] = [pair[0], pair[1]];
+            let at = one.bow.ends()[1];
+            assert!(dot(one.ends[1].0, at) <= one.ends[1].1 + 1e-9 && dot(other.ends[0].0, at) <= other.ends[0].1 + 1e-9, "a gap at {at:?}");
+            if i % 2 == 0 && !line.is_closed {
+                let y = |stretch: &Stretch, way: f64| {
+                    let bow = stretch.bow;
+                    let angle = stretch.turn;
+                    let out = add(scale(bow.out, (bow.bend * way).cos()), scale(bow.forth, (bow.bend * way).sin()));
+                    add(scale(cross(bow.out, bow.forth), angle.sin()), scale(out, angle.cos()))
+                };
+                let (a, b) = (y(&one, one.bow.half), y(&other, -other.bow.half));
+                assert!(length(sub(a, b)) < 1e-3, "it is turned from {a:?} to {b:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_revolution_by_an_angle_ends_there() {
+    for (angle, inside, outside) in [(90.0, 45.0, 135.0), (210.0, 200.0, 220.0), (350.0, 345.0, 355.0), (360.0, 359.9, 400.0)] {
+        let scene = compiled(&format!("scene = circle(0.3).translate(0.7, 0).revolve({angle}deg)"));
+        assert!(scene.graph.factors.is_empty(), "{:?}", scene.graph.factors);
+        let at = |degrees: f64| {
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            value(&scene, [0.7 * cosine, 0.0, -0.7 * sine])
+        };
+        assert!(at(inside) < -1e-4, "{angle}: {}", at(inside));
+        assert!(angle == 360.0 || at(outside) > 1e-4, "{angle}: {}", at(outside));
+    }
+}
