@@ -54,7 +54,7 @@ pub(super) fn built_in_type(name: &str, types: &[Option<Type>]) -> Option<Type> 
         "mat3" => Some(Type::Mat(3)),
         "mat4" => Some(Type::Mat(4)),
         "mesh_field" => Some(Type::Shape),
-        "text" | "path" => Some(Type::Shape2),
+        "text" | "path" | "svg" => Some(Type::Shape2),
         "material" | "paint" | "baked" | "transpose" | "inverse" | "normalize" => first,
         "grid" | "polar" => None,
         _ => match widest(types) {

@@ -17,7 +17,7 @@ pub const FUNCTIONS: &[&str] = &[
     "acos", "atan", "atan2", "tanh", "length", "distance", "dot", "cross", "normalize", "vec2", "vec3", "vec4", "mat2",
     "mat3", "mat4", "transpose", "determinant", "inverse", "hash", "hash2", "hash3", "turn", "turn_about", "at",
     "material", "paint", "float", "int", "grid", "polar", "value",
-    "low_corner", "high_corner", "mesh_field", "baked", "text", "path", "shader",
+    "low_corner", "high_corner", "mesh_field", "baked", "text", "path", "svg", "shader",
 ];
 
 /// Names that stand for a value and are not declared in the prelude.
@@ -210,6 +210,10 @@ impl Elaborator<'_> {
             },
             ("path", [_]) => match args {
                 [data] => self.path(data, span),
+                _ => Err(super::Stop),
+            },
+            ("svg", [_, _]) => match args {
+                [file, size] => self.svg(file, size, span, env),
                 _ => Err(super::Stop),
             },
             ("baked", [Value::Nothing, ..]) => Ok(Value::Nothing),
@@ -538,6 +542,7 @@ pub fn argument_names(name: &str, count: usize) -> &'static [&'static str] {
         "baked" => &["s", "resolution", "padding"],
         "text" => &["words", "size", "font", "align", "spacing", "leading"],
         "path" => &["data"],
+        "svg" => &["file", "size"],
         "shader" => &["file", "function"],
         _ if KERNEL.iter().any(|row| row.callable && row.name == name) => &["a"],
         _ => &[],
@@ -569,6 +574,7 @@ pub fn defaults(name: &str) -> &'static [Option<Usual>] {
         "mesh_field" => &[None, Some(Number(64.0)), Some(Number(0.05))],
         "baked" => &[None, Some(Number(128.0)), Some(Number(0.05))],
         "text" => &[None, Some(Number(1.0)), Some(Words("")), Some(Words("left")), Some(Number(0.0)), Some(Number(1.2))],
+        "svg" => &[None, Some(Number(0.0))],
         _ => &[],
     }
 }
@@ -588,6 +594,7 @@ fn usage(name: &str) -> (String, usize) {
         "baked" => ("s.baked(resolution: 128)".into(), 3),
         "text" => ("text(\"Surefoot\", size: 1)".into(), 6),
         "path" => ("path(\"M 0 0 H 1 V 1 Z\")".into(), 1),
+        "svg" => ("svg(\"logo.svg\", size: 1)".into(), 2),
         "shader" => ("shader(\"rock.glsl\", map)".into(), 2),
         "vec2" => ("vec2(x, y)".into(), 1),
         "vec3" => ("vec3(x, y, z)".into(), 1),
