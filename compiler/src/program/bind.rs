@@ -16,7 +16,7 @@ use crate::syntax::words::nearest;
 use smallvec::{SmallVec, smallvec};
 use std::sync::LazyLock;
 
-/// A condition on an argument, from a `Requires:` line of its documentation.
+/// A condition on an argument, from a `Requires:` line of the documentation of an item of the prelude or of a part.
 #[derive(Clone, Debug)]
 pub struct Requirement {
     pub(super) parameter: String,
@@ -382,10 +382,16 @@ impl Elaborator<'_> {
         places: &[(Span, Vec<Span>)],
     ) -> Elaborated<Vec<(usize, Value)>> {
         let mut kept = Vec::new();
-        if !self.modules.is_prelude(item.module) {
+        let of_part: Vec<Requirement>;
+        let requirements: &[Requirement] = if self.modules.is_prelude(item.module) {
+            REQUIREMENTS.get(item.item).map_or(&[], |all| all)
+        } else if self.modules.comes_along(item.module) {
+            of_part = self.modules.item(item).and_then(|item| item.doc.as_deref()).map_or_else(Vec::new, parse_requirements);
+            &of_part
+        } else {
             return Ok(kept);
-        }
-        for requirement in REQUIREMENTS.get(item.item).into_iter().flatten() {
+        };
+        for requirement in requirements {
             let (wanted, of_count) = match requirement.parameter.strip_suffix(".count") {
                 Some(list) => (list, true),
                 None => (requirement.parameter.as_str(), false),
@@ -394,7 +400,8 @@ impl Elaborator<'_> {
                 continue;
             };
             let Some((span, parts)) = places.get(at) else { continue };
-            let nodes: SmallVec<[NodeId; 4]> = match values.get(at) {
+            let value = kept.iter().rev().find(|(kept, _)| *kept == at).map(|(_, value)| value).or(values.get(at));
+            let nodes: SmallVec<[NodeId; 4]> = match value {
                 Some(Value::Number(n, _)) => smallvec![*n],
                 Some(Value::Vector(v)) => v.iter().copied().collect(),
                 Some(Value::List(items)) if of_count => {

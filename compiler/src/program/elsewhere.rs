@@ -185,7 +185,7 @@ pub fn instead(word: &str) -> Option<&'static str> {
         "hull" => "there is no convex hull; write a `capsule`, a `rounded_cone` or `smooth_union`",
         "noise" | "snoise" => "write `perlin(p)`, `simplex(p)`, `value_noise(p)`, or `fbm(p)` for several of it",
         "random" | "rand" | "rnd" => "write `hash(i)`, a number from 0 to 1 that is another for each `i`",
-        "rounded_cylinder" | "roundedcylinder" | "round_cylinder" => "write `rounded_rectangle((2 * radius, height), 0.1).revolve()`: a drawing with round corners, turned",
+        "roundedcylinder" | "round_cylinder" => "write `rounded_cylinder(radius, height, 0.1)`",
         "letter" | "font" | "label" => "write `text(\"Surefoot\", size: 1)`, a drawing of words; `font: \"Name.ttf\"` names a font",
         "len" => "write `length(v)` for a vector, `list.count` for a list",
         "texture2d" | "texture" | "sampler2d" | "ichannel0" | "ichannel1" => "an image is laid on by a material: `material m { texture: \"image.png\" }`",
