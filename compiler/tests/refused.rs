@@ -42,17 +42,17 @@ fn fonts() -> Vec<Wrong> {
         (alone(&format!("scene = text(\"{}\").extrude(1)", "a".repeat(4001))), "1:14", "4000"),
         (alone("scene = text(\"a\", size: -1).extrude(1)"), "1:25", "above zero"),
         (alone("scene = text(\"a\", align: \"middle\").extrude(1)"), "1:26", "no alignment"),
-        (alone("param s = 1 in 1..2\nscene = text(\"a\", size: s).extrude(1)"), "2:25", "constant"),
+        (alone("param s = 1 in 1..2\nscene = text(\"a\", size: s).extrude(1)"), "2:25", "known while compiling"),
     ];
     rows.into_iter().map(|((text, file), place, words)| (text, file, place, words)).collect()
 }
 
 fn paths() -> Vec<Wrong> {
     let lines = |count: usize, flat: bool| {
-        let point = |i: usize| if flat { format!("L {} {} ", 100 * (i % 2), i) } else { format!("L {} {} ", i, 100 * (i % 2)) };
+        let point = |i: usize| if flat { format!("L {} {} ", 300 * (i % 2), i) } else { format!("L {} {} ", i, 300 * (i % 2)) };
         (0..count).map(point).collect::<String>()
     };
-    let tangled = format!("M 0 0 {}{}", lines(800, true), lines(800, false));
+    let tangled = format!("M 0 0 {}{}", lines(300, true), lines(300, false));
     let long = format!("M 0 0 {}", (0..40_001).map(|i| format!("L {i} {} ", i % 7)).collect::<String>());
     let rows = [
         ("M 0 0 X".to_owned(), "no path data"),
@@ -77,7 +77,7 @@ fn drawings() -> Vec<Wrong> {
         (b"M 0 0 H 1".to_vec(), "no XML"),
         (b"\x1f\x8b\x08\0\0".to_vec(), "it is packed"),
         (b"\xff\xfe<\0s\0".to_vec(), "UTF-8"),
-        (b"<svg xmlns='http://www.w3.org/2000/svg'>\n<path d='M0 0H1".to_vec(), "line 2"),
+        (b"<svg xmlns='http://www.w3.org/2000/svg'>\n<path d='M0 0H1".to_vec(), "no XML"),
         (b"<html><body/></html>".to_vec(), "begins with `html`"),
         (svg(""), "no fill"),
         (svg("<path fill='none' d='M0 0H1V1Z'/>"), "no fill"),
@@ -85,7 +85,7 @@ fn drawings() -> Vec<Wrong> {
         (svg("<g>\n<path d='M0 0H1V1X'/></g>"), "line 3, column 1: its path"),
         (svg("<rect width='1' height='1' transform='rotate(a)'/>"), "`transform` can't be read"),
         (svg("<rect width='1' height='a'/>"), "`height` can't be read"),
-        (b"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 0 9'><rect width='1' height='1'/></svg>".to_vec(), "no size"),
+        (b"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 0 9'><rect width='1' height='1'/></svg>".to_vec(), "zero size"),
         (svg("<use href='#a'/>"), "no element `#a`"),
         (svg("<g id='a'><use href='#a'/></g>"), "`#a` uses itself"),
         (svg("<g id='a'><use xlink:href='#b'/></g><g id='b'><use xlink:href='#a'/></g>"), "uses itself"),
@@ -104,7 +104,7 @@ fn drawings() -> Vec<Wrong> {
         (svg(&format!("{}<rect width='1' height='1'/>{}", "<g>".repeat(20_000), "</g>".repeat(20_000))), "deep"),
         (svg(&"<g/>".repeat(30_000)), "elements are drawn"),
         (svg(&"<!---->".repeat(300_000)), "nodes"),
-        (svg(&format!("<clipPath id='k'><path d='M0 0{}'/></clipPath>{clips}<rect width='9' height='9'/>{}", "h1v1".repeat(300), "</g>".repeat(90))), "curves that are clipped"),
+        (svg(&format!("<clipPath id='k'><path d='M0 0{}'/></clipPath>{clips}<rect width='9' height='9'/>{}", "h1v1".repeat(300), "</g>".repeat(90))), "more than 40000 curves"),
         (svg(&format!("<style>{}</style><rect width='1' height='1'/>", "a{fill:red}".repeat(2000))), "rules of style"),
         (doctype(&format!("<!ENTITY e0 \"ha\">{laughs}"), "<title>&e9;</title>"), "no XML"),
         (doctype("<!ENTITY a \"&b;\"><!ENTITY b \"&a;\">", "<title>&a;</title>"), "no XML"),

@@ -28,9 +28,9 @@ impl Fill {
 pub const MOST_CURVES: usize = 40_000;
 /// The most steps of the search for crossings of two curves. Curves that lie on each other would cross everywhere.
 const MOST_LOOKS: usize = 100_000;
-/// The most steps of all of these searches together, and the most crossings: a drawing of more is no drawing.
+/// The most steps of all of these searches together, and the most places where a curve is divided: a drawing of more is no drawing.
 const MOST_LOOKS_OF_ALL: usize = 20_000_000;
-const MOST_CROSSINGS: usize = 400_000;
+const MOST_CUTS: usize = 80_000;
 /// Places are multiples of a unit that the size of the drawing holds so many times: 32 bits hold them exactly.
 const UNITS: f64 = 4_194_304.0;
 /// A curve is straight where its middle is so many units from the chord's.
@@ -52,7 +52,7 @@ pub fn boundary(contours: &[Vec<Curve>], fill: Fill) -> Result<Vec<Piece>, Strin
         return Ok(Vec::new());
     }
     let quantum = (size.log2().ceil()).exp2() / UNITS;
-    let mut left = [MOST_LOOKS_OF_ALL, MOST_CROSSINGS];
+    let mut left = [MOST_LOOKS_OF_ALL, MOST_CUTS];
     let mut all = Vec::new();
     for group in groups(contours) {
         all.append(&mut sided(&group, fill, quantum, &mut left).ok_or("its curves cross each other too often")?);
@@ -146,7 +146,7 @@ fn divided(pieces: &[Piece], quantum: f64, round: impl Fn(Vec2) -> Vec2, left: &
             }
             let mut found = Crossings { quantum, looks: 0, found: Vec::new() };
             found.search(first, [0.0, 1.0], second, [0.0, 1.0]);
-            *left = [left[0].checked_sub(found.looks)?, left[1].checked_sub(found.found.len())?];
+            left[0] = left[0].checked_sub(found.looks)?;
             for (s, t) in found.found {
                 let place = round(mix(first.at(s), second.at(t), 0.5));
                 for (curve, which, along) in [(first, i, s), (second, j, t)] {
@@ -155,6 +155,7 @@ fn divided(pieces: &[Piece], quantum: f64, round: impl Fn(Vec2) -> Vec2, left: &
                         && let Some(cuts) = cuts.get_mut(which)
                     {
                         cuts.push((along, place));
+                        left[1] = left[1].checked_sub(1)?;
                     }
                 }
             }

@@ -66,6 +66,11 @@ static BOUNDS: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| listed("Bound
 /// The reach of each blend of the prelude that is cut off where faces of both its operands lie in one plane, from a `Flush:` line of its documentation.
 static FLUSH: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| listed("Flush:"));
 
+/// Whether a field of the prelude is meant as a number that varies, and not as a shape.
+pub(super) fn is_of_numbers(name: &str) -> bool {
+    name == "only_in"
+}
+
 /// The parameter by which a blend reaches, where it is cut off at planes in which faces of both its operands lie.
 pub(super) fn flush_by(modules: &Modules, item: ItemRef) -> Option<&'static str> {
     FLUSH.get(item.item).filter(|_| modules.is_prelude(item.module))?.first().copied()
@@ -457,9 +462,12 @@ impl Elaborator<'_> {
         Ok(kept)
     }
 
-    /// Whether a shape is what a person declared as a formula: such a one may stand where a number is wanted that varies.
+    /// Whether a shape is what a person declared as a formula, or one of the prelude that is meant so: such a one may stand where a number is wanted that varies.
     fn is_declared_field(&self, id: ShapeId) -> bool {
         let Some(name) = self.graph.shape(id).and_then(|s| s.name.clone()) else { return false };
+        if is_of_numbers(&name) {
+            return true;
+        }
         let is_field = |item: &ast::Item| matches!(&item.kind, ItemKind::Function(f) if matches!(f.kind, FunctionKind::Field | FunctionKind::Field2) && *f.name.text == *name);
         let modules = self.modules;
         modules.with_parameters().into_iter().flat_map(|module| modules.items(module)).any(|(_, item)| is_field(item))
