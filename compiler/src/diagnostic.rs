@@ -167,7 +167,7 @@ codes! {
         "A file that can't be read. Paths are relative to the file that names them, and are written with `/`.",
         "import \"nowhere.sdf\"\nscene = sphere(1)";
     BrokenFile, "broken-file", Error,
-        "A mesh that can't be read, or whose content does not match its file name: empty, cut short, or with invalid numbers. The rest of the scene is drawn without it.",
+        "A mesh, a font or an SVG that can't be read, or whose content does not match its file name: empty, cut short, or with invalid numbers. The rest of the scene is drawn without it.",
         "";
     Shader, "shader", Error,
         "A shader that can't be read, or a function of it that the language can't say: one that reads textures or pixels beside, that works on the bits of numbers, or whose loops have no end that can be found. The message says where in the shader.",
@@ -292,6 +292,9 @@ codes! {
     Gaps, "gaps", Warning,
         "The copies of a repetition are rounded or blended by more than the distance within which the compiler evaluates copies around a point. Where the nearest copies are farther away, the gaps between them fill up. Round or blend each copy inside the braces, or make the cells larger.",
         "scene = (for c in grid((1, 1, 1)) { if c.x % 9 == 0 { sphere(0.2) } }).round(3)";
+    LeftOut, "left-out", Warning,
+        "A part of an SVG is not in the drawing: only fills are. Turn strokes into paths in the program that drew it, or write `path(\"…\").stroke(0.1)`.",
+        "";
     NoRoom, "no-room", Warning,
         "The balls of a group do not fit into the box where they start: they overlap at the start and push apart. Or that box lies outside the walls.",
         "scene = plane(y)\nballs b { count: 1000, radius: 0.5, spawn: (0, 1, 0)..(1, 2, 1) }";

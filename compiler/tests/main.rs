@@ -28,6 +28,7 @@ mod pick;
 mod prelude;
 mod ranges;
 mod reference;
+mod refused;
 mod rules;
 mod scene_pass;
 mod shaders;

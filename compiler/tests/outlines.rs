@@ -1,7 +1,7 @@
 //! Drawings with outlines of curves: distances, sides, letters and paths.
 
 use surefoot_compiler::diagnostic::Severity;
-use surefoot_compiler::outline::{Align, Curve, Fill, Nearest, Outline, Typesetting, Vec2, boundary, path, typeset};
+use surefoot_compiler::outline::{Align, Curve, Fill, Nearest, Outline, Typesetting, Vec2, boundary, path, svg, typeset};
 use surefoot_compiler::random::Random;
 use surefoot_compiler::{Compiled, MemoryLoader, Options, Outcome, compile};
 
@@ -36,7 +36,7 @@ fn plain<'a>(curves: impl Iterator<Item = &'a Curve>, q: Vec2) -> f64 {
 }
 
 fn outline(contours: &[Vec<Curve>], fill: Fill) -> Outline {
-    Outline::new(boundary(contours, fill)).expect("it has an outline")
+    Outline::new(boundary(contours, fill).unwrap()).expect("it has an outline")
 }
 
 /// Distances, sides and slopes against the plain method at random places.
@@ -45,7 +45,7 @@ fn holds(name: &str, contours: &[Vec<Curve>], fill: Fill, count: usize) {
     let bounds = outline.bounds();
     let size = distance(bounds[0], bounds[1]);
     let mut random = Random(7);
-    let boundary: Vec<Curve> = boundary(contours, fill).iter().map(|piece| piece.curve).collect();
+    let boundary: Vec<Curve> = boundary(contours, fill).unwrap().iter().map(|piece| piece.curve).collect();
     let mut places = Vec::new();
     for _ in 0..count {
         // Within the cells.
@@ -151,7 +151,7 @@ fn paths_bound_what_they_fill() {
         let contours = path(data).unwrap();
         for fill in [Fill::NonZero, Fill::EvenOdd] {
             if name == "one that is there twice" && fill == Fill::EvenOdd {
-                assert!(boundary(&contours, fill).is_empty());
+                assert!(boundary(&contours, fill).unwrap().is_empty());
                 continue;
             }
             holds(&format!("{name}, {fill:?}"), &contours, fill, 300);
@@ -251,4 +251,91 @@ fn what_is_no_text_or_path_is_an_error_with_advice() {
         let says = |d: &surefoot_compiler::diagnostic::Diagnostic| d.severity == Severity::Error && d.message.contains(words) && !d.help.is_empty();
         assert!(found.iter().any(says), "{text}: {found:?}");
     }
+}
+
+/// The drawing of an SVG whose page is 40 by 40, with its middle at the origin.
+fn logo(inside: &str) -> Outline {
+    let file = format!("<svg xmlns='http://www.w3.org/2000/svg' xmlns:xlink='http://www.w3.org/1999/xlink' viewBox='0 0 40 40'>{inside}</svg>");
+    let logo = svg(file.as_bytes(), None).unwrap_or_else(|why| panic!("{inside}: {why:?}"));
+    Outline::new(logo.pieces).unwrap_or_else(|| panic!("{inside}: nothing is drawn"))
+}
+
+#[test]
+fn shapes_of_an_svg_have_their_exact_distance() {
+    let disc = |[x, y]: Vec2| x.hypot(y) - 10.0;
+    let corner = |x: f64, y: f64| x.max(0.0).hypot(y.max(0.0)) + x.max(y).min(0.0);
+    let high = |[x, y]: Vec2| corner((x + 10.0).abs() - 6.0, (y - 8.0).abs() - 4.0);
+    let round = |[x, y]: Vec2| corner(x.abs() - 6.0, y.abs() - 2.0) - 4.0;
+    let cases: [(&str, &dyn Fn(Vec2) -> f64); 19] = [
+        ("<circle cx='20' cy='20' r='10'/>", &disc),
+        ("<ellipse cx='20' cy='20' rx='10' ry='10'/>", &disc),
+        ("<circle cx='50%' cy='50%' r='10px'/>", &disc),
+        ("<path d='M 10 20 A 10 10 0 1 1 30 20 A 10 10 0 0 1 10 20 Z'/>", &disc),
+        ("<path d='m10 20a10 10 0 1130 0 10 10 0 01-30 0z' transform='translate(5 0) scale(0.6666666666667 1) translate(-2.5 0)' display='none'/><circle cx='20' cy='20' r='10'/>", &disc),
+        ("<g transform='translate(20 20)'><g transform='rotate(30) scale(2)'><circle r='5'/></g></g>", &disc),
+        ("<defs><circle id='c' r='10'/></defs><use xlink:href='#c' x='20' y='20'/>", &disc),
+        ("<symbol id='s' viewBox='0 0 2 2'><circle cx='1' cy='1' r='1'/></symbol><use href='#s' x='10' y='10' width='20' height='20'/>", &disc),
+        ("<svg x='10' y='10' width='20' height='20' viewBox='0 0 4 4'><circle cx='2' cy='2' r='2'/></svg>", &disc),
+        ("<clipPath id='k'><circle cx='20' cy='20' r='10'/></clipPath><rect width='40' height='40' clip-path='url(#k)'/>", &disc),
+        ("<circle cx='20' cy='20' r='10'/><circle cx='22' cy='20' r='7' transform='matrix(-1 0 0 1 40 0)'/>", &disc),
+        ("<style>.a { fill: none } circle.b { fill: red }</style><rect class='a' width='9' height='9'/><circle class='b' fill='none' cx='20' cy='20' r='10'/>", &disc),
+        ("<g style='fill: none'><rect width='9' height='9'/><circle style='fill: #fff' cx='20' cy='20' r='10'/></g>", &disc),
+        ("<rect width='9' height='9' visibility='hidden'/><rect width='9' height='9' opacity='0'/><circle cx='20' cy='20' r='10'/>", &disc),
+        ("<rect x='4' y='8' width='12' height='8'/>", &high),
+        ("<polygon points='4,8 16,8 16,16 4,16'/>", &high),
+        ("<path d='M4 8h12v8H4z'/>", &high),
+        ("<path d='M4 8h12v8h-12M10 10h2v2h-2z'/>", &high),
+        ("<rect x='10' y='14' width='20' height='12' rx='4'/>", &round),
+    ];
+    let mut random = Random(3);
+    for (inside, exact) in cases {
+        let outline = logo(inside);
+        for _ in 0..400 {
+            let q = within(&mut random, [[-18.0; 2], [18.0; 2]], 0.0);
+            let (found, way) = (outline.at(q).value, exact(q));
+            // Far outside, and inside of several that lie on each other, it is no more than the distance.
+            assert!((found - way).abs() < 4e-4 || way > 3.0 && found > 0.5 * way && found < way + 4e-4, "{inside}: {q:?} is {way} away, not {found}");
+        }
+    }
+}
+
+#[test]
+fn fills_of_an_svg_follow_their_rules() {
+    const STAR: &str = "M20 2 L31 36 L2 15 L38 15 L9 36 Z";
+    for (inside, middle) in [
+        (format!("<path d='{STAR}'/>"), true),
+        (format!("<path fill-rule='evenodd' d='{STAR}'/>"), false),
+        (format!("<g fill-rule='evenodd'><path d='{STAR}'/><path style='fill-rule:nonzero' d='{STAR}'/></g>"), true),
+        // What one path leaves open another one fills, whichever way it goes around.
+        (format!("<path fill-rule='evenodd' d='{STAR}'/><circle cx='20' cy='21' r='9' transform='translate(40 0) scale(-1 1)'/>"), true),
+        (format!("<clipPath id='k'><path clip-rule='evenodd' d='{STAR}'/></clipPath><rect width='40' height='40' clip-path='url(#k)'/>"), false),
+    ] {
+        assert_eq!(logo(&inside).at([0.0, -1.0]).value < 0.0, middle, "{inside}");
+    }
+}
+
+#[test]
+fn an_svg_has_the_size_that_is_asked_for() {
+    let file = |head: &str| format!("<svg xmlns='http://www.w3.org/2000/svg' {head}><rect x='2' y='2' width='10' height='6'/></svg>");
+    for (head, size, low, high) in [
+        ("viewBox='0 0 24 12'", None, [-10.0, -2.0], [0.0, 4.0]),
+        ("viewBox='0 0 24 12' width='10mm'", Some(2.0), [-10.0 / 6.0, -2.0 / 6.0], [0.0, 4.0 / 6.0]),
+        ("width='24' height='12'", None, [-10.0, -2.0], [0.0, 4.0]),
+        ("", None, [-5.0, -3.0], [5.0, 3.0]),
+        ("", Some(3.0), [-2.5, -1.5], [2.5, 1.5]),
+    ] {
+        let bounds = Outline::new(svg(file(head).as_bytes(), size).unwrap().pieces).unwrap().bounds();
+        assert!(distance(bounds[0], low) + distance(bounds[1], high) < 1e-4, "{head}: {bounds:?}");
+    }
+}
+
+#[test]
+fn an_svg_is_proven_with_a_factor_of_one() {
+    let file = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 2 2'><path d='M0 0C1 3 2 -1 2 2Z'/><path stroke='red' fill='none' d='M0 0H2'/></svg>";
+    let loader = MemoryLoader::new().with("art/main.sdf", "scene = svg(\"logo.svg\", size: 1).extrude(0.3)").with("art/logo.svg", file);
+    let outcome = compile(&loader, "art/main.sdf", &Options::default());
+    assert!(!outcome.has_errors(), "{:?}", outcome.diagnostics);
+    let said: Vec<&str> = outcome.diagnostics.iter().map(|d| d.message.as_str()).collect();
+    assert!(said.iter().any(|words| words.contains("`art/logo.svg`, line 1, column 89")), "{said:?}");
+    assert_eq!(outcome.compiled.unwrap().graph.factors.len(), 0);
 }

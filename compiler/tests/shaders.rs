@@ -227,3 +227,23 @@ fn bodies_of_a_union_are_bounded_one_by_one() {
         assert!(steepest < 5.0, "{body}: {steepest}");
     }
 }
+
+/// Hashes of floating-point numbers, in common use: Hoskins' without sine, the one with it, and Quilez' of a place; noise of values by each.
+#[test]
+fn usual_hashes_and_noise_of_values_are_read() {
+    for hash in [
+        "vec3 q = fract(p * 0.1031); q += dot(q, q.zyx + 31.32); return fract((q.x + q.y) * q.z);",
+        "return fract(sin(dot(p, vec3(12.9898, 78.233, 45.164))) * 43758.5453);",
+        "p = fract(p * 0.3183099 + 0.1); p *= 17.0; return fract(p.x * p.y * p.z * (p.x + p.y + p.z));",
+    ] {
+        let shader = format!(
+            "float hash(vec3 p) {{ {hash} }}\n\
+             float noise(vec3 x) {{\n  vec3 i = floor(x), f = fract(x);\n  f = f * f * (3.0 - 2.0 * f);\n  return mix(mix(mix(hash(i), hash(i + vec3(1, 0, 0)), f.x), mix(hash(i + vec3(0, 1, 0)), hash(i + vec3(1, 1, 0)), f.x), f.y),\n    \
+             mix(mix(hash(i + vec3(0, 0, 1)), hash(i + vec3(1, 0, 1)), f.x), mix(hash(i + vec3(0, 1, 1)), hash(i + vec3(1, 1, 1)), f.x), f.y), f.z);\n}}\n\
+             float map(vec3 p) {{ return length(p) - 1.0 - 0.2 * noise(3.0 * p); }}"
+        );
+        let scene = compiled(&[("main.sdf", "scene = shader(\"a.glsl\", map).within(box(3))"), ("a.glsl", &shader)]);
+        let found = values(&scene, &[[0.9, 0.3, 0.2], [0.1, -1.2, 0.4]]);
+        assert!(found.iter().all(|value| value.abs() < 0.4), "{hash}: {found:?}");
+    }
+}

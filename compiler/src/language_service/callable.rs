@@ -86,7 +86,7 @@ impl Callable {
                 ("at" | "material" | "paint" | "low_corner" | "high_corner" | "baked", "s") => Some(Type::Shape),
                 ("paint", "mask") => Some(Type::Shape),
                 ("material" | "paint", "m") => Some(Type::Material),
-                ("mesh_field", "file") | ("text", "words" | "font" | "align") | ("path", "data") | ("shader", "file") => Some(Type::Str),
+                ("mesh_field", "file") | ("text", "words" | "font" | "align") | ("path", "data") | ("svg", "file") | ("shader", "file") => Some(Type::Str),
                 _ => None,
             };
             let text = default.or(seed).map_or((*name_of).to_owned(), |value| format!("{name_of} = {value}"));

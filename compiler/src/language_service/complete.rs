@@ -300,7 +300,7 @@ impl List<'_> {
                 self.add(name, CompletionKind::Name(Meaning::Import), "", "", 3);
             }
         }
-        for name in FUNCTIONS.iter().filter(|name| !OF_PRELUDE.contains(name) && !matches!(**name, "grid" | "polar" | "mesh_field" | "text" | "path" | "shader")) {
+        for name in FUNCTIONS.iter().filter(|name| !OF_PRELUDE.contains(name) && !matches!(**name, "grid" | "polar" | "mesh_field" | "text" | "path" | "svg" | "shader")) {
             let callable = Callable::built_in(name);
             if receiver.is_none_or(|receiver| callable.takes(receiver)) {
                 self.callable(&callable, true, if matches!(receiver, Some(Type::Shape | Type::Shape2)) { 1 } else { 3 });

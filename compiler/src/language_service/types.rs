@@ -57,7 +57,7 @@ pub(super) fn built_in_type(name: &str, types: &[Option<Type>]) -> Option<Type> 
         "mat4" => Some(Type::Mat(4)),
         "mesh_field" | "solid_of" | "hull_of" => Some(Type::Shape),
         "curve_of" | "helix_of" => Some(Type::Curve),
-        "text" | "path" => Some(Type::Shape2),
+        "text" | "path" | "svg" => Some(Type::Shape2),
         "material" | "paint" | "baked" | "transpose" | "inverse" | "normalize" => first,
         "grid" | "polar" => None,
         _ => match widest(types) {

@@ -10,6 +10,8 @@ pub enum Fill {
     NonZero,
     /// What they wind around an odd number of times.
     EvenOdd,
+    /// What they wind around twice or more: of two boundaries, each with its fill at its left, what both hold.
+    Both,
 }
 
 impl Fill {
@@ -17,6 +19,7 @@ impl Fill {
         match self {
             Fill::NonZero => winding != 0,
             Fill::EvenOdd => winding % 2 != 0,
+            Fill::Both => winding >= 2,
         }
     }
 }
@@ -25,6 +28,9 @@ impl Fill {
 pub const MOST_CURVES: usize = 40_000;
 /// The most steps of the search for crossings of two curves. Curves that lie on each other would cross everywhere.
 const MOST_LOOKS: usize = 100_000;
+/// The most steps of all of these searches together, and the most places where a curve is divided: a drawing of more is no drawing.
+const MOST_LOOKS_OF_ALL: usize = 20_000_000;
+const MOST_CUTS: usize = 80_000;
 /// Places are multiples of a unit that the size of the drawing holds so many times: 32 bits hold them exactly.
 const UNITS: f64 = 4_194_304.0;
 /// A curve is straight where its middle is so many units from the chord's.
@@ -39,15 +45,19 @@ pub struct Piece {
     pub joints: [Vec2; 2],
 }
 
-/// The boundary of what the contours fill; each contour is closed.
-pub fn boundary(contours: &[Vec<Curve>], fill: Fill) -> Vec<Piece> {
+/// The boundary of what the contours fill; each contour is closed. Where curves cross too often, the words that say so.
+pub fn boundary(contours: &[Vec<Curve>], fill: Fill) -> Result<Vec<Piece>, String> {
     let size = contours.iter().flatten().flat_map(|curve| [curve.a, curve.b, curve.c]).flatten().fold(0.0, |size: f64, c| size.max(c.abs()));
     if size.is_nan() || size <= 0.0 || size > 1e30 {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let quantum = (size.log2().ceil()).exp2() / UNITS;
-    let all = groups(contours).into_iter().flat_map(|group| sided(&group, fill, quantum));
-    joined(all.collect())
+    let mut left = [MOST_LOOKS_OF_ALL, MOST_CUTS];
+    let mut all = Vec::new();
+    for group in groups(contours) {
+        all.append(&mut sided(&group, fill, quantum, &mut left).ok_or("its curves cross each other too often")?);
+    }
+    Ok(joined(all))
 }
 
 /// Contours that may meet: those of other groups lie beside the rectangle of each, so that they wind around nothing of it.
@@ -82,12 +92,13 @@ fn groups(contours: &[Vec<Curve>]) -> Vec<Vec<&Curve>> {
 }
 
 /// The pieces of some contours that have the fill on one side, which is turned to the left; their joints are their own directions.
-fn sided(contours: &[&Curve], fill: Fill, quantum: f64) -> Vec<Piece> {
+/// None where curves cross more often than is left.
+fn sided(contours: &[&Curve], fill: Fill, quantum: f64, left: &mut [usize; 2]) -> Option<Vec<Piece>> {
     let round = |p: Vec2| p.map(|c| (c / quantum).round() * quantum);
     let gentle = contours.iter().flat_map(|curve| curve.gentle());
     let rounded = gentle.map(|curve| Piece { curve: Curve { a: round(curve.a), b: curve.b, c: round(curve.c) }, joints: curve.ends() });
     let whole: Vec<Piece> = rounded.filter(|piece| piece.curve.a != piece.curve.c).collect();
-    let parts = divided(&whole, quantum, round);
+    let parts = divided(&whole, quantum, round, left)?;
     let curves: Vec<Curve> = parts.iter().map(|piece| piece.curve).collect();
     let bins = Bins::new(&curves);
     let mut seen = BTreeSet::new();
@@ -109,11 +120,11 @@ fn sided(contours: &[&Curve], fill: Fill, quantum: f64) -> Vec<Piece> {
             kept.push(piece);
         }
     }
-    kept
+    Some(kept)
 }
 
 /// The pieces, divided where they meet others. Their directions at the ends are those of the curves before any place is rounded.
-fn divided(pieces: &[Piece], quantum: f64, round: impl Fn(Vec2) -> Vec2) -> Vec<Piece> {
+fn divided(pieces: &[Piece], quantum: f64, round: impl Fn(Vec2) -> Vec2, left: &mut [usize; 2]) -> Option<Vec<Piece>> {
     let bounds: Vec<[Vec2; 2]> = pieces.iter().map(|piece| piece.curve.bounds()).collect();
     let mut order: Vec<usize> = (0..pieces.len()).collect();
     let low = |i: usize| bounds.get(i).map_or(0.0, |b| b[0][0]);
@@ -135,6 +146,7 @@ fn divided(pieces: &[Piece], quantum: f64, round: impl Fn(Vec2) -> Vec2) -> Vec<
             }
             let mut found = Crossings { quantum, looks: 0, found: Vec::new() };
             found.search(first, [0.0, 1.0], second, [0.0, 1.0]);
+            left[0] = left[0].checked_sub(found.looks)?;
             for (s, t) in found.found {
                 let place = round(mix(first.at(s), second.at(t), 0.5));
                 for (curve, which, along) in [(first, i, s), (second, j, t)] {
@@ -143,6 +155,7 @@ fn divided(pieces: &[Piece], quantum: f64, round: impl Fn(Vec2) -> Vec2) -> Vec<
                         && let Some(cuts) = cuts.get_mut(which)
                     {
                         cuts.push((along, place));
+                        left[1] = left[1].checked_sub(1)?;
                     }
                 }
             }
@@ -166,7 +179,7 @@ fn divided(pieces: &[Piece], quantum: f64, round: impl Fn(Vec2) -> Vec2) -> Vec<
             parts.push(rest);
         }
     }
-    parts
+    Some(parts)
 }
 
 /// Where two curves meet.

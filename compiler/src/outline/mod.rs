@@ -6,10 +6,12 @@ mod cells;
 mod clean;
 mod curve;
 mod path;
+mod svg;
 mod text;
 
 pub use cells::{Nearest, Outline};
 pub use clean::{Fill, MOST_CURVES, Piece, boundary};
 pub use curve::{Curve, Vec2};
 pub use path::{contours, path};
+pub use svg::{Logo, MOST_SVG, Refused, svg};
 pub use text::{Align, Typesetting, typeset};

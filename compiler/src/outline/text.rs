@@ -120,5 +120,5 @@ pub fn typeset(words: &str, font: Option<&[u8]>, setting: &Typesetting) -> Resul
             all.extend(shape.iter().map(|contour| contour.iter().map(|curve| Curve { a: place(curve.a), b: place(curve.b), c: place(curve.c) }).collect::<Vec<_>>()));
         }
     }
-    Ok(boundary(&all, Fill::NonZero))
+    boundary(&all, Fill::NonZero)
 }

@@ -1,5 +1,6 @@
 //! What comes of a call: a declared function with values for its parameters.
 
+use crate::program::bind::is_of_numbers;
 use crate::program::load::ItemRef;
 use crate::program::value::{Bound, Value};
 use crate::program::{Elaborated, Elaborator, Env, Stop};
@@ -171,7 +172,7 @@ impl Elaborator<'_> {
                 let node = e.to_number(&value, function.body.span, &here)?;
                 let node = e.claimed(node, (item, function), &values, &env);
                 let exact = matches!(&function.claim, Some(c) if c.kind == ClaimKind::Exact);
-                let name = (!modules.is_prelude(item.module)).then(|| function.name.text.clone());
+                let name = (!modules.is_prelude(item.module) || is_of_numbers(&function.name.text)).then(|| function.name.text.clone());
                 let shape = e.formula_shape(node, dimensions, name, exact, span);
                 if let Some((reach, is_fixed)) = e.reach(item, function, &values) {
                     e.facts.know_reach(&e.graph, node, (reach, is_fixed), usize::from(dimensions));

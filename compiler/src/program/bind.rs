@@ -16,7 +16,7 @@ use crate::syntax::words::nearest;
 use smallvec::{SmallVec, smallvec};
 use std::sync::LazyLock;
 
-/// A condition on an argument, from a `Requires:` line of its documentation.
+/// A condition on an argument, from a `Requires:` line of the documentation of an item of the prelude or of a part.
 #[derive(Clone, Debug)]
 pub struct Requirement {
     pub(super) parameter: String,
@@ -65,6 +65,11 @@ static BOUNDS: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| listed("Bound
 
 /// The reach of each blend of the prelude that is cut off where faces of both its operands lie in one plane, from a `Flush:` line of its documentation.
 static FLUSH: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| listed("Flush:"));
+
+/// Whether a field of the prelude is meant as a number that varies, and not as a shape.
+pub(super) fn is_of_numbers(name: &str) -> bool {
+    name == "only_in"
+}
 
 /// The parameter by which a blend reaches, where it is cut off at planes in which faces of both its operands lie.
 pub(super) fn flush_by(modules: &Modules, item: ItemRef) -> Option<&'static str> {
@@ -382,10 +387,16 @@ impl Elaborator<'_> {
         places: &[(Span, Vec<Span>)],
     ) -> Elaborated<Vec<(usize, Value)>> {
         let mut kept = Vec::new();
-        if !self.modules.is_prelude(item.module) {
+        let of_part: Vec<Requirement>;
+        let requirements: &[Requirement] = if self.modules.is_prelude(item.module) {
+            REQUIREMENTS.get(item.item).map_or(&[], |all| all)
+        } else if self.modules.comes_along(item.module) {
+            of_part = self.modules.item(item).and_then(|item| item.doc.as_deref()).map_or_else(Vec::new, parse_requirements);
+            &of_part
+        } else {
             return Ok(kept);
-        }
-        for requirement in REQUIREMENTS.get(item.item).into_iter().flatten() {
+        };
+        for requirement in requirements {
             let (wanted, of_count) = match requirement.parameter.strip_suffix(".count") {
                 Some(list) => (list, true),
                 None => (requirement.parameter.as_str(), false),
@@ -394,7 +405,8 @@ impl Elaborator<'_> {
                 continue;
             };
             let Some((span, parts)) = places.get(at) else { continue };
-            let nodes: SmallVec<[NodeId; 4]> = match values.get(at) {
+            let value = kept.iter().rev().find(|(kept, _)| *kept == at).map(|(_, value)| value).or(values.get(at));
+            let nodes: SmallVec<[NodeId; 4]> = match value {
                 Some(Value::Number(n, _)) => smallvec![*n],
                 Some(Value::Vector(v)) => v.iter().copied().collect(),
                 Some(Value::List(items)) if of_count => {
@@ -450,9 +462,12 @@ impl Elaborator<'_> {
         Ok(kept)
     }
 
-    /// Whether a shape is what a person declared as a formula: such a one may stand where a number is wanted that varies.
+    /// Whether a shape is what a person declared as a formula, or one of the prelude that is meant so: such a one may stand where a number is wanted that varies.
     fn is_declared_field(&self, id: ShapeId) -> bool {
         let Some(name) = self.graph.shape(id).and_then(|s| s.name.clone()) else { return false };
+        if is_of_numbers(&name) {
+            return true;
+        }
         let is_field = |item: &ast::Item| matches!(&item.kind, ItemKind::Function(f) if matches!(f.kind, FunctionKind::Field | FunctionKind::Field2) && *f.name.text == *name);
         let modules = self.modules;
         modules.with_parameters().into_iter().flat_map(|module| modules.items(module)).any(|(_, item)| is_field(item))

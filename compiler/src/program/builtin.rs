@@ -17,7 +17,7 @@ pub const FUNCTIONS: &[&str] = &[
     "acos", "atan", "atan2", "tanh", "length", "distance", "dot", "cross", "normalize", "vec2", "vec3", "vec4", "mat2",
     "mat3", "mat4", "transpose", "determinant", "inverse", "hash", "hash2", "hash3", "turn", "turn_about", "at",
     "material", "paint", "float", "int", "grid", "polar", "value",
-    "low_corner", "high_corner", "mesh_field", "baked", "text", "path", "shader",
+    "low_corner", "high_corner", "mesh_field", "baked", "text", "path", "svg", "shader",
     "curve_of", "helix_of", "way_to", "frame_of", "swept_of", "kinks_of", "solid_of", "hull_of",
 ];
 
@@ -230,6 +230,10 @@ impl Elaborator<'_> {
             ("at", [Value::Curve(line), share]) => self.curve_at(line, (share, place(1))),
             ("solid_of", [points, faces]) => self.solid_of((points, place(0)), (faces, place(1)), span),
             ("hull_of", [points]) => self.hull_of((points, place(0)), span),
+            ("svg", [_, _]) => match args {
+                [file, size] => self.svg(file, size, span, env),
+                _ => Err(super::Stop),
+            },
             ("baked", [Value::Nothing, ..]) => Ok(Value::Nothing),
             ("baked", [Value::Shape(id), _, _]) => match args {
                 [_, resolution, padding] => {
@@ -556,6 +560,7 @@ pub fn argument_names(name: &str, count: usize) -> &'static [&'static str] {
         "baked" => &["s", "resolution", "padding"],
         "text" => &["words", "size", "font", "align", "spacing", "leading"],
         "path" => &["data"],
+        "svg" => &["file", "size"],
         "shader" => &["file", "function"],
         "curve_of" => &["kind", "points", "closed"],
         "helix_of" => &["radius", "pitch", "turns"],
@@ -594,6 +599,7 @@ pub fn defaults(name: &str) -> &'static [Option<Usual>] {
         "mesh_field" => &[None, Some(Number(64.0)), Some(Number(0.05))],
         "baked" => &[None, Some(Number(128.0)), Some(Number(0.05))],
         "text" => &[None, Some(Number(1.0)), Some(Words("")), Some(Words("left")), Some(Number(0.0)), Some(Number(1.2))],
+        "svg" => &[None, Some(Number(0.0))],
         _ => &[],
     }
 }
@@ -613,6 +619,7 @@ fn usage(name: &str) -> (String, usize) {
         "baked" => ("s.baked(resolution: 128)".into(), 3),
         "text" => ("text(\"Surefoot\", size: 1)".into(), 6),
         "path" => ("path(\"M 0 0 H 1 V 1 Z\")".into(), 1),
+        "svg" => ("svg(\"logo.svg\", size: 1)".into(), 2),
         "shader" => ("shader(\"rock.glsl\", map)".into(), 2),
         "curve_of" | "helix_of" | "frame_of" => (format!("{name}({})", argument_names(name, 3).join(", ")), 3),
         "way_to" => ("way_to(curve, q)".into(), 2),

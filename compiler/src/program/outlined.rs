@@ -1,4 +1,4 @@
-//! Drawings with outlines of curves: words and paths.
+//! Drawings with outlines of curves: words, paths and logos.
 
 use super::load::join;
 use super::value::Value;
@@ -8,7 +8,7 @@ use crate::diagnostic::Code;
 use crate::graph::interval::Interval;
 use crate::graph::{Claim, ClaimGroup, Leaf, Node, ValueRange};
 use crate::kept::Kept;
-use crate::outline::{Align, Fill, MOST_CURVES, Outline, Piece, Typesetting, boundary, path, typeset};
+use crate::outline::{Align, Fill, MOST_CURVES, MOST_SVG, Outline, Piece, Refused, Typesetting, boundary, path, svg, typeset};
 use crate::sampled::MOST_DEVICE_BYTES;
 use crate::source::Span;
 use std::sync::Arc;
@@ -66,7 +66,42 @@ impl Elaborator<'_> {
             let words = format!("a path has {MOST_CURVES} curves at most, and this one has {count}");
             return Err(self.error(Code::TooLarge, data.1, words, "draw it with fewer curves, or write several paths"));
         }
-        self.outline(boundary(&contours, Fill::NonZero), span)
+        match boundary(&contours, Fill::NonZero) {
+            Ok(pieces) => self.outline(pieces, span),
+            Err(why) => Err(self.error(Code::TooLarge, data.1, format!("this path is too much: {why}"), "draw it with fewer curves, or write several paths")),
+        }
+    }
+
+    /// `svg("logo.svg", size)`.
+    #[inline(never)]
+    pub(super) fn svg(&mut self, file: &(Value, Span), size: &(Value, Span), span: Span, env: &Env) -> Elaborated<Value> {
+        let name = self.words(file, "svg(\"logo.svg\")")?;
+        let height = self.to_constant(&size.0, size.1)?;
+        if height < 0.0 {
+            return Err(self.error(Code::BadValue, size.1, "the size of a drawing is above zero", "write its height, `size: 1`, or no size for its own lengths"));
+        }
+        let path = join(self.modules.path(env.module), &name.replace('\\', "/"));
+        let bytes = match self.grids.bytes(&path, MOST_SVG) {
+            Ok(bytes) => bytes,
+            Err(why) => {
+                let words = format!("the drawing `{path}` can't be read: {why}");
+                return Err(self.error(Code::BrokenFile, file.1, words, "write the path of an SVG file, relative to this file"));
+            }
+        };
+        let place = |(line, column): (u32, u32)| format!("`{path}`, line {line}, column {column}");
+        match svg(&bytes, (height > 0.0).then_some(height)) {
+            Ok(logo) => {
+                if let Some(at) = logo.line_only {
+                    let words = format!("{}: a shape that has a stroke and no fill is left out", place(at));
+                    self.warn(Code::LeftOut, file.1, words, "turn strokes into paths in the program that drew it (in Inkscape: Path, Stroke to Path)");
+                }
+                self.outline(logo.pieces, span)
+            }
+            Err(Refused { at, message, help }) => {
+                let words = format!("this drawing can't be used: {}: {message}", at.map_or(format!("`{path}`"), place));
+                Err(self.error(Code::BrokenFile, file.1, words, help))
+            }
+        }
     }
 
     /// A text among arguments.
@@ -86,7 +121,7 @@ impl Elaborator<'_> {
         let kept = Kept::new(Arc::new(outline));
         let bytes: usize = self.graph.outlines.iter().map(|known| known.data.bytes()).sum::<usize>() + kept.data.bytes();
         if bytes > MOST_DEVICE_BYTES {
-            let words = format!("the texts and paths of this scene take {} MiB, and a device reads {} at most", bytes >> 20, MOST_DEVICE_BYTES >> 20);
+            let words = format!("the texts, paths and logos of this scene take {} MiB, and a device reads {} at most", bytes >> 20, MOST_DEVICE_BYTES >> 20);
             return Err(self.error(Code::TooLarge, span, words, "write fewer letters, or fewer curves"));
         }
         let [x, y, _] = self.graph.point();

@@ -9,7 +9,7 @@ pub type Unsaid = (String, &'static str);
 
 /// Larger whole numbers have no place of their own among the numbers of a GPU.
 const MOST_WHOLE: f64 = 16_777_216.0;
-const BITS: &str = "write `hash`, `hash2` or `hash3` of the language in a scene, or a hash of floating-point numbers: `fract(sin(dot(p, vec2(12.9898, 78.233))) * 43758.5453)`";
+pub(super) const BITS: &str = "write `hash`, `hash2` or `hash3` of the language in a scene, or a hash of floating-point numbers: `fract(sin(dot(p, vec2(12.9898, 78.233))) * 43758.5453)`";
 
 /// A number as it is written.
 pub fn literal(literal: Literal) -> Result<Ex, Unsaid> {

@@ -940,7 +940,7 @@ impl<'m> Function<'m> {
                         Ex::Number(value) => Ex::Number(-value),
                         ex => Ex::Unary('-', Box::new(ex.clone())),
                     }),
-                    UnaryOperator::BitwiseNot => return Err(self.unsaid(handle)(("operations on bits can't be said".to_owned(), "write a hash of floating-point numbers"))),
+                    UnaryOperator::BitwiseNot => return Err(self.unsaid(handle)(("operations on bits can't be said".to_owned(), formula::BITS))),
                 }
             }
             Expression::Binary { op, left, right } => {
@@ -991,7 +991,7 @@ impl<'m> Function<'m> {
             Expression::As { expr, kind, convert } => {
                 let value = self.value(*expr, state, out)?;
                 if convert.is_none() && self.inner(*expr).scalar_kind() != Some(*kind) {
-                    return Err(self.unsaid(handle)(("the bits of a number can't be said".to_owned(), "write a hash of floating-point numbers")));
+                    return Err(self.unsaid(handle)(("the bits of a number can't be said".to_owned(), formula::BITS)));
                 }
                 formula::convert(value, self.inner(*expr), *kind).map_err(self.unsaid(handle))?
             }
