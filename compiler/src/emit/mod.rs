@@ -284,7 +284,10 @@ fn lines_of(graph: &Graph, places: &[(usize, ShapeId)], first: u32, text: &str) 
         at = byte;
         Some((line, graph.shape(shape)?.span))
     });
-    found.collect()
+    let mut found: Vec<_> = found.collect();
+    found.sort_unstable_by_key(|(line, span)| (*line, span.file, span.start, span.end));
+    found.dedup();
+    found
 }
 
 /// Shapes have few variables and rows few pieces.

@@ -273,9 +273,20 @@ impl Writer<'_, '_> {
         self.put_number(value, 0);
     }
 
-    /// Notes for which shape the next line is.
+    /// Notes for which shapes the next line is: those of an expression, and of all that is written within it.
     fn note_place(&mut self, id: ExprId) {
-        self.context.places.extend(self.body.of(id).map(|shape| (self.out.len(), shape)));
+        let (at, mut stack, mut last) = (self.out.len(), vec![id], None);
+        while let Some(id) = stack.pop() {
+            let shape = self.body.of(id);
+            if let Some(shape) = shape.filter(|_| shape != last) {
+                self.context.places.push((at, shape));
+                last = Some(shape);
+            }
+            stack.extend(self.body.arguments(id).iter().filter(|arg| {
+                let text = self.text(**arg);
+                !text.atom && text.length > 0
+            }));
+        }
     }
 
     /// A line with what the scratch holds from `start` on in its midst.

@@ -50,6 +50,8 @@ pub struct Part {
     /// Least and greatest corner of a box that holds it, in its own space; none where it has no end, or that is not known.
     pub region: Option<[[f64; 3]; 2]>,
     joins: Joins,
+    /// Where its deformations stand, the outermost first: the compiler knows their shapes by those places.
+    made: Vec<Range<usize>>,
     /// Where what its name stands for is written: the path and the bytes.
     meant: Option<(String, Range<usize>)>,
 }
@@ -197,7 +199,8 @@ impl<'w> Walk<'w> {
                 if shapes.len() > 1 {
                     return self.joined(expr, Span { start: name.span.end, ..name.span }, &shapes, plain);
                 }
-                let inner = self.part(receiver);
+                let mut inner = self.part(receiver);
+                inner.made.insert(0, name.span.start as usize..expr.span.end as usize);
                 Part { kind: format!("{} .{}", inner.kind, name.text), range: plain.range, ..inner }
             }
             ExprKind::Dot(_, name, _) => self.joined(expr, Span { start: name.span.end, ..name.span }, &[], plain),
@@ -329,15 +332,11 @@ struct Told<'a> {
 
 impl Told<'_> {
     fn tell(&mut self, part: &mut Part) {
+        let root = part.id.clone();
         let mut stack = vec![part];
         while let Some(part) = stack.pop() {
-            let place = |range: &Range<usize>| (range.start as u32, range.end as u32);
-            let (start, end) = place(&part.range);
-            let meant = part.meant.as_ref().and_then(|(file, range)| {
-                let (start, end) = place(range);
-                self.shapes.get(&(file.as_str(), start, end))
-            });
-            if let Some(shape) = self.shapes.get(&(part.file.as_str(), start, end)).or(meant).copied() {
+            let is_all = part.id == root || part.id.rsplit_once('/').is_some_and(|(around, _)| around == root);
+            if let Some(shape) = self.shape(part).or(is_all.then_some(self.compiled.root)) {
                 let operations = self.count(shape);
                 part.operations = Some(operations);
                 self.boxes += 1;
@@ -353,6 +352,20 @@ impl Told<'_> {
             let within = self.factors.iter().filter(|at| all.iter().any(|inner| holds(&inner.file, &inner.range, at)));
             part.factor = within.map(|at| at.2).filter(|factor| *factor > 1.0 + 1e-6).reduce(f64::max);
             stack.extend(part.within.iter_mut());
+        }
+    }
+
+    /// The shape of a part, where the compiler has one at its place, or at that of what its name stands for.
+    fn shape(&self, part: &Part) -> Option<ShapeId> {
+        let mut at = part;
+        loop {
+            let places = at.made.iter().chain([&at.range]);
+            let known = places.filter_map(|range| self.shapes.get(&(at.file.as_str(), range.start as u32, range.end as u32))).next();
+            match (known, at.within.first().filter(|_| at.meant.is_some())) {
+                (Some(known), _) => return Some(*known),
+                (None, Some(inner)) => at = inner,
+                (None, None) => return None,
+            }
         }
     }
 

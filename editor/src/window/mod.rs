@@ -211,7 +211,7 @@ impl App {
         }
         if let Some(canvas) = &self.canvas {
             let timing = canvas.timing();
-            self.session.meter.note(canvas.frames(), timing.frame);
+            self.session.meter.note(timing.frame);
             self.session.meter.size = timing.size;
             self.session.meter.sharp = canvas.is_sharp();
             self.session.meter.samples = canvas.samples();

@@ -66,7 +66,7 @@ impl Parts {
     /// Whether rays may go side by side. The answer: whether that is new.
     pub fn let_parallel(&self, parallel: bool) -> bool {
         let mut shared = lock(&self.0);
-        shared.parallel != std::mem::replace(&mut shared.parallel, parallel)
+        std::mem::replace(&mut shared.parallel, parallel) != parallel
     }
 
     /// Compiles a scene without what is hidden, and finds its parts where they are asked for.

@@ -329,8 +329,7 @@ pub struct Meter {
     pub frame: Duration,
     /// Those of the last pictures, in seconds, the newest last.
     pub frames: VecDeque<f32>,
-    /// How many there were.
-    pub count: u64,
+
     /// Its width and height in pixels.
     pub size: (u32, u32),
     /// Whether all pixels are drawn: not while something moves that is slow to draw.
@@ -348,10 +347,10 @@ impl Meter {
     pub const KEPT: usize = 120;
 
     /// Notes what a picture took, once.
-    pub fn note(&mut self, count: u64, frame: Duration) {
-        self.frame = frame;
-        if count != self.count && frame > Duration::ZERO {
-            self.count = count;
+    pub fn note(&mut self, frame: Duration) {
+        // No two take the same to the nanosecond.
+        if frame != self.frame {
+            self.frame = frame;
             self.frames.push_back(frame.as_secs_f32());
             while self.frames.len() > Self::KEPT {
                 self.frames.pop_front();

@@ -1,6 +1,7 @@
 //! The outline, the module beside the source, and what frames take.
 
 use super::*;
+use egui_kittest::kittest::NodeT;
 
 const PARTS: &str = "\
 shape post = box(0.2).translate(0, 0, 0)
