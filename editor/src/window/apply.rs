@@ -199,6 +199,7 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         }
         Command::ShowShader(open) => session.open.shader = open,
         Command::ShowFrames(open) => session.open.frames = open,
+        Command::ShowGrid(open) => session.open.grid = open,
         Command::Hide(id, hidden) => {
             let mut shown = session.parts.shown();
             match hidden {
@@ -559,6 +560,7 @@ fn enter(session: &mut Session, world: &mut World, scene: Document) {
     session.asked = None;
     session.open.start = false;
     session.restoring = None;
+    session.parts.show(Shown::default());
     world.open(&scene.name, &mut session.options);
     session.documents.all = vec![scene];
     session.documents.shown = 0;
@@ -567,7 +569,6 @@ fn enter(session: &mut Session, world: &mut World, scene: Document) {
     session.look.camera = None;
     session.stage.set_time(0.0);
     session.timeline = Timeline::default();
-    session.parts.show(Shown::default());
     session.stage.reset_balls();
 }
 
@@ -826,7 +827,7 @@ fn go_home(session: &mut Session, old: &Compiled, was: &Live) {
     let blind = |camera: &Camera| session.scene().zip(session.stage.live()).is_some_and(|(new, live)| is_blind(new, live, camera));
     let better = blind(&moved) && !is_blind(old, was, &moved) && session.camera().is_some_and(|own| !blind(&own));
     let near = |a: [f64; 3], b: [f64; 3]| length(sub(a, b)) <= 2e-3 * length(sub(moved.eye, moved.target));
-    let same = session.camera().is_some_and(|own| near(own.eye, moved.eye) && near(own.target, moved.target) && (own.fov - moved.fov).abs() < 1e-3);
+    let same = !orbit.parallel && session.camera().is_some_and(|own| near(own.eye, moved.eye) && near(own.target, moved.target) && (own.fov - moved.fov).abs() < 1e-3);
     session.look.orbit = (!better && !same).then_some(orbit);
 }
 

@@ -198,6 +198,8 @@ pub enum Command {
     ShowShader(bool),
     /// Open or close the panel of what frames take.
     ShowFrames(bool),
+    /// Show a grid over the picture, or no longer.
+    ShowGrid(bool),
     /// Leave a part out of the picture, or no longer: by its id.
     Hide(String, bool),
     /// Show one part alone, or no longer.

@@ -69,6 +69,7 @@ pub const KEYS: &[Part] = &[
             ("Page Up, Page Down", "come nearer, go farther"),
             ("Ctrl+1, Ctrl+2, …", "the views of the toolbar"),
             ("1, 3, 7, 9", "look from the front, from the right, from above, from a corner"),
+            ("G", "a grid with a scale, or none"),
             ("5", "let rays go side by side, or not"),
             ("F", "come nearer to what was picked, or see the whole solid"),
             ("Home, or a double click", "the scene's own camera"),

@@ -330,6 +330,7 @@ impl App {
             ui.ctx().request_repaint_after(again);
         }
         panels::picture::paint(ui, rect, &self.session, shown);
+        panels::grid::show(ui, rect, &self.session);
         panels::legend::show(ui, rect, &self.session, &mut commands);
         panels::outline::badge(ui, rect, &self.session, &mut commands);
         panels::picked::show(ui, rect, &self.session, &mut commands);

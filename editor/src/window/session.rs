@@ -225,6 +225,8 @@ pub struct Open {
     pub shader: bool,
     /// What frames take.
     pub frames: bool,
+    /// A grid over the picture.
+    pub grid: bool,
     /// How large the text is written, in points.
     pub text_size: f32,
     /// Whether long lines of the text are wrapped.
@@ -369,7 +371,7 @@ impl Session {
             stage,
             said: Said::default(),
             look: Look { wide: f64::INFINITY, ..Look::default() },
-            open: Open { source: true, parameters: true, measures: false, outline: false, shader: false, frames: false, ray: true, text_size: TEXT_SIZE, wrap: false, zoom: 1.0, theme: Choice::Dark, widths: [470.0, 250.0], alone: false, start: false, keys: false, to_sliders: false, beside: Vec::new() },
+            open: Open { source: true, parameters: true, measures: false, outline: false, shader: false, frames: false, grid: false, ray: true, text_size: TEXT_SIZE, wrap: false, zoom: 1.0, theme: Choice::Dark, widths: [470.0, 250.0], alone: false, start: false, keys: false, to_sliders: false, beside: Vec::new() },
             search: None,
             asked: None,
             recent: Vec::new(),

@@ -15,6 +15,7 @@ const LEAST: f32 = 0.02;
 /// Shows the panel.
 pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.take_available_width();
+    ui.set_min_height(ui.available_height());
     let passes = &session.passes;
     ui.horizontal(|ui| {
         ui.label(RichText::new("Frames").strong());

@@ -74,6 +74,9 @@ pub fn look(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         if ui.add(Button::selectable(parallel, "Parallel rays").shortcut_text("5")).clicked() {
             commands.push(Command::Parallel(!parallel));
         }
+        if ui.add(Button::selectable(open.grid, "Grid").shortcut_text("G")).clicked() {
+            commands.push(Command::ShowGrid(!open.grid));
+        }
         ui.separator();
         for (name, zoom) in [("Larger window", open.zoom + 0.1), ("Smaller window", open.zoom - 0.1), ("Window as at first", 1.0)] {
             if ui.button(name).on_hover_text("text, buttons and panels alike").clicked() {

@@ -6,6 +6,7 @@ pub mod balls;
 pub mod cursor;
 mod colors;
 pub mod frames;
+pub mod grid;
 pub mod help;
 mod history;
 pub mod icons;

@@ -17,6 +17,7 @@ const OPEN: usize = 3;
 /// Shows the panel.
 pub fn show(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.take_available_width();
+    ui.set_min_height(ui.available_height());
     let (found, shown) = (session.parts.found(), session.parts.shown());
     ui.horizontal(|ui| {
         ui.label(RichText::new("Outline").strong());
@@ -94,9 +95,6 @@ fn row(ui: &mut Ui, (depth, part, is_open): (usize, &Part, bool), shown: &Shown,
         commands.push(Command::Jump(Place { file: part.file.clone(), start: part.at, end: part.at }));
     }
     let weak = |ui: &mut Ui, words: String, hover: &str| drop(ui.label(RichText::new(words).small().color(theme::WEAK)).on_hover_text(hover));
-    if !part.kind.is_empty() {
-        weak(ui, part.kind.clone(), "what it is");
-    }
     if let Some(factor) = part.factor {
         let words = RichText::new(format!("×{factor:.2}")).small().color(theme::ACCENT);
         ui.label(words).on_hover_text("its largest factor: by how much rays step shorter there");
@@ -108,6 +106,9 @@ fn row(ui: &mut Ui, (depth, part, is_open): (usize, &Part, bool), shown: &Shown,
         let sides = [0, 1, 2].map(|i| format!("{:.2}", high[i] - low[i])).join(" × ");
         let corner = |at: [f64; 3]| at.map(|c| format!("{c:.3}")).join(", ");
         weak(ui, sides, &format!("a box that holds it, in its own space: from ({}) to ({})", corner(low), corner(high)));
+    }
+    if !part.kind.is_empty() {
+        weak(ui, part.kind.trim().to_owned(), "what it is, and what is done to it");
     }
 }
 

@@ -75,6 +75,9 @@ pub fn keys(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
             commands.push(Command::LookFrom(side));
         }
     }
+    if plain(Key::G) {
+        commands.push(Command::ShowGrid(!session.open.grid));
+    }
     if plain(Key::Num5) {
         commands.push(Command::Parallel(!session.look.orbit.is_some_and(|orbit| orbit.parallel)));
     }

@@ -1,11 +1,10 @@
 //! The emitted module beside the source: its lines that compute what stands on the line of the cursor stand out.
 
 use crate::window::panels::cursor::selection;
-use crate::window::panels::icons;
 use crate::window::session::Session;
 use crate::window::theme::{self, code};
 use egui::text::{LayoutJob, TextFormat};
-use egui::{Button, Color32, RichText, ScrollArea, Ui};
+use egui::{Button, Color32, Label, RichText, Role, ScrollArea, Ui, WidgetInfo};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use surefoot_compiler::compiled::Compiled;
@@ -74,9 +73,9 @@ pub fn show(ui: &mut Ui, session: &Session) {
                 let (Some(start), Some(end)) = (marked.ends.get(row), marked.ends.get(row + 1)) else { continue };
                 let is_marked = marked.lines.contains(&(row as u32 + 1));
                 let line = text.get(*start..end.saturating_sub(1)).unwrap_or_default();
-                let response = ui.label(colored(line, &font, if is_marked { *theme::CHOSEN } else { Color32::TRANSPARENT }));
+                let response = ui.add(Label::new(colored(line, &font, if is_marked { *theme::CHOSEN } else { Color32::TRANSPARENT })).extend());
                 if is_marked {
-                    icons::name(ui, response.id, &format!("Computes it: {}", line.trim()));
+                    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("Computes it: {}", line.trim())));
                 }
             }
         });

@@ -29,7 +29,8 @@ fn parts_are_shown_hidden_and_alone() {
     let folder = Folder::new("parts", PARTS);
     let mut harness = window(&folder.scene());
     ready(&mut harness);
-    let first = pixel(&mut harness, MIDDLE);
+    let above = MIDDLE - egui::vec2(0.0, 80.0);
+    let first = pixel(&mut harness, above);
     press(&mut harness, FORTH, Key::O);
     let root = |app: &App| app.session.parts.found().root;
     until(&mut harness, |app| root(app).is_some());
@@ -47,7 +48,7 @@ fn parts_are_shown_hidden_and_alone() {
     let swaps = harness.state().session.said.swaps;
     harness.get_by_label("Show sphere").click();
     until(&mut harness, |app| app.session.said.swaps > swaps);
-    let hidden = pixel(&mut harness, MIDDLE);
+    let hidden = pixel(&mut harness, above);
     assert_ne!(first, hidden, "the ball is not there");
     harness.get_by_label("1 part is hidden");
     shot(&mut harness, "hidden");
@@ -91,10 +92,10 @@ fn the_module_stands_beside_the_source() {
         let place = session::Place { file: folder.scene(), start: (line, 3), end: (line, 3) };
         harness.state_mut().apply(vec![Command::Jump(place)]);
         harness.run_steps(4);
+        shot(harness, "module");
         harness.get_all_by_label_contains("Computes it:").map(|node| node.accesskit_node().label().unwrap_or_default()).collect::<Vec<_>>()
     };
     let (torus, twist) = (line(&mut harness, 4), line(&mut harness, 3));
-    shot(&mut harness, "module");
     assert!(!torus.is_empty() && !twist.is_empty() && torus != twist, "{torus:?} {twist:?}");
     let module = &harness.state().session.scene().unwrap().module;
     let lines: Vec<&str> = module.wgsl.lines().collect();
@@ -126,7 +127,6 @@ fn rays_go_side_by_side_where_one_asks() {
     let mut harness = window(&folder.scene());
     ready(&mut harness);
     let drawn = |app: &App| app.session.scene().is_some_and(|scene| scene.blocks.parallel);
-    let before = pixel(&mut harness, MIDDLE + egui::vec2(75.0, 0.0));
     harness.key_press(Key::Num9);
     harness.run_steps(2);
     let camera = harness.state().session.camera().unwrap();
@@ -136,9 +136,15 @@ fn rays_go_side_by_side_where_one_asks() {
     harness.key_press(Key::Num5);
     until(&mut harness, drawn);
     sharp(&mut harness);
+    harness.key_press(Key::G);
+    harness.run_steps(2);
+    // 8 away and 40° high: 5.8 of the scene.
+    harness.get_by_label("a square is 0.5");
     shot(&mut harness, "parallel");
+    harness.key_press(Key::G);
+    harness.run_steps(2);
+    assert!(harness.query_by_label("a square is 0.5").is_none());
     assert!(matches!(harness.state().session.camera().unwrap().projection, surefoot_compiler::compiled::Projection::Orthographic(Some(_))));
-    let _ = before;
     harness.key_press(Key::Num5);
     harness.run_steps(2);
     assert_eq!(harness.state().session.camera().unwrap().projection, surefoot_compiler::compiled::Projection::Perspective);
