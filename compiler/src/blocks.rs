@@ -53,6 +53,8 @@ pub const CAPTURE_SIZES: [u32; 7] = [16, 32, 64, 128, 256, 512, 1024];
 pub struct SceneBlocks {
     /// Cameras in the order of the text.
     pub cameras: Vec<CameraNodes>,
+    /// Whether a host may let rays go side by side, though no camera of the text does.
+    pub parallel: bool,
     /// Lights.
     pub lights: Vec<LightNodes>,
     /// Zenith and horizon.

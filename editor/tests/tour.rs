@@ -105,7 +105,7 @@ fn show(window: &Window, name: &str) {
         std::fs::create_dir_all(folder.join("editor")).unwrap();
         // One whole window; of the others the part where something happens.
         let picture = match name {
-            "window" => image::imageops::resize(&shown, 960, 600, image::imageops::FilterType::CatmullRom),
+            "window" | "outline" => image::imageops::resize(&shown, 960, 600, image::imageops::FilterType::CatmullRom),
             _ => image::imageops::crop_imm(&shown, 0, 0, 900, 420).to_image(),
         };
         picture.save(folder.join("editor").join(name).with_extension("png")).unwrap();
@@ -194,6 +194,16 @@ fn a_first_hour() {
     }
     keys(&window, &["ctrl+1"]);
     until("the first view", || pixels(&window, "view", red) > shaded / 2);
+
+    // The scene's parts, and the module beside the text.
+    click(&window, letter(3, 60));
+    let before = pixels(&window, "narrow", red);
+    keys(&window, &["ctrl+shift+o", "ctrl+shift+g"]);
+    until("the module takes its room", || pixels(&window, "narrow", red) != before);
+    pause();
+    show(&window, "outline");
+    keys(&window, &["ctrl+shift+g", "ctrl+shift+o"]);
+    until("the picture has its room", || pixels(&window, "narrow", red).abs_diff(before) < before / 50);
 
     // Find and replace, all at once.
     click(&window, letter(1, 40));

@@ -12,7 +12,8 @@ use crate::emit::plan::{Action, Plan, Plans, TargetId};
 use crate::graph::index::Index;
 use crate::graph::kernel::{Kind, Op};
 use crate::graph::simplify::{self, Terms};
-use crate::graph::{Graph, Leaf, NodeId};
+use crate::graph::{Graph, Leaf, NodeId, ShapeId};
+use crate::prelude::in_prelude;
 use rustc_hash::FxHasher;
 use smallvec::{SmallVec, smallvec};
 use std::hash::Hasher;
@@ -31,6 +32,8 @@ struct Expr {
     start: u32,
     count: u32,
     named: Option<NodeId>,
+    /// The shape that it is computed for, of those that stand in a text of a person.
+    of: Option<ShapeId>,
     /// Where else a number stands: a component of a vector that was made of it.
     part: Option<Part>,
 }
@@ -71,6 +74,8 @@ pub struct Body {
     divides: bool,
     /// How many calls it holds.
     calls: usize,
+    /// The shape for which expressions are added now.
+    of: Option<ShapeId>,
     /// Lengths of which a component is far out, with all of them: for [`Body::height`].
     far_lengths: Vec<(ExprId, Exprs)>,
     /// Room for [`Body::open`].
@@ -107,6 +112,8 @@ struct Frame<'p> {
     arguments: (usize, usize),
     /// What was called, to remember its field.
     target: Option<TargetId>,
+    /// The shape around it.
+    around: Option<ShapeId>,
 }
 
 impl Body {
@@ -126,6 +133,7 @@ impl Body {
         self.parts.clear();
         self.divides = false;
         self.calls = 0;
+        self.of = None;
         self.far_lengths.clear();
     }
 
@@ -142,6 +150,18 @@ impl Body {
     /// The node of the graph that gives an expression its name.
     pub fn named(&self, id: ExprId) -> Option<NodeId> {
         self.exprs.get(id as usize).and_then(|e| e.named)
+    }
+
+    /// The shape of a person's text that an expression is computed for.
+    pub fn of(&self, id: ExprId) -> Option<ShapeId> {
+        self.exprs.get(id as usize).and_then(|e| e.of)
+    }
+
+    /// What is added from now on is computed for a shape; for the one around it where that stands in the prelude.
+    pub fn begin(&mut self, graph: &Graph, shape: ShapeId) {
+        if graph.shape(shape).is_some_and(|shape| !in_prelude(shape.span)) {
+            self.of = Some(shape);
+        }
     }
 
     /// Names an expression after a node of the graph. The first name stays.
@@ -175,7 +195,7 @@ impl Body {
             // One by one: the lists are short.
             args.iter().for_each(|&arg| self.pool.push(arg));
             self.divides |= code == Code::Op(Op::Div) && args.get(1).is_some_and(|&below| self.as_constant(below).is_none());
-            self.exprs.push(Expr { code, start, count: args.len() as u32, named: None, part: None });
+            self.exprs.push(Expr { code, start, count: args.len() as u32, named: None, of: self.of, part: None });
             new
         })
     }
@@ -255,7 +275,7 @@ impl Body {
         arguments.extend_from_slice(&space.point);
         arguments.extend_from_slice(&space.variables);
         let count = arguments.len();
-        let mut frames: SmallVec<[Frame; 8]> = smallvec![Frame { plan, at: 0, values: 0, arguments: (0, count), target: None }];
+        let mut frames: SmallVec<[Frame; 8]> = smallvec![Frame { plan, at: 0, values: 0, arguments: (0, count), target: None, around: self.of }];
         let mut buffer = Exprs::new();
         loop {
             let depth = frames.len();
@@ -290,6 +310,7 @@ impl Body {
                 }
                 values.truncate(frame.values);
                 arguments.truncate(start);
+                self.of = frame.around;
                 frames.pop();
                 values.push(result);
                 continue;
@@ -331,12 +352,15 @@ impl Body {
                         self.prefer(buffer.get(..3));
                         let start = arguments.len();
                         arguments.extend_from_slice(&buffer);
+                        let around = self.of;
+                        self.begin(graph, target.shape);
                         frames.push(Frame {
                             plan: &target.plan,
                             at: 0,
                             values: values.len(),
                             arguments: (start, buffer.len()),
                             target: Some(id),
+                            around,
                         });
                         continue;
                     }

@@ -51,7 +51,7 @@ use crate::graph::simplify::Terms;
 use crate::graph::{Graph, Leaf, Node, ShapeId};
 use crate::interface::{Entry, Export, Options, Parameter, Rounding, UniformSource, Uniforms};
 use crate::live::Live;
-use crate::source::Sources;
+use crate::source::{Sources, Span};
 use body::Body;
 use code::{Code, ExprId};
 use draw::Drawing;
@@ -147,6 +147,7 @@ pub fn emit(
         sums: (0.0, None),
         called: FxHashMap::default(),
         tables: &tables,
+        places: Vec::new(),
         facing: "normal",
     };
     let mut texts = String::with_capacity(24 * graph.len().min(100_000));
@@ -179,6 +180,7 @@ pub fn emit(
     if let Some(plan) = &carry {
         carry_function(&mut context, root, plan, &mut body, &mut texts)?;
     }
+    let places = std::mem::take(&mut context.places);
     let mut meshes_text = String::new();
     for (i, (surface, plan, layers)) in (0..).zip(&meshes) {
         mesh_functions(&mut context, i, surface, plan, layers.as_ref(), &mut body, &mut meshes_text)?;
@@ -233,6 +235,7 @@ pub fn emit(
     };
     let needs_buffers = context.needs_buffers();
     declared(needs_buffers, &mut wgsl);
+    let places = lines_of(graph, &places, wgsl.matches('\n').count() as u32 + 1, &texts);
     wgsl.push_str(&texts);
     let mut buffered = context.has_tables().then(|| {
         let mut code = String::with_capacity(texts.len() + 4096);
@@ -252,6 +255,7 @@ pub fn emit(
     let uniform_name = if fields.is_empty() { String::new() } else { context.uniform_name };
     Ok(Module {
         wgsl,
+        places,
         exports,
         uniform_name,
         origin,
@@ -270,6 +274,20 @@ pub fn emit(
         draws: drawing.is_some(),
         tables: buffered.map(|code| Arc::new(ModuleTables::new(tables, code))),
     })
+}
+
+/// The lines of a text with the places in the source of what they compute, from places in the text. The text begins on line `first`.
+fn lines_of(graph: &Graph, places: &[(usize, ShapeId)], first: u32, text: &str) -> Vec<(u32, Span)> {
+    let (mut line, mut at) = (first, 0);
+    let found = places.iter().filter_map(|&(byte, shape)| {
+        line += text.get(at..byte)?.matches('\n').count() as u32;
+        at = byte;
+        Some((line, graph.shape(shape)?.span))
+    });
+    let mut found: Vec<_> = found.collect();
+    found.sort_unstable_by_key(|(line, span)| (*line, span.file, span.start, span.end));
+    found.dedup();
+    found
 }
 
 /// Shapes have few variables and rows few pieces.
@@ -335,6 +353,7 @@ fn shape_function(
     }
     let dimensions = context.graph.shape(target.shape).map_or(3, |s| s.dimensions);
     body.clear();
+    body.begin(context.graph, target.shape);
     let (space, arguments) = own_space(body, dimensions, &target.plan.variables);
     let results = body.open(plans, context.graph, &target.plan, &space, &context.uniforms)?;
     let (result, ty) = match target.group {
@@ -395,6 +414,7 @@ fn export_functions(
             let _ = writeln!(text, "  let q = p + {}.origin;", context.uniform_name);
             context.uniforms.read(UniformSource::Origin);
             body.clear();
+            body.begin(graph, roots.root);
             let space = scene_space(graph, roots.root, body, target.is_none());
             let result = match (target, roots.surface) {
                 (Some(target), _) => body.whole(plans, graph, target, &space, &context.uniforms)?,

@@ -5,6 +5,7 @@ use super::table::ModuleTables;
 use super::tracer::Ways;
 use crate::graph::NodeId;
 use crate::interface::{Export, Options, Rounding, Uniform};
+use crate::source::Span;
 use std::sync::Arc;
 
 /// An emitted module.
@@ -12,6 +13,9 @@ use std::sync::Arc;
 pub struct Module {
     /// The text.
     pub wgsl: String,
+    /// Where in the source that stands which a line of the text computes: the line, from 1, and the shape's place; in the order of the lines. What
+    /// comes with the language has none.
+    pub places: Vec<(u32, Span)>,
     /// The functions in it that were asked for or are needed by them.
     pub exports: Vec<Export>,
     /// Name of the uniform block's struct and variable, empty where there is none.

@@ -74,6 +74,7 @@ pub fn write(
     }
     writer.block(0, &order, Some(root));
     let result = writer.text(root);
+    writer.note_place(root);
     let Writer { mut scratch, mut states, mut ranges, mut locals, operations, out, .. } = writer;
     out.push_str("  return ");
     out.push_str(scratch.get(result.range()).unwrap_or("0.0"));
@@ -239,6 +240,7 @@ impl Writer<'_, '_> {
             }
             _ => self.assign(name, if first.is_some() { b } else { a }),
         }
+        self.note_place(id);
         self.line("var ", start, ";");
         let start = self.scratch.len();
         if first.is_none() {
@@ -254,6 +256,7 @@ impl Writer<'_, '_> {
             self.block(branch, order, None);
             let start = self.scratch.len();
             self.assign(name, arm);
+            self.note_place(arm);
             self.line("", start, ";");
             self.depth -= 1;
         }
@@ -268,6 +271,22 @@ impl Writer<'_, '_> {
         self.scratch.extend_from_within(name.range());
         self.put(" = ");
         self.put_number(value, 0);
+    }
+
+    /// Notes for which shapes the next line is: those of an expression, and of all that is written within it.
+    fn note_place(&mut self, id: ExprId) {
+        let (at, mut stack, mut last) = (self.out.len(), vec![id], None);
+        while let Some(id) = stack.pop() {
+            let shape = self.body.of(id);
+            if let Some(shape) = shape.filter(|_| shape != last) {
+                self.context.places.push((at, shape));
+                last = Some(shape);
+            }
+            stack.extend(self.body.arguments(id).iter().filter(|arg| {
+                let text = self.text(**arg);
+                !text.atom && text.length > 0
+            }));
+        }
     }
 
     /// A line with what the scratch holds from `start` on in its midst.
@@ -365,6 +384,7 @@ impl Writer<'_, '_> {
         self.scratch.extend_from_within(name.range());
         self.put(" = ");
         self.scratch.extend_from_within(text.range());
+        self.note_place(id);
         self.line("let ", start, ";");
         if let Some(state) = self.states.get_mut(id as usize) {
             state.text = name;

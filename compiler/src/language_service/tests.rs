@@ -480,3 +480,75 @@ fn answers_are_quick() {
     let most = if cfg!(debug_assertions) { 100.0 } else { 10.0 };
     assert!(times.iter().all(|(_, time)| *time < most), "{times:?}");
 }
+
+/// The parts of a text that is given to the compiler, each with its depth: `0 scene`.
+fn parts_of(text: &str) -> (World, Part) {
+    let loader = MemoryLoader::new().with("main.sdf", text).with("parts.sdf", PARTS);
+    let world = World::read(&loader, &["main.sdf"]);
+    let root = parts(&world, world.file("main.sdf").unwrap()).unwrap();
+    (world, root)
+}
+
+/// The text without some parts, spaces pressed together.
+fn left(text: &str, hidden: &[&str], solo: Option<&str>) -> Result<String, String> {
+    let (world, root) = parts_of(text);
+    for id in hidden.iter().chain(&solo) {
+        assert!(root.find(id).is_some(), "{id} is none of {:?}", root.all().iter().map(|(_, part)| &part.id).collect::<Vec<_>>());
+    }
+    let shown = Shown { hidden: hidden.iter().map(|id| (*id).to_owned()).collect(), solo: solo.map(str::to_owned) };
+    let texts = without(&world, &root, &shown)?;
+    let new = texts.get("main.sdf").cloned().unwrap_or_else(|| text.to_owned());
+    assert_eq!(new.len(), text.len(), "all stays at its place");
+    let lines = |text: &str| text.match_indices('\n').map(|(at, _)| at).collect::<Vec<_>>();
+    assert_eq!(lines(&new), lines(text));
+    let outcome = crate::compile(&MemoryLoader::new().with("main.sdf", new.as_str()).with("parts.sdf", PARTS), "main.sdf", &crate::Options::default());
+    assert!(outcome.compiled.is_some(), "{new}: {:?}", outcome.diagnostics.first().map(|d| &d.message));
+    Ok(new.split_whitespace().collect::<Vec<_>>().join(" "))
+}
+
+#[test]
+fn parts_are_a_tree_and_can_be_left_out() {
+    let text = "shape house = box(1) | sphere(1)\nscene = plane(y)\n  | (house - box(0.5)).translate(1, 0, 0)\n  | house.twist(y, 0.1)\n  | smooth_union(box(2), torus(1, 0.2) & box(3), 0.1)\n";
+    let (_, root) = parts_of(text);
+    let names: Vec<String> = root.all().iter().map(|(depth, part)| format!("{depth} {}{}", part.name, part.kind)).collect();
+    let wanted = [
+        "0 scene", "1 union", "2 plane", "2 difference .translate", "3 houseshape", "4 union", "5 box", "5 sphere", "3 box", "2 houseshape .twist", "4 union",
+    ];
+    assert!(names.starts_with(&wanted[..9].iter().map(|name| (*name).to_owned()).collect::<Vec<_>>()), "{names:?}");
+    let union = "scene/union";
+    let rest = "| (house - box(0.5)).translate(1, 0, 0) | house.twist(y, 0.1) | smooth_union(box(2), torus(1, 0.2) & box(3), 0.1)";
+    let house = "shape house = box(1) | sphere(1)";
+    let scene = |text: Result<String, String>| text.unwrap().strip_prefix(house).map(|text| text.trim().to_owned());
+    let hide = |ids: &[&str]| scene(left(text, &ids.iter().map(|id| format!("{union}/{id}")).collect::<Vec<_>>().iter().map(String::as_str).collect::<Vec<_>>(), None));
+    assert_eq!(hide(&[]).unwrap(), format!("scene = plane(y) {rest}"));
+    assert_eq!(hide(&["plane"]).unwrap(), format!("scene = {}", &rest[2..]));
+    assert_eq!(hide(&["difference/box"]).unwrap(), format!("scene = plane(y) {}", rest.replace("house - box(0.5)", "house ")).replace("house )", "house )"));
+    assert_eq!(hide(&["difference/house", "smooth_union"]).unwrap(), "scene = plane(y) | house.twist(y, 0.1)", "nothing is left of the difference");
+    assert_eq!(hide(&["smooth_union/box"]).unwrap(), format!("scene = plane(y) {}", rest.replace("smooth_union(box(2), torus(1, 0.2) & box(3), 0.1)", "( torus(1, 0.2) & box(3) )")));
+    assert_eq!(hide(&["smooth_union/intersection/box"]).unwrap(), format!("scene = plane(y) {}", rest.replace("& box(3)", "")).replace("  ", " "));
+    let within = left(text, &["scene/union/house/union/sphere"], None).unwrap();
+    assert!(within.starts_with("shape house = box(1) scene = plane(y)"), "{within}");
+    assert_eq!(scene(left(text, &[], Some("scene/union/smooth_union/intersection/torus"))).unwrap(), "scene = ( torus(1, 0.2) )");
+    assert_eq!(scene(left(text, &[], Some("scene/union/difference/box"))).unwrap(), "scene = ( box(0.5)).translate(1, 0, 0)", "what is taken away is shown alone");
+    assert!(left(text, &[union], None).is_err(), "nothing is left");
+    assert!(left(text, &["scene/union/plane", "scene/union/difference", "scene/union/house", "scene/union/smooth_union"], None).is_err());
+}
+
+#[test]
+fn parts_know_what_the_compiler_does() {
+    let text = "shape house = box(1).twist(y, 1).translate(3, 0, 0)\nscene = sphere(0.5) | house\n";
+    let (_, mut root) = parts_of(text);
+    let outcome = crate::compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &crate::Options::default());
+    let compiled = outcome.compiled.unwrap();
+    let factors = crate::factors::explain(&compiled, &outcome.sources);
+    tell(&mut root, &compiled, &outcome.sources, &factors);
+    let part = |id: &str| root.find(id).unwrap();
+    let (ball, house) = (part("scene/union/sphere"), part("scene/union/house"));
+    assert_eq!(ball.factor, None);
+    assert!(house.factor.is_some_and(|factor| factor > 1.05), "{house:?}");
+    let [low, high] = ball.region.unwrap();
+    assert!(low.iter().all(|c| (c + 0.5).abs() < 0.01) && high.iter().all(|c| (c - 0.5).abs() < 0.01), "{low:?} {high:?}");
+    let [low, high] = house.region.unwrap();
+    assert!(low[0] > 1.0 && high[0] < 5.0, "{low:?} {high:?}");
+    assert!(part("scene/union").operations > ball.operations && house.operations > ball.operations, "{root:?}");
+}

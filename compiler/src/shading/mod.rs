@@ -100,7 +100,7 @@ impl Shading {
             tone: blocks.tone,
             fog: blocks.fog.is_some_and(|(_, density)| constant(density) != Some(0.0)),
             glass: functions.surface.glass.is_some(),
-            optics: blocks.cameras.iter().any(|camera| camera.orthographic || camera.lens.is_some_and(|lens| constant(lens) != Some(0.0))),
+            optics: blocks.parallel || blocks.cameras.iter().any(|camera| camera.orthographic || camera.lens.is_some_and(|lens| constant(lens) != Some(0.0))),
         }
     }
 

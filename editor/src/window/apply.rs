@@ -9,7 +9,7 @@ use crate::window::holding::{self, Holding, Number};
 use crate::window::looking::Asked;
 use crate::window::orbit::Orbit;
 use crate::window::recovery::{Found, Recovery};
-use crate::window::session::{PathAsked, Purpose, Question, Session, factors, problems};
+use crate::window::session::{PathAsked, Purpose, Question, Session, Timeline, factors, problems};
 use crate::window::world::World;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -18,6 +18,7 @@ use std::time::Instant;
 use surefoot_compiler::camera::Basis;
 use surefoot_compiler::compiled::{Camera, Compiled, Live};
 use surefoot_compiler::diagnostic::Severity;
+use surefoot_compiler::language_service::Shown;
 use surefoot_compiler::outlook::is_blind;
 use surefoot_compiler::physics::{Ball, State};
 use surefoot_compiler::reference::Reference;
@@ -190,6 +191,41 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::ShowSource(open) => session.open.source = open,
         Command::ShowParameters(open) => session.open.parameters = open,
         Command::ShowMeasures(open) => session.open.measures = open,
+        Command::ShowOutline(open) => {
+            session.open.outline = open;
+            if session.parts.ask(open) {
+                world.live.again();
+            }
+        }
+        Command::ShowShader(open) => session.open.shader = open,
+        Command::ShowFrames(open) => session.open.frames = open,
+        Command::ShowGrid(open) => session.open.grid = open,
+        Command::Hide(id, hidden) => {
+            let mut shown = session.parts.shown();
+            match hidden {
+                true => shown.hidden.insert(id),
+                false => shown.hidden.remove(&id),
+            };
+            show_parts(session, world, shown);
+        }
+        Command::Solo(solo) => {
+            let shown = Shown { solo, ..session.parts.shown() };
+            show_parts(session, world, shown);
+        }
+        Command::ShowAllParts => show_parts(session, world, Shown::default()),
+        Command::MeasurePasses => {
+            let size = session.meter.size;
+            if let (Some(gpu), Some(scene), Some(live)) = (world.gpu(), session.scene().cloned(), session.stage.live().cloned()) {
+                session.passes.begin(gpu, &scene, &live, session.look.mode, size, world.waker());
+            }
+        }
+        Command::Parallel(parallel) => {
+            move_camera(session, |orbit| orbit.parallel = parallel);
+            let is_drawn = session.scene().is_some_and(|scene| scene.blocks.parallel);
+            if session.parts.let_parallel(parallel || is_drawn) {
+                world.live.again();
+            }
+        }
         Command::Measure { walls } => {
             if let Some((scene, live)) = session.stage.scene().zip(session.stage.live()) {
                 session.measuring.begin(scene, live, walls);
@@ -211,6 +247,14 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::Said(words) => said(session, words),
         Command::OnDisk(name, disk) => on_disk(session, world, &name, &disk),
         Command::Drawn(error) => session.said.drawing = error,
+    }
+}
+
+/// Draws the scene with these of its parts.
+fn show_parts(session: &Session, world: &World, shown: Shown) {
+    if session.parts.shown() != shown {
+        session.parts.show(shown);
+        world.live.again();
     }
 }
 
@@ -516,6 +560,7 @@ fn enter(session: &mut Session, world: &mut World, scene: Document) {
     session.asked = None;
     session.open.start = false;
     session.restoring = None;
+    session.parts.show(Shown::default());
     world.open(&scene.name, &mut session.options);
     session.documents.all = vec![scene];
     session.documents.shown = 0;
@@ -523,6 +568,7 @@ fn enter(session: &mut Session, world: &mut World, scene: Document) {
     session.look.orbit = None;
     session.look.camera = None;
     session.stage.set_time(0.0);
+    session.timeline = Timeline::default();
     session.stage.reset_balls();
 }
 
@@ -539,6 +585,9 @@ pub fn note_recent(session: &mut Session, path: &str) {
 pub fn begin_where_it_was(session: &mut Session, world: &mut World) {
     let known = session.documents.all.first().and_then(|document| world.keeper.state.scene(&document.name)).cloned();
     let Some(known) = known else { return };
+    if let Some((length, loops)) = known.timeline.filter(|(length, _)| Timeline::LENGTHS.contains(length)) {
+        session.timeline = Timeline { length, loops };
+    }
     for tab in known.tabs.iter().filter(|tab| matches!(world.read(tab), Disk::Text(_))).cloned().collect::<Vec<_>>() {
         show(session, world, &tab);
     }
@@ -778,7 +827,7 @@ fn go_home(session: &mut Session, old: &Compiled, was: &Live) {
     let blind = |camera: &Camera| session.scene().zip(session.stage.live()).is_some_and(|(new, live)| is_blind(new, live, camera));
     let better = blind(&moved) && !is_blind(old, was, &moved) && session.camera().is_some_and(|own| !blind(&own));
     let near = |a: [f64; 3], b: [f64; 3]| length(sub(a, b)) <= 2e-3 * length(sub(moved.eye, moved.target));
-    let same = session.camera().is_some_and(|own| near(own.eye, moved.eye) && near(own.target, moved.target) && (own.fov - moved.fov).abs() < 1e-3);
+    let same = !orbit.parallel && session.camera().is_some_and(|own| near(own.eye, moved.eye) && near(own.target, moved.target) && (own.fov - moved.fov).abs() < 1e-3);
     session.look.orbit = (!better && !same).then_some(orbit);
 }
 

@@ -1,7 +1,7 @@
 //! What of a session comes back when the program is started again, and how it does.
 
 use super::kept::{Layout, MOST, SceneState, State, whole};
-use super::session::Session;
+use super::session::{Session, Timeline};
 use super::theme::Choice;
 
 /// Takes what a session is like now.
@@ -17,6 +17,9 @@ pub fn take(state: &mut State, session: &Session) {
         source: open.source,
         parameters: open.parameters,
         measures: open.measures,
+        outline: open.outline,
+        shader: open.shader,
+        frames: open.frames,
         text_size: open.text_size,
         wrap: open.wrap,
         light: match open.theme {
@@ -44,6 +47,7 @@ fn scene(session: &Session) -> SceneState {
         camera: session.look.orbit.as_ref().map(|orbit| orbit.camera()).map(|camera| [camera.eye, camera.target]),
         values: moved.filter_map(|p| Some((p.name.clone(), session.stage.value(p)?.to_vec(), p.default.clone()))).take(4 * MOST).collect(),
         choices: session.options.choose.iter().take(MOST).cloned().collect(),
+        timeline: Some(session.timeline).filter(|timeline| *timeline != Timeline::default()).map(|Timeline { length, loops }| (length, loops)),
     }
 }
 
@@ -51,6 +55,7 @@ fn scene(session: &Session) -> SceneState {
 pub fn give(layout: &Layout, session: &mut Session) {
     let open = &mut session.open;
     (open.source, open.parameters, open.measures, open.wrap) = (layout.source, layout.parameters, layout.measures, layout.wrap);
+    (open.outline, open.shader, open.frames) = (layout.outline, layout.shader, layout.frames);
     open.text_size = layout.text_size.clamp(7.0, 40.0);
     open.zoom = layout.zoom.clamp(0.5, 3.0);
     open.widths = layout.widths.map(|width| width.clamp(100.0, 2000.0));

@@ -192,6 +192,24 @@ pub enum Command {
     ShowParameters(bool),
     /// Open or close the panel of the measures.
     ShowMeasures(bool),
+    /// Open or close the panel of the scene's parts.
+    ShowOutline(bool),
+    /// Open or close the panel of the emitted module.
+    ShowShader(bool),
+    /// Open or close the panel of what frames take.
+    ShowFrames(bool),
+    /// Show a grid over the picture, or no longer.
+    ShowGrid(bool),
+    /// Leave a part out of the picture, or no longer: by its id.
+    Hide(String, bool),
+    /// Show one part alone, or no longer.
+    Solo(Option<String>),
+    /// Show all parts.
+    ShowAllParts,
+    /// Measure what each pass of a frame takes.
+    MeasurePasses,
+    /// Let rays go side by side, or not.
+    Parallel(bool),
     /// Measure the scene as it is now.
     Measure {
         /// Whether its walls and gaps are looked for too.

@@ -1,4 +1,4 @@
-//! What comes back when the program is started again: the window's layout, recent files, and of each scene its tabs, camera and sliders.
+//! What comes back when the program is started again: the window's layout, recent files, and of each scene its tabs, camera, sliders and timeline.
 //!
 //! All of it is one small file of JSON in the user's folder. Where it can't be read or written nothing is wrong: the window is as at first.
 
@@ -38,6 +38,12 @@ pub struct Layout {
     pub parameters: bool,
     /// And that of the measures.
     pub measures: bool,
+    /// And that of the scene's parts.
+    pub outline: bool,
+    /// And that of the module.
+    pub shader: bool,
+    /// And that of what frames take.
+    pub frames: bool,
     /// How large the text is written, in points.
     pub text_size: f32,
     /// Whether its long lines are wrapped.
@@ -52,7 +58,7 @@ pub struct Layout {
 
 impl Default for Layout {
     fn default() -> Self {
-        Self { source: true, parameters: true, measures: false, text_size: TEXT_SIZE, wrap: false, light: Some(false), zoom: 1.0, widths: [470.0, 250.0] }
+        Self { source: true, parameters: true, measures: false, outline: false, shader: false, frames: false, text_size: TEXT_SIZE, wrap: false, light: Some(false), zoom: 1.0, widths: [470.0, 250.0] }
     }
 }
 
@@ -72,6 +78,8 @@ pub struct SceneState {
     pub values: Vec<(String, Vec<f64>, Vec<f64>)>,
     /// Choices that a hand made.
     pub choices: Vec<(String, String)>,
+    /// The timeline's length in seconds, and whether it loops, where a hand set them.
+    pub timeline: Option<(f64, bool)>,
 }
 
 impl State {

@@ -24,6 +24,9 @@ pub const KEYS: &[Part] = &[
             ("Ctrl+Shift+S", "save under another name"),
             ("Ctrl+Shift+E", "save the picture, a film or a sequence"),
             ("F1", "this list"),
+            ("Ctrl+Shift+O", "the outline: the scene's parts, hidden or alone"),
+            ("Ctrl+Shift+G", "the emitted WGSL beside the text"),
+            ("Ctrl+Shift+P", "what frames and their passes take"),
             ("F6", "from the text to the sliders, to the picture, and back"),
             ("Ctrl+Tab, Ctrl+Shift+Tab", "the next tab, the one before"),
             ("Ctrl+W", "close the tab"),
@@ -65,7 +68,9 @@ pub const KEYS: &[Part] = &[
             ("Arrows, and with Shift", "turn the camera, move it sideways"),
             ("Page Up, Page Down", "come nearer, go farther"),
             ("Ctrl+1, Ctrl+2, …", "the views of the toolbar"),
-            ("1, 3, 7", "look from the front, from the right, from above"),
+            ("1, 3, 7, 9", "look from the front, from the right, from above, from a corner"),
+            ("G", "a grid with a scale, or none"),
+            ("5", "let rays go side by side, or not"),
             ("F", "come nearer to what was picked, or see the whole solid"),
             ("Home, or a double click", "the scene's own camera"),
             ("Alt and a click", "name what made the pixel, and follow its ray"),
@@ -92,11 +97,19 @@ pub fn hear(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
     } else if pressed(Modifiers::COMMAND, Key::S) {
         commands.push(Command::Save);
     }
-    if pressed(Modifiers::COMMAND, Key::O) {
+    if pressed(forth, Key::O) {
+        commands.push(Command::ShowOutline(!session.open.outline));
+    } else if pressed(Modifiers::COMMAND, Key::O) {
         commands.push(Command::AskPath(Some(Purpose::Open)));
     }
     if pressed(Modifiers::COMMAND, Key::N) {
         commands.push(Command::New);
+    }
+    if pressed(forth, Key::G) {
+        commands.push(Command::ShowShader(!session.open.shader));
+    }
+    if pressed(forth, Key::P) {
+        commands.push(Command::ShowFrames(!session.open.frames));
     }
     if pressed(forth, Key::E) {
         commands.push(Command::AskPath(Some(Purpose::Picture)));

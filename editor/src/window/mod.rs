@@ -16,7 +16,10 @@ mod looking;
 mod measuring;
 mod meter;
 mod orbit;
+mod painter;
 mod panels;
+mod parts;
+mod passes;
 mod places;
 mod recovery;
 mod refine;
@@ -38,6 +41,7 @@ use canvas::{Canvas, Order};
 use command::Command;
 use document::Document;
 use eframe::egui_wgpu::{RenderState, WgpuSetup};
+use painter::Painter;
 use egui::containers::panel::PanelState;
 use egui::{CentralPanel, Event, Frame, IdSalt, Margin, Panel, Rect, ViewportCommand, vec2};
 use serde_json::json;
@@ -100,10 +104,20 @@ fn run(scene: &str, create: impl FnOnce(&eframe::CreationContext<'_>, &str) -> R
         dithering: false,
         ..Default::default()
     };
+    // A frame with a key in it does not wait for one before.
+    options.wgpu_options.surface.desired_maximum_frame_latency = Some(1);
     if let WgpuSetup::CreateNew(setup) = &mut options.wgpu_options.wgpu_setup {
         setup.device_descriptor = Arc::new(Gpu::device_descriptor);
     }
-    let create = |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> { Ok(Box::new(create(cc, scene)?)) };
+    let create = |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
+        let app = create(cc, scene)?;
+        if app.session.meter.software
+            && let Some(painter) = cc.wgpu_render_state.as_ref().and_then(Painter::of)
+        {
+            cc.egui_ctx.add_plugin(painter);
+        }
+        Ok(Box::new(app))
+    };
     eframe::run_native("surefoot", options, Box::new(create)).map_err(|error| error.to_string())
 }
 
@@ -147,7 +161,7 @@ impl App {
             session.meter.software = gpu.is_software();
         }
         log.event("opened", json!({ "scene": scene, "adapter": session.meter.adapter }));
-        let world = World::new(scene, &session.options, loader, gpu.clone(), recovery, log.clone(), wake.clone())?;
+        let world = World::new(scene, &session.options, loader, gpu.clone(), recovery, log.clone(), wake.clone(), session.parts.clone())?;
         let canvas = gpu
             .zip(cc.wgpu_render_state.clone())
             .map(|(gpu, render)| Canvas::new(gpu, render, log, wake));
@@ -155,6 +169,9 @@ impl App {
         let mut world = world;
         back::give(&world.keeper.state.layout, &mut session);
         session.recent.clone_from(&world.keeper.state.recent);
+        if session.parts.ask(session.open.outline) {
+            world.live.again();
+        }
         if !session.documents.all.iter().any(|document| document.is_missing()) {
             apply::note_recent(&mut session, scene);
         }
@@ -175,6 +192,7 @@ impl App {
             apply(&mut self.session, &mut self.world, command);
         }
         self.session.measuring.hear();
+        self.session.passes.hear();
         if let Some(words) = self.session.export.hear() {
             self.session.notice = Some(words);
         }
@@ -193,7 +211,7 @@ impl App {
         }
         if let Some(canvas) = &self.canvas {
             let timing = canvas.timing();
-            self.session.meter.frame = timing.frame;
+            self.session.meter.note(timing.frame);
             self.session.meter.size = timing.size;
             self.session.meter.sharp = canvas.is_sharp();
             self.session.meter.samples = canvas.samples();
@@ -245,19 +263,31 @@ impl App {
                 text.show(ui, |ui| panels::source::show(ui, session, commands));
             });
         }
-        if session.open.parameters || session.open.measures {
+        if session.open.shader {
+            let most = (0.4 * wide).max(200.0);
+            let beside = Panel::left("shader").frame(side).default_size(300.0).size_range(160.0..=most);
+            beside.show(ui, |ui| panels::shader::show(ui, session));
+        }
+        type Show = fn(&mut egui::Ui, &Session, &mut Vec<Command>);
+        let stack: [(bool, &str, Show); 4] = [
+            (session.open.parameters, "parameters", panels::parameters::show),
+            (session.open.outline, "outline", panels::outline::show),
+            (session.open.measures, "measures", panels::measures::show),
+            (session.open.frames, "frames", panels::frames::show),
+        ];
+        let stack: Vec<_> = stack.into_iter().filter(|(open, ..)| *open).collect();
+        if let Some(((_, _, first), rest)) = stack.split_first() {
             let most = (0.3 * wide).max(150.0);
             let right = Panel::right("parameters").frame(side).default_size(session.open.widths[1]).size_range(150.0..=most);
             widths[1] = show_side(ui, "parameters", right, widths[1], most, |ui| {
-                if !session.open.parameters {
-                    return panels::measures::show(ui, session, commands);
-                }
-                if session.open.measures {
+                // Each has a share of the height, and the first what is left.
+                let high = ui.available_height() / stack.len() as f32;
+                for (_, name, show) in rest.iter().rev() {
                     let below = Frame::new().inner_margin(Margin { top: 8, ..Margin::ZERO });
-                    let list = Panel::bottom("measures").frame(below).resizable(true);
-                    list.default_size(330.0).size_range(60.0..=600.0).show(ui, |ui| panels::measures::show(ui, session, commands));
+                    let list = Panel::bottom(*name).frame(below).resizable(true);
+                    list.default_size(high.min(330.0)).size_range(60.0..=600.0).show(ui, |ui| show(ui, session, commands));
                 }
-                CentralPanel::default().frame(Frame::NONE).show(ui, |ui| panels::parameters::show(ui, session, commands));
+                CentralPanel::default().frame(Frame::NONE).show(ui, |ui| first(ui, session, commands));
             });
         }
         if session.moves() {
@@ -300,7 +330,9 @@ impl App {
             ui.ctx().request_repaint_after(again);
         }
         panels::picture::paint(ui, rect, &self.session, shown);
+        panels::grid::show(ui, rect, &self.session);
         panels::legend::show(ui, rect, &self.session, &mut commands);
+        panels::outline::badge(ui, rect, &self.session, &mut commands);
         panels::picked::show(ui, rect, &self.session, &mut commands);
         panels::picture::band(ui, rect, &self.session, &mut commands);
         self.apply(commands);
@@ -345,7 +377,7 @@ impl App {
         if self.session.stage.animates() {
             ctx.request_repaint();
         }
-        if self.session.said.work.is_some() || self.session.measuring.part().is_some() || self.session.export.part().is_some() || self.session.looking.is_busy() || self.session.stage.settles() {
+        if self.session.said.work.is_some() || self.session.measuring.part().is_some() || self.session.export.part().is_some() || self.session.looking.is_busy() || self.session.passes.is_busy() || self.session.stage.settles() {
             ctx.request_repaint_after(TICK);
         }
         let now = Instant::now();

@@ -16,6 +16,8 @@ pub struct Orbit {
     pitch: f64,
     /// From axes of which y is up to those of the scene.
     upright: DQuat,
+    /// Whether rays go side by side, though the camera's do not.
+    pub parallel: bool,
     /// The camera that it was, and how far away that stood.
     camera: Camera,
     began: f64,
@@ -30,6 +32,13 @@ pub enum Side {
     Right,
     /// From above.
     Top,
+    /// From a corner: the three axes are as long as each other.
+    Corner,
+}
+
+impl Side {
+    /// All, with their names and keys.
+    pub const ALL: [(&'static str, &'static str, Side); 4] = [("Front", "1", Side::Front), ("Right", "3", Side::Right), ("Top", "7", Side::Top), ("Isometric", "9", Side::Corner)];
 }
 
 /// Nearer to the vertical the picture would spin.
@@ -50,6 +59,7 @@ impl Orbit {
             yaw: away.x.atan2(away.z),
             pitch: away.y.clamp(-1.0, 1.0).asin().clamp(-STEEPEST, STEEPEST),
             upright,
+            parallel: false,
             camera: *camera,
             began: distance,
         }
@@ -63,6 +73,8 @@ impl Orbit {
             target: self.target.into(),
             // Rays side by side see less where one goes nearer.
             projection: match self.camera.projection {
+                // As high as what is seen at the target.
+                Projection::Perspective if self.parallel => Projection::Orthographic(Some(2.0 * self.distance * (0.5 * self.camera.fov).tan())),
                 Projection::Orthographic(Some(height)) => Projection::Orthographic(Some(height * nearer)),
                 other => other,
             },
@@ -97,6 +109,7 @@ impl Orbit {
             Side::Front => (0.0, 0.0),
             Side::Right => (FRAC_PI_2, 0.0),
             Side::Top => (0.0, STEEPEST),
+            Side::Corner => (0.25 * PI, (1.0 / 3f64.sqrt()).asin()),
         };
     }
 
@@ -163,6 +176,13 @@ mod tests {
         assert!(orbit.camera().eye[1] > 9.0);
         orbit.look_from(Side::Front);
         assert!(orbit.camera().eye[2] > 9.0);
+        orbit.look_from(Side::Corner);
+        let camera = orbit.camera();
+        let away = DVec3::from(camera.eye) - DVec3::from(camera.target);
+        assert!(away.abs_diff_eq(DVec3::splat(away.x), 1e-9), "{away}");
+        orbit.parallel = true;
+        assert_eq!(orbit.camera().projection, Projection::Orthographic(Some(2.0 * away.length() * 0.4f64.tan())));
+        orbit.parallel = false;
         orbit.frame([1.0, 2.0, 3.0], Some(0.5));
         let camera = orbit.camera();
         assert!(near(camera.target, [1.0, 2.0, 3.0]));

@@ -8,9 +8,12 @@ use super::kept::SceneState;
 use super::looking::Looking;
 use super::measuring::Measuring;
 use super::orbit::Orbit;
+use super::parts::Parts;
+use super::passes::Passes;
 pub use super::places::{Place, place};
 use super::recovery::Found;
 use super::theme::{Choice, TEXT_SIZE};
+use std::collections::VecDeque;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -64,6 +67,10 @@ pub struct Session {
     pub looking: Looking,
     /// How far into the picture the ball is that a hand holds, if one does.
     pub held: Option<f64>,
+    /// The scene's parts, and which are hidden.
+    pub parts: Parts,
+    /// What each pass of a frame takes.
+    pub passes: Passes,
     /// The number of the text that a hand holds, if one does and it can be a slider.
     pub holding: Option<Holding>,
     /// How many numbers were held so far.
@@ -77,6 +84,12 @@ pub struct Timeline {
     pub length: f64,
     /// Whether time begins anew at its end.
     pub loops: bool,
+}
+
+impl Default for Timeline {
+    fn default() -> Self {
+        Self { length: 10.0, loops: false }
+    }
 }
 
 impl Timeline {
@@ -206,6 +219,14 @@ pub struct Open {
     pub parameters: bool,
     /// What the scene measures.
     pub measures: bool,
+    /// The scene's parts.
+    pub outline: bool,
+    /// The module that is emitted.
+    pub shader: bool,
+    /// What frames take.
+    pub frames: bool,
+    /// A grid over the picture.
+    pub grid: bool,
     /// How large the text is written, in points.
     pub text_size: f32,
     /// Whether long lines of the text are wrapped.
@@ -308,6 +329,9 @@ impl PathAsked {
 pub struct Meter {
     /// The last picture's time, from the order to its end.
     pub frame: Duration,
+    /// Those of the last pictures, in seconds, the newest last.
+    pub frames: VecDeque<f32>,
+
     /// Its width and height in pixels.
     pub size: (u32, u32),
     /// Whether all pixels are drawn: not while something moves that is slow to draw.
@@ -320,6 +344,23 @@ pub struct Meter {
     pub software: bool,
 }
 
+impl Meter {
+    /// So many times are kept.
+    pub const KEPT: usize = 120;
+
+    /// Notes what a picture took, once.
+    pub fn note(&mut self, frame: Duration) {
+        // No two take the same to the nanosecond.
+        if frame != self.frame {
+            self.frame = frame;
+            self.frames.push_back(frame.as_secs_f32());
+            while self.frames.len() > Self::KEPT {
+                self.frames.pop_front();
+            }
+        }
+    }
+}
+
 impl Session {
     /// A window on a scene whose text is not known yet.
     pub fn new(scene: Document) -> Self {
@@ -330,14 +371,14 @@ impl Session {
             stage,
             said: Said::default(),
             look: Look { wide: f64::INFINITY, ..Look::default() },
-            open: Open { source: true, parameters: true, measures: false, ray: true, text_size: TEXT_SIZE, wrap: false, zoom: 1.0, theme: Choice::Dark, widths: [470.0, 250.0], alone: false, start: false, keys: false, to_sliders: false, beside: Vec::new() },
+            open: Open { source: true, parameters: true, measures: false, outline: false, shader: false, frames: false, grid: false, ray: true, text_size: TEXT_SIZE, wrap: false, zoom: 1.0, theme: Choice::Dark, widths: [470.0, 250.0], alone: false, start: false, keys: false, to_sliders: false, beside: Vec::new() },
             search: None,
             asked: None,
             recent: Vec::new(),
             restoring: None,
             question: None,
             notice: None,
-            timeline: Timeline { length: 10.0, loops: false },
+            timeline: Timeline::default(),
             options: Options::default(),
             meter: Meter::default(),
             found: Vec::new(),
@@ -345,6 +386,8 @@ impl Session {
             export: Export::default(),
             looking: Looking::default(),
             held: None,
+            parts: Parts::default(),
+            passes: Passes::default(),
             holding: None,
             holds: 0,
         }

@@ -12,6 +12,7 @@ mod random;
 mod tabs;
 mod timeline;
 mod typing;
+mod understanding;
 mod unsaved;
 
 use super::*;

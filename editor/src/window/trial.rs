@@ -233,6 +233,8 @@ impl Trial {
         match &mut self.phase {
             Phase::Opening if session.said.swaps > 0 && canvas.samples() > 0 => {
                 canvas.set_still(1);
+                // Of what moves there is no picture with all its pixels.
+                session.stage.playing = false;
                 self.type_in(ctx, session, canvas);
                 self.enter(Phase::Typing(0));
             }

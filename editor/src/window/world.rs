@@ -4,6 +4,7 @@ use super::command::Command;
 use super::document::Disk;
 use super::kept::Keeper;
 use super::log::Log;
+use super::parts::Parts;
 use super::recovery::Recovery;
 use super::session::Session;
 use serde_json::json;
@@ -12,7 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::{Loader, Options, Outcome};
 use surefoot_compiler::source::Sources;
-use surefoot_compiler::{Memory, compile_remembering};
+use surefoot_compiler::Memory;
 use surefoot_runtime::film::LINEAR;
 use surefoot_runtime::live::{LiveScene, Setup, SharedLoader, Work};
 use surefoot_runtime::{Gpu, Stats, ViewMode};
@@ -46,12 +47,13 @@ impl World {
         recovery: Recovery,
         log: Log,
         wake: Arc<dyn Fn() + Send + Sync>,
+        parts: Parts,
     ) -> Result<Self, String> {
         let live = LiveScene::start(Setup {
             path: scene.to_owned(),
             options: options.clone(),
             loader: loader.clone(),
-            compile: Arc::new(remembering()),
+            compile: Arc::new(remembering(parts)),
             target: gpu.clone().map(|gpu| (gpu, LINEAR)),
             mode: ViewMode::default(),
             wake: wake.clone(),
@@ -162,6 +164,11 @@ impl World {
         move || wake()
     }
 
+    /// The device.
+    pub fn gpu(&self) -> Option<&Gpu> {
+        self.gpu.as_ref()
+    }
+
     /// What was built on the device so far.
     pub fn stats(&self) -> Stats {
         self.gpu.as_ref().map(Gpu::stats).unwrap_or_default()
@@ -178,11 +185,11 @@ pub fn read(loader: &dyn Loader, path: &str) -> Disk {
 }
 
 /// The compiler, with what it found before: an edit costs what it changed.
-fn remembering() -> impl Fn(&dyn Loader, &str, &Options) -> Outcome {
+fn remembering(parts: Parts) -> impl Fn(&dyn Loader, &str, &Options) -> Outcome {
     let memory = Mutex::new(Memory::default());
     move |loader, path, options| {
         let mut memory = memory.lock().unwrap_or_else(PoisonError::into_inner);
-        compile_remembering(loader, path, options, &mut memory, &mut |_| {})
+        parts.compile(loader, path, options, &mut memory)
     }
 }
 

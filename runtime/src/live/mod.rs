@@ -86,6 +86,11 @@ impl LiveScene {
         });
     }
 
+    /// Compiles again: what the compiler is given is another, though the files are not.
+    pub fn again(&self) {
+        self.push(|state| state.anew = true);
+    }
+
     /// Chooses for a parameter that chooses among names; this compiles again.
     pub fn choose(&self, parameter: &str, choice: &str) {
         self.push(|state| {

@@ -40,6 +40,7 @@ pub fn sphere_in(wgsl: &str, radius: f64, (min, max): (f64, f64)) -> Compiled {
     use Export::*;
     compiled.module = Module {
         wgsl: wgsl.to_owned(),
+        places: Vec::new(),
         exports: vec![Field, Bound, Distance, Gradient, Trace, Shadow, Occlusion, Surface],
         uniform_name: "sf_uniforms".to_owned(),
         origin: "sf_uniforms.origin".to_owned(),

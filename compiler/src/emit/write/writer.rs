@@ -9,7 +9,7 @@ use crate::emit::plan::{Plans, TargetId};
 use crate::emit::table::Tables;
 use crate::emit::uniforms::Candidates;
 use crate::graph::interval::Interval;
-use crate::graph::{Graph, NodeId};
+use crate::graph::{Graph, NodeId, ShapeId};
 use crate::interface::Rounding;
 use rustc_hash::FxHashMap;
 use std::ops::Range;
@@ -49,6 +49,8 @@ pub struct Context<'a> {
     pub called: FxHashMap<TargetId, (f64, Option<NodeId>)>,
     /// The unions that are tables.
     pub tables: &'a Tables,
+    /// The places of a text at which a line begins that is computed for a shape, in their order.
+    pub places: Vec<(usize, ShapeId)>,
     /// What the function that is written calls [`crate::graph::Leaf::Normal`].
     pub facing: &'static str,
 }

@@ -1,6 +1,7 @@
 //! The menus: files, and how the window looks.
 
 use crate::window::command::Command;
+use crate::window::orbit::Side;
 use crate::window::session::{Purpose, Session};
 use crate::window::theme::{Choice, TEXT_SIZE};
 use egui::{Button, RichText, Ui};
@@ -51,6 +52,30 @@ pub fn look(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         let mut wrap = open.wrap;
         if ui.checkbox(&mut wrap, "Wrap long lines (Alt+Z)").changed() {
             commands.push(Command::Wrap(wrap));
+        }
+        ui.separator();
+        let panels = [
+            ("Outline", "Ctrl+Shift+O", open.outline, Command::ShowOutline(!open.outline)),
+            ("WGSL", "Ctrl+Shift+G", open.shader, Command::ShowShader(!open.shader)),
+            ("Frames", "Ctrl+Shift+P", open.frames, Command::ShowFrames(!open.frames)),
+        ];
+        for (name, key, is_open, command) in panels {
+            if ui.add(Button::selectable(is_open, name).shortcut_text(key)).clicked() {
+                commands.push(command);
+            }
+        }
+        ui.separator();
+        for (name, key, side) in Side::ALL {
+            if entry(ui, name, key, session.scene().is_some()) {
+                commands.push(Command::LookFrom(side));
+            }
+        }
+        let parallel = session.look.orbit.is_some_and(|orbit| orbit.parallel);
+        if ui.add(Button::selectable(parallel, "Parallel rays").shortcut_text("5")).clicked() {
+            commands.push(Command::Parallel(!parallel));
+        }
+        if ui.add(Button::selectable(open.grid, "Grid").shortcut_text("G")).clicked() {
+            commands.push(Command::ShowGrid(!open.grid));
         }
         ui.separator();
         for (name, zoom) in [("Larger window", open.zoom + 0.1), ("Smaller window", open.zoom - 0.1), ("Window as at first", 1.0)] {

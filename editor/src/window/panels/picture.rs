@@ -70,10 +70,16 @@ pub fn keys(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
     }
     // A key with Control or Alt is another.
     let plain = |key| ui.input(|i| i.modifiers.is_none() && i.key_pressed(key));
-    for (key, side) in [(Key::Num1, Side::Front), (Key::Num3, Side::Right), (Key::Num7, Side::Top)] {
+    for (key, side) in [(Key::Num1, Side::Front), (Key::Num3, Side::Right), (Key::Num7, Side::Top), (Key::Num9, Side::Corner)] {
         if plain(key) {
             commands.push(Command::LookFrom(side));
         }
+    }
+    if plain(Key::G) {
+        commands.push(Command::ShowGrid(!session.open.grid));
+    }
+    if plain(Key::Num5) {
+        commands.push(Command::Parallel(!session.look.orbit.is_some_and(|orbit| orbit.parallel)));
     }
     if plain(Key::F) {
         commands.push(Command::FrameSelection);

@@ -117,3 +117,16 @@ fn a_window_at_rest_is_hardly_drawn() {
     assert_eq!(wanted(&mut harness, 10.0) / 16, 0);
     assert_eq!(wanted(&mut harness, 4.0), 0, "it stands still by now: {:?}", pause(&harness));
 }
+
+#[test]
+fn keys_are_measured_while_time_stands() {
+    let folder = Folder::new("trial", "scene = sphere(1).translate(sin(time), 0, 0)\ncamera { eye: (0, 0, 8), target: (0, 0, 0) }\n");
+    let mut harness = window(&folder.scene());
+    assert!(harness.state().session.stage.playing);
+    let gpu = harness.state().canvas.as_ref().unwrap().gpu().clone();
+    harness.state_mut().trial = Some(Trial::new(gpu, Arc::default()));
+    until(&mut harness, |app| !app.session.stage.playing);
+    // So there is a picture with all its pixels, for which the last key's time is waited.
+    sharp(&mut harness);
+    harness.state_mut().trial = None;
+}

@@ -220,7 +220,8 @@ fn all_that_can_have_the_keyboard_has_a_name() {
     std::fs::write(folder.0.join("part.sdf"), "shape part = sphere(1)\n").unwrap();
     let mut harness = at(&folder, 0, 0);
     let part = folder.0.join("part.sdf").to_string_lossy().into_owned();
-    harness.state_mut().apply(vec![Command::Show(part), Command::ShowMeasures(true)]);
+    harness.state_mut().apply(vec![Command::Show(part), Command::ShowMeasures(true), Command::ShowOutline(true), Command::ShowShader(true), Command::ShowFrames(true)]);
+    until(&mut harness, |app| app.session.parts.found().root.is_some());
     harness.run_steps(3);
     let check = |harness: &Harness<'_, App>, what: &str| assert!(nameless(harness).is_empty(), "{what}: {:#?}", nameless(harness));
     check(&harness, "the window");

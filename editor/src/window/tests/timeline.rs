@@ -41,6 +41,29 @@ fn time_is_dragged_and_begins_anew() {
     assert!(time(&harness) >= 0.0);
 }
 
+#[test]
+fn its_length_and_its_loop_come_back() {
+    let folder = Folder::new("timeline-back", MOVING);
+    let mut harness = window(&folder.scene());
+    ready(&mut harness);
+    let timeline = session::Timeline { length: 4.25, loops: true };
+    harness.state_mut().apply(vec![Command::Timeline(timeline)]);
+    let file = folder.0.join("window.json");
+    let start = Instant::now();
+    while !std::fs::read_to_string(&file).is_ok_and(|text| text.contains("4.25")) {
+        assert!(start.elapsed() < Duration::from_secs(5));
+        std::thread::sleep(Duration::from_millis(20));
+        harness.step();
+    }
+    drop(harness);
+    let harness = window(&folder.scene());
+    assert_eq!(harness.state().session.timeline, timeline);
+    // A length that is none is as at first.
+    drop(harness);
+    std::fs::write(&file, std::fs::read_to_string(&file).unwrap().replace("4.25", "-1.0")).unwrap();
+    assert_eq!(window(&folder.scene()).state().session.timeline, session::Timeline::default());
+}
+
 /// Asks for a file of the picture.
 fn ask(harness: &mut Harness<'_, App>, name: &str, each: bool) {
     harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
