@@ -41,3 +41,8 @@ pub fn in_prelude(span: Span) -> bool {
 pub fn is_prelude(file: FileId) -> bool {
     (file.0 as usize) < PRELUDE.len()
 }
+
+/// Whether a field of the prelude is meant as a number that varies, and not as a shape.
+pub fn is_of_numbers(name: &str) -> bool {
+    name == "only_in"
+}

@@ -1,6 +1,6 @@
 //! What comes of a call: a declared function with values for its parameters.
 
-use crate::program::bind::is_of_numbers;
+use crate::prelude::is_of_numbers;
 use crate::program::load::ItemRef;
 use crate::program::value::{Bound, Value};
 use crate::program::{Elaborated, Elaborator, Env, Stop};

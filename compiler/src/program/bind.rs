@@ -6,7 +6,7 @@ use crate::program::builtin::is_function;
 use crate::program::load::{ItemRef, Modules, is_of_prelude, prelude_items};
 use crate::program::value::{Bound, Value, points, type_words};
 use crate::program::{Elaborated, Elaborator, Env, Stop};
-use crate::prelude::in_prelude;
+use crate::prelude::{in_prelude, is_of_numbers};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::graph::kernel::Op;
 use crate::graph::{NodeId, ShapeId};
@@ -65,11 +65,6 @@ static BOUNDS: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| listed("Bound
 
 /// The reach of each blend of the prelude that is cut off where faces of both its operands lie in one plane, from a `Flush:` line of its documentation.
 static FLUSH: LazyLock<Vec<Vec<&'static str>>> = LazyLock::new(|| listed("Flush:"));
-
-/// Whether a field of the prelude is meant as a number that varies, and not as a shape.
-pub(super) fn is_of_numbers(name: &str) -> bool {
-    name == "only_in"
-}
 
 /// The parameter by which a blend reaches, where it is cut off at planes in which faces of both its operands lie.
 pub(super) fn flush_by(modules: &Modules, item: ItemRef) -> Option<&'static str> {
