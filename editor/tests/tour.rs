@@ -196,7 +196,7 @@ fn a_first_hour() {
     until("the first view", || pixels(&window, "view", red) > shaded / 2);
 
     // The scene's parts, and the module beside the text.
-    click(&window, letter(3, 60));
+    click(&window, letter(3, 20));
     let before = pixels(&window, "narrow", red);
     keys(&window, &["ctrl+shift+o", "ctrl+shift+g"]);
     until("the module takes its room", || pixels(&window, "narrow", red) != before);

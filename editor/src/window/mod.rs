@@ -161,7 +161,8 @@ impl App {
             session.meter.software = gpu.is_software();
         }
         log.event("opened", json!({ "scene": scene, "adapter": session.meter.adapter }));
-        let world = World::new(scene, &session.options, loader, gpu.clone(), recovery, log.clone(), wake.clone(), session.parts.clone())?;
+        let world = World::new(scene, &session.options, loader, gpu.clone(), recovery, log.clone(), wake.clone())?;
+        session.parts = world.parts.clone();
         let canvas = gpu
             .zip(cc.wgpu_render_state.clone())
             .map(|(gpu, render)| Canvas::new(gpu, render, log, wake));

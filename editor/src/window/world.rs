@@ -22,6 +22,8 @@ use surefoot_runtime::{Gpu, Stats, ViewMode};
 pub struct World {
     /// The compiler, which follows the scene's files.
     pub live: LiveScene,
+    /// The scene's parts, as the compiler's thread finds and hides them.
+    pub parts: Parts,
     /// What keeps unsaved texts.
     pub recovery: Recovery,
     /// What keeps the rest that comes back.
@@ -47,19 +49,19 @@ impl World {
         recovery: Recovery,
         log: Log,
         wake: Arc<dyn Fn() + Send + Sync>,
-        parts: Parts,
     ) -> Result<Self, String> {
+        let parts = Parts::default();
         let live = LiveScene::start(Setup {
             path: scene.to_owned(),
             options: options.clone(),
             loader: loader.clone(),
-            compile: Arc::new(remembering(parts)),
+            compile: Arc::new(remembering(parts.clone())),
             target: gpu.clone().map(|gpu| (gpu, LINEAR)),
             mode: ViewMode::default(),
             wake: wake.clone(),
         })?;
         let keeper = Keeper::of(recovery.beside("window.json"));
-        let mut world = Self { live, recovery, keeper, log, close: false, followed: Vec::new(), loader, gpu, wake };
+        let mut world = Self { live, parts, recovery, keeper, log, close: false, followed: Vec::new(), loader, gpu, wake };
         world.follow(scene);
         Ok(world)
     }
