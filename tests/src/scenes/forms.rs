@@ -490,6 +490,8 @@ const FLAT: &[&str] = &[
     "largest(<spot>)",
     "smallest(<spot>)",
     "off_circle(<spot>, <little>)",
+    "pin_distance(<spot>, <positive>, <little>, <positive>)",
+    "to_column(<flat>, <positive>, 3)",
     "corner(abs(<spot>) - <size>)",
     "value_noise(<spot>)",
     "perlin(<spot>)",
