@@ -58,7 +58,11 @@ fn no_random_scene_has_a_hole() {
             Verdict::Refused(code) => {
                 // What the generator writes is right as far as its grammar and types go.
                 let of_values = [Code::BadValue, Code::NoBound, Code::NoReach, Code::EndlessCall, Code::TooLarge];
-                assert!(of_values.contains(code), "seed {seed} is no program: {code:?}\n{}", scene(*seed).text());
+                let text = scene(*seed).text();
+                // Or a material paints a shape that the material itself asks, which no grammar forbids.
+                let asks_itself = |line: &str| line.strip_prefix("material paint_a").is_some_and(|rest| rest.contains("paint_a"));
+                let is_itself = *code == Code::TypeMismatch && text.lines().any(asks_itself);
+                assert!(is_itself || of_values.contains(code), "seed {seed} is no program: {code:?}\n{text}");
                 format!("refused: {}", code.row().name)
             }
             Verdict::Wrong(fault) => {
@@ -167,8 +171,8 @@ fn a_scene_shrinks_to_what_matters() {
         let text = term.text();
         // The twist of a loop is a part of its form, and stays with all of that.
         let twists = |line: &str| line.replace(".twist(y, 0.1 * i)", "").contains(".twist(");
-        // A mask stays a mask, with the material that it paints.
-        let holds = |line: &str| line.replace(".paint(torus(", "").contains("(torus(");
+        // A mask stays a mask, with the material that it paints, and a field that is blended stays one, with the shape that it is within.
+        let holds = |line: &str| [".paint(torus(", "meet(torus("].iter().fold(line.to_owned(), |line, part| line.replace(part, "")).contains("(torus(");
         text.lines().any(|line| line.starts_with("scene") && holds(line) && twists(line))
     };
     let large = (0..).map(scene).find(|s| matters(s) && s.text().len() > 600).unwrap();
