@@ -7,7 +7,7 @@ use crate::syntax::ast::{Argument, BlockKind, ExprKind};
 use crate::syntax::words::{self, nearest};
 
 /// A name of another tool, and ours. Those that begin like Quilez' (`sd`, `op`) stand without that beginning, in small letters.
-const NAMES: [(&str, &str); 68] = [
+const NAMES: [(&str, &str); 67] = [
     // Shadertoy, Quilez, hg_sdf.
     ("smin", "smooth_union"),
     ("smax", "smooth_intersection"),
@@ -77,7 +77,6 @@ const NAMES: [(&str, &str); 68] = [
     ("square", "rectangle"),
     ("line", "segment"),
     ("hexagon", "regular_polygon"),
-    ("triangle", "polygon"),
 ];
 
 /// What a name of another tool is called here. `known`: the names that a scene can use.
