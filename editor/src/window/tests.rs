@@ -89,8 +89,13 @@ fn until(harness: &mut Harness<'_, App>, so: impl Fn(&App) -> bool) {
     harness.step();
 }
 
-fn ready(harness: &mut Harness<'_, App>) {
+/// Until something is drawn: a scene that moves is never drawn to its end.
+fn begun(harness: &mut Harness<'_, App>) {
     until(harness, |app| app.session.said.swaps > 0 && frames(app) > 0);
+}
+
+fn ready(harness: &mut Harness<'_, App>) {
+    begun(harness);
     sharp(harness);
 }
 
@@ -411,7 +416,7 @@ fn time_plays_stands_and_goes_back() {
     let text = "scene = box(1).rotate(y, time)\ncamera { eye: (0, 2, 5), target: (0, 0, 0) }\n";
     let folder = Folder::new("time", text);
     let mut harness = window(&folder.scene());
-    ready(&mut harness);
+    begun(&mut harness);
     let drawn = frames(harness.state());
     until(&mut harness, |app| frames(app) > drawn + 2);
     harness.get_by_label("Pause").click();

@@ -8,7 +8,7 @@ const MOVING: &str = "scene = sphere(1).translate(sin(time), 0, 0)\ncamera { eye
 fn time_is_dragged_and_begins_anew() {
     let folder = Folder::new("timeline", MOVING);
     let mut harness = window(&folder.scene());
-    until(&mut harness, |app| app.session.said.swaps > 0 && frames(app) > 0);
+    begun(&mut harness);
     let time = |harness: &Harness<'_, App>| harness.state().session.stage.time();
     assert!(harness.state().session.moves());
     harness.get_by_label("Pause").click();
@@ -45,7 +45,7 @@ fn time_is_dragged_and_begins_anew() {
 fn its_length_and_its_loop_come_back() {
     let folder = Folder::new("timeline-back", MOVING);
     let mut harness = window(&folder.scene());
-    ready(&mut harness);
+    begun(&mut harness);
     let timeline = session::Timeline { length: 4.25, loops: true };
     harness.state_mut().apply(vec![Command::Timeline(timeline)]);
     let file = folder.0.join("window.json");
