@@ -21,7 +21,7 @@ use surefoot_tests::clock::Stopwatch;
 use surefoot_tests::mutations::{self, Corpus};
 
 /// Inputs of an ordinary run.
-const COUNT: u64 = 20_000;
+const COUNT: u64 = 10_000;
 /// The longest that one input may take, of the processor's time, where the yardstick takes no longer than `YARDSTICK`.
 const LONGEST: Duration = Duration::from_secs(1);
 /// How long the yardstick takes on an idle machine of today.
