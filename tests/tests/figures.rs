@@ -1,21 +1,18 @@
 //! Curves and solids of points: bounds, and pictures of both machines.
 
-use crate::common::alike::drawn_alike;
+use crate::common::alike::{bound_holds, drawn_alike, scene};
 use crate::common::gpu;
-use surefoot_compiler::compiled::{Compiled, Export, Live, Options};
-use surefoot_compiler::verify::{Settings, WORK, verify};
-use surefoot_compiler::{MemoryLoader, compile, diagnostic};
-use surefoot_runtime::evaluate;
-
-fn compile_text(text: &str) -> Result<Compiled, String> {
-    let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
-    outcome.compiled.ok_or_else(|| diagnostic::render(&outcome.sources, &outcome.diagnostics, false))
-}
+use surefoot_compiler::MemoryLoader;
+use surefoot_compiler::compiled::Compiled;
 
 const KNOT: &str = "catmull_rom([for i in 0..14 { let t = i / 14 * tau; (sin(t) + 2 * sin(2 * t), cos(t) - 2 * cos(2 * t), -sin(3 * t)) * 0.4 }], closed: true)";
 const STAR: &str = "polyhedron([for k in 0..20 { let i = k % 10; let r = if i % 2 == 0 { 1 } else { 0.4 }; (r * sin(i * 36deg), r * cos(i * 36deg), if k < 10 { -0.3 } else { 0.3 }) }], \
     [[0, 1, 2, 3, 4, 5, 6, 7, 8, 9], [10, 11, 12, 13, 14, 15, 16, 17, 18, 19], [0, 1, 11, 10], [1, 2, 12, 11], [2, 3, 13, 12], [3, 4, 14, 13], [4, 5, 15, 14], [5, 6, 16, 15], [6, 7, 17, 16], \
     [7, 8, 18, 17], [8, 9, 19, 18], [9, 0, 10, 19]])";
+
+fn compile_text(text: &str) -> Compiled {
+    scene(&MemoryLoader::new().with("main.sdf", text)).0
+}
 
 /// Alone, and in all that the language does with shapes.
 fn scenes() -> Vec<(&'static str, String)> {
@@ -35,12 +32,7 @@ fn scenes() -> Vec<(&'static str, String)> {
 fn no_bound_is_too_large() {
     let gpu = gpu();
     for (name, text) in scenes() {
-        let scene = compile_text(&text).unwrap_or_else(|words| panic!("{name}: {words}"));
-        let device = |live: &Live, points: &[[f32; 3]]| evaluate(&gpu, &scene, live, [0.0; 3], Export::Bound, points);
-        let settings = Settings { samples: 2000, certified: 24, seed: 7, work: WORK };
-        let report = verify(&scene, settings, Some(&device), &|_| {}).unwrap();
-        assert!(report.violations.is_empty(), "{name}: {:?}", report.violations);
-        assert!(report.empty > 0 && report.device.is_some_and(|device| device.larger == 0), "{name}: {report:?}");
+        bound_holds(&gpu, name, &compile_text(&text));
     }
 }
 
@@ -48,6 +40,6 @@ fn no_bound_is_too_large() {
 fn both_machines_draw_the_same() {
     let gpu = gpu();
     for (name, text) in scenes() {
-        drawn_alike(&gpu, name, &compile_text(&text).unwrap_or_else(|words| panic!("{name}: {words}")));
+        drawn_alike(&gpu, name, &compile_text(&text));
     }
 }

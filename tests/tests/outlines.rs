@@ -1,18 +1,15 @@
 //! Words and paths: bounds, pictures of both machines, and texts that need no buffers.
 
-use crate::common::alike::drawn_alike;
+use crate::common::alike::{bound_holds, drawn_alike, scene};
 use crate::common::gpu;
-use surefoot_compiler::compiled::{Compiled, Export, Live, Options};
-use surefoot_compiler::verify::{Settings, WORK, verify};
-use surefoot_compiler::{MemoryLoader, compile, diagnostic};
-use surefoot_runtime::evaluate;
-
-fn compile_text(text: &str) -> Result<Compiled, String> {
-    let outcome = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default());
-    outcome.compiled.ok_or_else(|| diagnostic::render(&outcome.sources, &outcome.diagnostics, false))
-}
+use surefoot_compiler::MemoryLoader;
+use surefoot_compiler::compiled::{Compiled, Options};
 
 const WAVE: &str = "M 0 0 C 1 2 3 -2 4 0 S 6 3 4 4 Q 2 6 0 4 Z M 2 1 A 0.6 0.6 0 1 1 1.9 1.1 Z";
+
+fn compile_text(text: &str) -> Compiled {
+    scene(&MemoryLoader::new().with("main.sdf", text)).0
+}
 
 /// Alone, and in all that the language does with drawings.
 fn scenes() -> Vec<(&'static str, String)> {
@@ -34,12 +31,7 @@ fn scenes() -> Vec<(&'static str, String)> {
 fn no_bound_is_too_large() {
     let gpu = gpu();
     for (name, text) in scenes() {
-        let scene = compile_text(&text).unwrap_or_else(|words| panic!("{name}: {words}"));
-        let device = |live: &Live, points: &[[f32; 3]]| evaluate(&gpu, &scene, live, [0.0; 3], Export::Bound, points);
-        let settings = Settings { samples: 2000, certified: 24, seed: 7, work: WORK };
-        let report = verify(&scene, settings, Some(&device), &|_| {}).unwrap();
-        assert!(report.violations.is_empty(), "{name}: {:?}", report.violations);
-        assert!(report.empty > 0 && report.device.is_some_and(|device| device.larger == 0), "{name}: {report:?}");
+        bound_holds(&gpu, name, &compile_text(&text));
     }
 }
 
@@ -47,20 +39,20 @@ fn no_bound_is_too_large() {
 fn both_machines_draw_the_same() {
     let gpu = gpu();
     for (name, text) in scenes() {
-        drawn_alike(&gpu, name, &compile_text(&text).unwrap_or_else(|words| panic!("{name}: {words}")));
+        drawn_alike(&gpu, name, &compile_text(&text));
     }
 }
 
 #[test]
 fn long_texts_stand_beside_a_module() {
     let words = "The quick brown fox jumps over the lazy dog. ".repeat(5);
-    let scene = compile_text(&format!("scene = text(\"{words}\").extrude(0.3)")).unwrap();
+    let scene = compile_text(&format!("scene = text(\"{words}\").extrude(0.3)"));
     assert!(scene.module.needs_buffers && scene.module.wgsl.contains("var<storage, read>") && scene.module.wgsl.len() < 100_000);
 }
 
 #[test]
 fn words_stand_in_the_text_of_a_module() {
-    let scene = compile_text("scene = text(\"Surefoot\").extrude(0.3)").unwrap();
+    let scene = compile_text("scene = text(\"Surefoot\").extrude(0.3)");
     assert!(!scene.module.needs_buffers && !scene.module.wgsl.contains("var<storage"), "it needs no buffer");
     let (with, [_, lists]) = scene.module.with_buffers(&Options::default()).unwrap();
     assert!(with.wgsl.contains("var<storage, read>") && lists.len() > 4 * 1_000);

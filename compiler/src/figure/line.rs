@@ -242,9 +242,10 @@ impl Line {
         dot(cross(y, first.y), first.forth).atan2(dot(y, first.y))
     }
 
-    /// The stretches of a sweep, and those that meet at a kink, each once more without the planes there. At a kink both end
-    /// at the plane between them; what both would hold without it is inside of the sweep. Where there is none each reaches into the next one, as far as it does not leave it. What a
-    /// closed curve lacks of a whole turn is shared out among its joints.
+    /// The stretches of a sweep, and the pairs of them that meet at a kink, without the planes that end them there.
+    /// At a kink both stretches end at the plane between them. What the two hold in common without that plane belongs to the sweep.
+    /// Where there is no kink each stretch reaches a little into the next one, and stays inside of it.
+    /// The turn that a closed curve lacks at its end is shared out among its joints.
     pub fn stretches(&self) -> (Vec<Stretch>, Vec<[Stretch; 2]>) {
         let frames = self.frames();
         let whole = self.length();
@@ -333,7 +334,8 @@ const FOLDED: f64 = -0.9;
 /// A plane beyond everything.
 const NOWHERE: (Vec3, f64) = ([0.0, 1.0, 0.0], 1e9);
 
-/// Where a plane across a bow stands that lies so far beyond its end, and how it is turned: by `sign` at the end or the start. An arc is cut by a plane through its axis.
+/// How far along its own direction a plane stands that cuts a bow `reach` beyond one of its ends: the last for a `sign` above zero, else the first.
+/// `out` becomes that direction. The plane of an arc goes through its axis.
 fn beyond(bow: &Bow, reach: f64, sign: f64, out: &mut Vec3) -> f64 {
     // No arc goes further than to a right angle from its middle.
     let way = (bow.half + reach).min(if bow.bend > 0.0 { (1.5 / bow.bend).max(bow.half) } else { f64::INFINITY });

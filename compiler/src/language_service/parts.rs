@@ -388,8 +388,8 @@ impl Told<'_> {
     }
 }
 
-/// The texts that become others where only some parts are shown, by their paths: as long as before, each part at its place. The error says what can't be
-/// left out.
+/// The texts that change where only some parts are shown, by their paths. Each is as long as before, so every part keeps its place.
+/// The error names a part that can't be left out.
 pub fn without(world: &World, root: &Part, shown: &Shown) -> Result<BTreeMap<String, String>, String> {
     let mut cut = Cut::default();
     for (_, part) in root.all() {

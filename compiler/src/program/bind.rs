@@ -457,7 +457,7 @@ impl Elaborator<'_> {
         Ok(kept)
     }
 
-    /// Whether a shape is what a person declared as a formula, or one of the prelude that is meant so: such a one may stand where a number is wanted that varies.
+    /// Whether a shape may stand for a number that varies from place to place: a person declared it as a formula, or the prelude says that it is one.
     fn is_declared_field(&self, id: ShapeId) -> bool {
         let Some(name) = self.graph.shape(id).and_then(|s| s.name.clone()) else { return false };
         if is_of_numbers(&name) {

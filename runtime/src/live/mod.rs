@@ -86,7 +86,7 @@ impl LiveScene {
         });
     }
 
-    /// Compiles again: what the compiler is given is another, though the files are not.
+    /// Compiles again although no file has changed: what the host gives to the compiler has.
     pub fn again(&self) {
         self.push(|state| state.anew = true);
     }

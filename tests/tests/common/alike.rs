@@ -2,15 +2,16 @@
 
 use image::{ColorType, ImageEncoder};
 use rayon::prelude::*;
-use surefoot_compiler::compiled::{Compiled, Options};
+use surefoot_compiler::compiled::{Compiled, Export, Live, Options};
 use surefoot_compiler::images::Images;
 use surefoot_compiler::srgb::{decode, encode};
 use surefoot_compiler::reference::{Area, Reference, View, film, rgb8};
+use surefoot_compiler::verify::{Settings, WORK, verify};
 use surefoot_compiler::{MemoryLoader, compile, diagnostic};
 use surefoot_runtime::headless::{self, FORMAT, Pixels, Shot};
 use surefoot_runtime::images::{Gallery, Loaded};
 use surefoot_runtime::mesh::Assets;
-use surefoot_runtime::{Gpu, Picture, ViewMode};
+use surefoot_runtime::{Gpu, Picture, ViewMode, evaluate};
 
 /// The scene of some files, whose own is `main.sdf`, with its images.
 pub fn scene(files: &MemoryLoader) -> (Compiled, Loaded) {
@@ -30,6 +31,15 @@ pub fn scene_with_meshes(files: &MemoryLoader) -> (Compiled, Assets) {
     let broken = assets.load(files, &compiled, &|_, _, _| {});
     assert!(broken.is_empty(), "{broken:?}");
     (compiled, assets)
+}
+
+/// No bound of a scene is farther than its surface, in 64 bits and on the device, and some balls within it are certified to be empty.
+pub fn bound_holds(gpu: &Gpu, name: &str, scene: &Compiled) {
+    let device = |live: &Live, points: &[[f32; 3]]| evaluate(gpu, scene, live, [0.0; 3], Export::Bound, points);
+    let settings = Settings { samples: 2000, certified: 24, seed: 7, work: WORK };
+    let report = verify(scene, settings, Some(&device), &|_| {}).unwrap();
+    assert!(report.violations.is_empty(), "{name}: {:?}", report.violations);
+    assert!(report.empty > 0 && report.device.is_some_and(|device| device.larger == 0), "{name}: {report:?}");
 }
 
 /// Holds a scene's normals and depths, as the device draws them, against those of the reference.
