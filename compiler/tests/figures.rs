@@ -376,23 +376,66 @@ fn a_function_of_a_curve_takes_one() {
 }
 
 /// A random curve as text, and a drawing that is as wide as it bends.
-fn random_sweep(i: u64) -> String {
+fn random_sweep(i: u64, twist: &str) -> String {
     let mut random = Random(i);
     let points: Vec<String> = (0..4 + i % 3).map(|_| point(&mut random, 0.8)).map(|[x, y, z]| format!("({x:.3}, {y:.3}, {z:.3})")).collect();
     let kind = if i % 3 == 0 { "polyline" } else { "catmull_rom" };
     let drawing = ["rectangle((0.5, 0.1))", "circle(0.12)", "star(5, 0.2, 0.1)", "rectangle((0.1, 0.4)).translate(0.1, 0.1)"][(i % 4) as usize];
-    format!("scene = {drawing}.sweep({kind}([{}], closed: {}))", points.join(", "), i % 2 == 0)
+    format!("scene = {drawing}.sweep({kind}([{}], closed: {}){twist})", points.join(", "), i % 2 == 0)
 }
 
 #[test]
 fn sweeps_along_random_curves_are_not_stepped_through() {
     let count = std::env::var("SUREFOOT_SWEEPS").ok().and_then(|count| count.parse().ok()).unwrap_or(SWEEPS);
     for i in 0..count {
-        let text = random_sweep(i);
+        let text = random_sweep(i, "");
         let scene = compiled(&text);
         let report = verify(&scene, Settings { samples: 200, certified: 2, seed: i, work: WORK }, None, &|_| {}).unwrap();
         assert!(report.violations.is_empty(), "{text}: {:?}", report.violations);
         assert!(scene.graph.factors.is_empty(), "{text}: {:?}", scene.graph.factors);
+    }
+}
+
+#[test]
+fn twisted_sweeps_are_not_stepped_through() {
+    let count = std::env::var("SUREFOOT_SWEEPS").ok().and_then(|count| count.parse().ok()).unwrap_or(SWEEPS);
+    for i in 0..count {
+        let twist = 400.0 * (i % 5) as f64 - 700.0;
+        let text = random_sweep(i, &format!(", {twist}deg"));
+        let scene = compiled(&text);
+        let report = verify(&scene, Settings { samples: 200, certified: 2, seed: i, work: WORK }, None, &|_| {}).unwrap();
+        assert!(report.violations.is_empty(), "{text}: {:?}", report.violations);
+    }
+}
+
+#[test]
+fn a_twist_turns_the_drawing_on_the_way() {
+    let curves = ["polyline([(-1, 0, 0), (1, 0.5, 0.3)])", "arc((-1, 0, 0), (0, 1, 0.2), (1, 0, 0))", "catmull_rom([(-1, 0, 0), (0, 0.5, 0.3), (1, 0, 0)])"];
+    let lines = [
+        Line::polyline(&[[-1.0, 0.0, 0.0], [1.0, 0.5, 0.3]], false),
+        Line::arc([-1.0, 0.0, 0.0], [0.0, 1.0, 0.2], [1.0, 0.0, 0.0]),
+        Line::catmull_rom(&[[-1.0, 0.0, 0.0], [0.0, 0.5, 0.3], [1.0, 0.0, 0.0]], false),
+    ];
+    for (curve, line) in curves.iter().zip(lines) {
+        let line = line.unwrap();
+        let scene = compiled(&format!("scene = circle(0.05).translate(0.2, 0).sweep({curve}, 500deg)"));
+        for share in [0.02, 0.2, 0.5, 0.77, 0.98] {
+            let frame = line.at(share, &line.frames()).unwrap();
+            let at = |angle: f64| value(&scene, add(frame.at, scale(add(scale(frame.x, angle.cos()), scale(frame.y, angle.sin())), 0.2)));
+            let turned = share * 500f64.to_radians();
+            assert!(at(turned) < -0.02 && at(turned + 0.5) > 0.0 && at(turned - 0.5) > 0.0, "{curve} at {share}: {} {} {}", at(turned), at(turned + 0.5), at(turned - 0.5));
+        }
+        let factor = scene.graph.factors.iter().map(|factor| factor.lipschitz).fold(1.0, f64::max);
+        let least = (1.0 + (0.25 * 500f64.to_radians() / line.length()).powi(2)).sqrt();
+        assert!(factor >= least * 0.999, "{curve}: {factor} is below {least}");
+    }
+}
+
+#[test]
+fn a_drawing_shrinks_to_a_part_of_its_size() {
+    let scene = compiled("scene = rectangle((2, 1)).extrude_to(2, 0)");
+    for (p, solid) in [([0.9, 0.4, -0.95], true), ([0.0, 0.0, 0.9], true), ([0.4, 0.2, 0.0], true), ([0.55, 0.0, 0.0], false), ([0.0, 0.3, 0.0], false), ([0.1, 0.0, 0.9], false), ([0.0, 0.0, 1.05], false)] {
+        assert_eq!(value(&scene, p) < 0.0, solid, "{p:?}: {}", value(&scene, p));
     }
 }
 
@@ -402,7 +445,7 @@ fn stretches_of_a_sweep_meet() {
     for i in 0..30 {
         let points: Vec<Vec3> = (0..6).map(|_| point(&mut random, 1.0)).collect();
         let line = curve(if i % 2 == 0 { "catmull_rom" } else { "polyline" }, &points, i % 4 < 2);
-        let (all, kinks) = line.stretches();
+        let (all, kinks) = line.stretches(1.0);
         // Where a curve turns back it has flat ends.
         let bends = line.bows.iter().zip(line.bows.iter().cycle().skip(1)).take(line.bows.len() - usize::from(!line.is_closed));
         let mitred = bends.filter(|(a, b)| (-0.9..1.0 - 1e-7).contains(&dot(a.at(a.half).1, b.at(-b.half).1))).count();

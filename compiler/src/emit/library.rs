@@ -224,49 +224,56 @@ fn sf_outlined(outline: f32, x: f32, y: f32) -> vec3f {
   let cell = min(vec2u((q - low) * bitcast<f32>(sf_lists[head + 4u])), counts - 1u);
   let first = sf_lists[head + 8u] + sf_lists[sf_lists[head + 7u] + cell.y * counts.x + cell.x];
   let end = first + sf_lists[first];
-  let pieces = sf_lists[head + 9u];
+  let places = sf_lists[head + 9u];
   var best = 1e30;
   var away = vec2f(1.0, 0.0);
   var along = vec2f(0.0, 1.0);
+  // Where the direction of the joint stands if an end of a piece is nearest.
+  var joint = 0u;
   for (var i = first; i < end; i += 1u) {
-    let at = pieces + 10u * sf_lists[i + 1u];
-    let start = vec2f(bitcast<f32>(sf_lists[at]), bitcast<f32>(sf_lists[at + 1u])) - q;
-    let middle = vec2f(bitcast<f32>(sf_lists[at + 2u]), bitcast<f32>(sf_lists[at + 3u])) - q;
-    let last = vec2f(bitcast<f32>(sf_lists[at + 4u]), bitcast<f32>(sf_lists[at + 5u])) - q;
-    let b = middle - start;
-    let c = last - middle - b;
-    let chord = last - start;
-    var t = clamp(-dot(start, chord) / max(dot(chord, chord), 1e-30), 0.0, 1.0);
-    for (var round = 0u; round < 3u; round += 1u) {
-      let r = start + (2.0 * b + c * t) * t;
-      let d = b + c * t;
-      let speed = dot(d, d);
-      // Near the centre of curvature the way hardly changes.
-      let slope = max(max(2.0 * speed + dot(r, c), 0.25 * speed), 1e-30);
-      t = clamp(t - dot(r, d) / slope, 0.0, 1.0);
-    }
-    var to = start + (2.0 * b + c * t) * t;
-    var squared = dot(to, to);
-    if dot(start, start) < squared {
-      t = 0.0;
-      to = start;
-      squared = dot(start, start);
-    }
-    if dot(last, last) < squared {
-      t = 1.0;
-      to = last;
-      squared = dot(last, last);
-    }
-    if squared < best {
-      best = squared;
-      away = -to;
-      along = b + c * t;
-      if t < 1e-5 {
-        along = vec2f(bitcast<f32>(sf_lists[at + 6u]), bitcast<f32>(sf_lists[at + 7u]));
-      } else if t > 0.99999 {
-        along = vec2f(bitcast<f32>(sf_lists[at + 8u]), bitcast<f32>(sf_lists[at + 9u]));
+    // Pieces that follow each other.
+    let run = sf_lists[i + 1u];
+    let begin = places + 6u * (run >> 8u);
+    let stop = begin + 6u * (run & 255u);
+    var start = vec2f(bitcast<f32>(sf_lists[begin]), bitcast<f32>(sf_lists[begin + 1u])) - q;
+    for (var at = begin; at < stop; at += 6u) {
+      let middle = vec2f(bitcast<f32>(sf_lists[at + 2u]), bitcast<f32>(sf_lists[at + 3u])) - q;
+      let last = vec2f(bitcast<f32>(sf_lists[at + 6u]), bitcast<f32>(sf_lists[at + 7u])) - q;
+      let b = middle - start;
+      let c = last - middle - b;
+      let chord = last - start;
+      var t = clamp(-dot(start, chord) / max(dot(chord, chord), 1e-30), 0.0, 1.0);
+      for (var round = 0u; round < 3u; round += 1u) {
+        let r = start + (2.0 * b + c * t) * t;
+        let d = b + c * t;
+        let speed = dot(d, d);
+        // Near the centre of curvature the way hardly changes.
+        let slope = max(max(2.0 * speed + dot(r, c), 0.25 * speed), 1e-30);
+        t = clamp(t - dot(r, d) / slope, 0.0, 1.0);
       }
+      var to = start + (2.0 * b + c * t) * t;
+      var squared = dot(to, to);
+      if dot(start, start) < squared {
+        t = 0.0;
+        to = start;
+        squared = dot(start, start);
+      }
+      if dot(last, last) < squared {
+        t = 1.0;
+        to = last;
+        squared = dot(last, last);
+      }
+      if squared < best {
+        best = squared;
+        away = -to;
+        along = b + c * t;
+        joint = select(select(0u, at + 10u, t > 0.99999), at + 4u, t < 1e-5);
+      }
+      start = last;
     }
+  }
+  if joint != 0u {
+    along = vec2f(bitcast<f32>(sf_lists[joint]), bitcast<f32>(sf_lists[joint + 1u]));
   }
   let way = sqrt(best);
   let side = select(1.0, -1.0, along.x * away.y > along.y * away.x);

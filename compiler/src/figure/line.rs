@@ -54,6 +54,10 @@ pub struct Stretch {
     pub bow: Bow,
     /// By how much the drawing's place is turned in it, where x is across and y is `out`.
     pub turn: f64,
+    /// The way along the curve to the bow's middle.
+    pub way: f64,
+    /// How far beyond the bow's ends the curve goes on in it, at most, and how much farther it reaches where it is mitred, for each unit of the drawing's reach.
+    pub past: [f64; 2],
     /// The planes where it begins and where it ends: the direction away from it, and how far from the origin along that.
     pub ends: [(Vec3, f64); 2],
 }
@@ -244,9 +248,9 @@ impl Line {
 
     /// The stretches of a sweep, and the pairs of them that meet at a kink, without the planes that end them there.
     /// At a kink both stretches end at the plane between them. What the two hold in common without that plane belongs to the sweep.
-    /// Where there is no kink each stretch reaches a little into the next one, and stays inside of it.
+    /// Where there is no kink each stretch reaches a little into the next one, and stays inside of it: at most by so much of half of the shorter one (`overlap`).
     /// The turn that a closed curve lacks at its end is shared out among its joints.
-    pub fn stretches(&self) -> (Vec<Stretch>, Vec<[Stretch; 2]>) {
+    pub fn stretches(&self, overlap: f64) -> (Vec<Stretch>, Vec<[Stretch; 2]>) {
         let frames = self.frames();
         let whole = self.length();
         let rate = -self.rest(&frames) / whole;
@@ -255,13 +259,14 @@ impl Line {
         for (bow, [start, _]) in self.bows.iter().zip(&frames) {
             let across = cross(bow.out, bow.forth);
             let turn = dot(across, start.y).atan2(dot(across, start.x)) + rate * (way + bow.half);
+            let middle = way + bow.half;
             way += 2.0 * bow.half;
             let plane = |at: f64, sign: f64| {
                 let (place, forth) = bow.at(at);
                 let out = scale(forth, sign);
                 (out, dot(out, place))
             };
-            all.push(Stretch { bow: *bow, turn, ends: [plane(-bow.half, -1.0), plane(bow.half, 1.0)] });
+            all.push(Stretch { bow: *bow, turn, way: middle, past: [0.0; 2], ends: [plane(-bow.half, -1.0), plane(bow.half, 1.0)] });
         }
         let mut kinks = Vec::new();
         let count = all.len();
@@ -272,13 +277,16 @@ impl Line {
             let ((at, end), (_, start)) = (one.bow.at(one.bow.half), other.bow.at(-other.bow.half));
             let cosine = dot(end, start);
             let (mut to, mut from) = (one.ends[1], other.ends[0]);
+            let mut past = [0.0; 2];
             if cosine > 1.0 - 1e-7 {
                 // Two arcs that meet come apart by half of the difference of their bends, times the square of the way.
                 let apart = length(sub(scale(one.bow.out, one.bow.bend), scale(other.bow.out, other.bow.bend)));
-                let reach = one.bow.half.min(other.bow.half).min((2.0 * off / apart.max(f64::MIN_POSITIVE)).sqrt());
+                let reach = (overlap * one.bow.half.min(other.bow.half)).min((2.0 * off / apart.max(f64::MIN_POSITIVE)).sqrt());
                 to.1 = beyond(&one.bow, reach, 1.0, &mut to.0);
                 from.1 = beyond(&other.bow, reach, -1.0, &mut from.0);
+                past[0] = reach;
             } else if cosine > FOLDED && let Some(between) = unit(add(end, start)) {
+                past[1] = ((1.0 - cosine) / (1.0 + cosine)).max(0.0).sqrt();
                 if one.bow.bend == 0.0 {
                     to = (between, dot(between, at));
                 }
@@ -287,6 +295,11 @@ impl Line {
                 }
                 if one.bow.bend == 0.0 && other.bow.bend == 0.0 {
                     kinks.push([(i, 1), (next, 0)]);
+                }
+            }
+            for i in [i, next] {
+                if let Some(stretch) = all.get_mut(i) {
+                    stretch.past = [stretch.past[0].max(past[0]), stretch.past[1].max(past[1])];
                 }
             }
             for (i, end, plane) in [(i, 1, to), (next, 0, from)] {

@@ -6,15 +6,21 @@ use crate::kept::{Data, HEAD, Known};
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Words of a piece.
-const PIECE: usize = 10;
-/// Cells for each piece.
-const CELLS: f64 = 3.0;
+/// Words of a place where a piece begins or the last of a chain ends: the place, where the tangents of the piece meet, the direction of the joint.
+const PLACE: usize = 6;
+/// Cells for each piece of an outline, and of one of many pieces, which a text does not hold anyway: the lists of smaller cells are shorter.
+const CELLS: [f64; 2] = [3.0, 12.0];
+const MANY: usize = 500;
 /// The fewest and the most cells.
 const FEWEST: f64 = 64.0;
 const MOST: f64 = 131_072.0;
 /// How far cells reach beyond the outline: so many times its shorter side.
 const MARGIN: f64 = 0.5;
+/// Bits of a run for how many pieces it has, and the most that it has.
+const RUN: u32 = 8;
+const LONGEST: u32 = (1 << RUN) - 1;
+/// How often a cell is divided to find the pieces of its list.
+const HALVINGS: usize = 2;
 /// A rectangle over more cells may have any gradient.
 const MOST_LOOKED_AT: usize = 16;
 /// Nearer to an end than this, along a piece, the direction of the joint tells the sides apart.
@@ -22,8 +28,8 @@ const END: f64 = 1e-5;
 
 /// A region of the plane with its signed distance, below zero inside.
 ///
-/// A cell's list has each piece whose way to the cell's middle is longer than the least one by at most the cell's diagonal: no other is nearest anywhere in
-/// the cell, for along half a diagonal each way changes by at most that.
+/// A cell's list has each piece whose way to the middle of a part of the cell is longer than the least one by at most that part's diagonal: no other is nearest
+/// anywhere in the part, for along half a diagonal each way changes by at most that.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     pieces: Vec<Piece>,
@@ -38,7 +44,7 @@ pub struct Outline {
     counts: [usize; 2],
     /// Where each cell's list begins, x first.
     cells: Vec<u32>,
-    /// The lists: how many pieces, and which.
+    /// The lists: how many runs, and the runs.
     lists: Vec<u32>,
     content: u64,
 }
@@ -73,7 +79,8 @@ impl Outline {
         let margin = MARGIN * size[0].min(size[1]);
         let (low, high) = (single(from.map(|c| c - margin)), to.map(|c| c + margin));
         let [wide, tall] = sub(high, low);
-        let cell = f64::from(((wide * tall / (CELLS * pieces.len() as f64).clamp(FEWEST, MOST)).sqrt()) as f32);
+        let cells = if pieces.len() < MANY { CELLS[0] } else { CELLS[1] };
+        let cell = f64::from(((wide * tall / (cells * pieces.len() as f64).clamp(FEWEST, MOST)).sqrt()) as f32);
         let counts = [wide, tall].map(|side| (side / cell).ceil().clamp(1.0, MOST) as usize);
         let mut outline = Self { pieces, from, to, low, high, cell, counts, cells: vec![0; counts[0] * counts[1]], lists: Vec::new(), content: 0 };
         outline.high = outline.corner(counts);
@@ -87,23 +94,44 @@ impl Outline {
         add(self.low, scale([i as f64, j as f64], self.cell))
     }
 
-    /// Fills the cells from one to before another, where no piece but these matters.
-    fn fill(&mut self, from: [usize; 2], to: [usize; 2], pieces: &[u32], known: &mut BTreeMap<Vec<u32>, u32>) {
-        let (low, high) = (self.corner(from), self.corner(to));
+    /// Which of these pieces may be nearest somewhere in a rectangle.
+    fn nearest_in(&self, low: Vec2, high: Vec2, pieces: &[u32]) -> Vec<u32> {
         let (middle, half) = (scale(add(low, high), 0.5), 0.5 * length(sub(high, low)));
         let way = |i: &u32| self.pieces.get(*i as usize).map_or(f64::INFINITY, |piece| piece.curve.nearest(middle).1.sqrt());
         let ways: Vec<f64> = pieces.iter().map(way).collect();
         let least = ways.iter().copied().fold(f64::INFINITY, f64::min);
         // What is lost in 32 bits is little of the cell's size.
         let reach = least + 2.0 * half * (1.0 + 1e-3) + 1e-6 * least;
-        let near: Vec<u32> = pieces.iter().zip(&ways).filter(|(_, way)| **way <= reach).map(|(i, _)| *i).collect();
+        pieces.iter().zip(&ways).filter(|(_, way)| **way <= reach).map(|(i, _)| *i).collect()
+    }
+
+    /// The same, found for each quarter of the rectangle alone, so many times over.
+    fn in_quarters(&self, low: Vec2, high: Vec2, near: Vec<u32>, depth: usize) -> Vec<u32> {
+        if depth == 0 || near.len() <= 2 {
+            return near;
+        }
+        let middle = scale(add(low, high), 0.5);
+        let halves = |i: usize| [[low, middle], [middle, high]].map(|[from, to]| [from[i], to[i]]);
+        let quarters = halves(0).into_iter().flat_map(|[x, far_x]| halves(1).map(|[y, far_y]| ([x, y], [far_x, far_y])));
+        let mut all: Vec<u32> = quarters.flat_map(|(low, high)| self.in_quarters(low, high, self.nearest_in(low, high, &near), depth - 1)).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// Fills the cells from one to before another, where no piece but these matters.
+    fn fill(&mut self, from: [usize; 2], to: [usize; 2], pieces: &[u32], known: &mut BTreeMap<Vec<u32>, u32>) {
+        let (low, high) = (self.corner(from), self.corner(to));
+        let near = self.nearest_in(low, high, pieces);
         let sides = [to[0] - from[0], to[1] - from[1]];
         if sides == [1, 1] {
-            let lists = &mut self.lists;
-            let begin = *known.entry(near).or_insert_with_key(|near| {
-                let begin = lists.len() as u32;
-                lists.push(near.len() as u32);
-                lists.extend(near);
+            let near = self.in_quarters(low, high, near, HALVINGS);
+            let begin = known.get(&near).copied().unwrap_or_else(|| {
+                let begin = self.lists.len() as u32;
+                let runs = self.runs(&near);
+                self.lists.push(runs.len() as u32);
+                self.lists.extend(runs);
+                known.insert(near, begin);
                 begin
             });
             if let Some(cell) = self.cells.get_mut(from[1] * self.counts[0] + from[0]) {
@@ -120,6 +148,24 @@ impl Outline {
         }
     }
 
+    /// Whether a piece begins as the one before it ends.
+    fn follows(&self, i: usize) -> bool {
+        let [before, piece] = [i.checked_sub(1), Some(i)].map(|i| i.and_then(|i| self.pieces.get(i)));
+        before.zip(piece).is_some_and(|(before, piece)| before.curve.c == piece.curve.a && before.joints[1] == piece.joints[0])
+    }
+
+    /// Pieces in their order as runs of such as follow each other: the number of the first, shifted, and how many.
+    fn runs(&self, pieces: &[u32]) -> Vec<u32> {
+        let mut runs: Vec<u32> = Vec::new();
+        for &i in pieces {
+            match runs.last_mut() {
+                Some(run) if (*run >> RUN) + (*run & LONGEST) == i && *run & LONGEST < LONGEST && self.follows(i as usize) => *run += 1,
+                _ => runs.push(i << RUN | 1),
+            }
+        }
+        runs
+    }
+
     fn near(&self, q: Vec2) -> impl Iterator<Item = &Piece> {
         let along = |c: f64, low: f64, count: usize| (((c - low) / self.cell).max(0.0) as usize).min(count - 1);
         self.listed(along(q[1], self.low[1], self.counts[1]) * self.counts[0] + along(q[0], self.low[0], self.counts[0]))
@@ -129,7 +175,7 @@ impl Outline {
     fn listed(&self, cell: usize) -> impl Iterator<Item = &Piece> {
         let begin = self.cells.get(cell).map_or(0, |begin| *begin as usize);
         let count = self.lists.get(begin).map_or(0, |count| *count as usize);
-        self.lists.iter().skip(begin + 1).take(count).filter_map(|i| self.pieces.get(*i as usize))
+        self.lists.iter().skip(begin + 1).take(count).flat_map(|run| self.pieces.iter().skip((run >> RUN) as usize).take((run & LONGEST) as usize))
     }
 
     /// The signed distance at a place. Beyond the cells, at t from their rectangle whose nearest place has the value v, it is √(v² + t²), or the way to the region's
@@ -229,7 +275,8 @@ impl Outline {
 
     /// How many bytes it takes on a device.
     pub fn bytes(&self) -> usize {
-        4 * (HEAD + self.cells.len() + self.lists.len() + PIECE * self.pieces.len())
+        let chains = (0..self.pieces.len()).filter(|i| !self.follows(*i)).count();
+        4 * (HEAD + self.cells.len() + self.lists.len() + PLACE * (self.pieces.len() + chains))
     }
 }
 
@@ -240,16 +287,32 @@ impl Data for Outline {
         self.content
     }
 
-    /// Cells, lists, pieces.
+    /// Cells, lists, places. A place is where a piece begins; one more is where the last of a chain ends.
     fn words(&self, at: u32) -> ([u32; HEAD], Vec<u32>) {
         let bits = |c: f64| (c as f32).to_bits();
-        let lists = at + self.cells.len() as u32;
-        let pieces = lists + self.lists.len() as u32;
+        let begins_at = at + self.cells.len() as u32;
+        let places = begins_at + self.lists.len() as u32;
         let [[x, y], [far_x, far_y], [from_x, from_y], [to_x, to_y]] = [self.low, self.high, self.from, self.to].map(|corner| corner.map(bits));
         let [i, j] = self.counts.map(|count| count as u32);
-        let head = [x, y, far_x, far_y, bits(1.0 / self.cell), i, j, at, lists, pieces, from_x, from_y, to_x, to_y, 0, 0];
-        let numbers = self.pieces.iter().flat_map(Piece::numbers).map(bits);
-        (head, self.cells.iter().copied().chain(self.lists.iter().copied()).chain(numbers).collect())
+        let head = [x, y, far_x, far_y, bits(1.0 / self.cell), i, j, at, begins_at, places, from_x, from_y, to_x, to_y, 0, 0];
+        let (mut words, mut place_of) = (Vec::new(), Vec::new());
+        let end = |piece: &Piece, words: &mut Vec<u32>| words.extend([piece.curve.c, piece.curve.c, piece.joints[1]].as_flattened().iter().copied().map(bits));
+        for (i, piece) in self.pieces.iter().enumerate() {
+            if let Some(before) = i.checked_sub(1).and_then(|before| self.pieces.get(before)).filter(|_| !self.follows(i)) {
+                end(before, &mut words);
+            }
+            place_of.push((words.len() / PLACE) as u32);
+            words.extend([piece.curve.a, piece.curve.b, piece.joints[0]].as_flattened().iter().copied().map(bits));
+        }
+        self.pieces.last().into_iter().for_each(|last| end(last, &mut words));
+        let mut lists = self.lists.iter();
+        let mut all = self.cells.clone();
+        while let Some(count) = lists.next() {
+            all.push(*count);
+            all.extend(lists.by_ref().take(*count as usize).map(|run| place_of.get((run >> RUN) as usize).copied().unwrap_or(0) << RUN | run & LONGEST));
+        }
+        all.append(&mut words);
+        (head, all)
     }
 
     fn known() -> &'static Known<Self> {
@@ -277,7 +340,7 @@ impl Piece {
         [cosines(low, high), cosines(low - FRAC_PI_2, high - FRAC_PI_2)]
     }
 
-    fn numbers(&self) -> [f64; PIECE] {
+    fn numbers(&self) -> [f64; 10] {
         let Self { curve: Curve { a, b, c }, joints: [from, to] } = *self;
         [a[0], a[1], b[0], b[1], c[0], c[1], from[0], from[1], to[0], to[1]]
     }

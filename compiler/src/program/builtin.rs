@@ -18,11 +18,11 @@ pub const FUNCTIONS: &[&str] = &[
     "mat3", "mat4", "transpose", "determinant", "inverse", "hash", "hash2", "hash3", "turn", "turn_about", "at",
     "material", "paint", "float", "int", "grid", "polar", "value",
     "low_corner", "high_corner", "mesh_field", "baked", "text", "path", "svg", "shader",
-    "curve_of", "helix_of", "way_to", "frame_of", "swept_of", "kinks_of", "solid_of", "hull_of",
+    "curve_of", "helix_of", "way_to", "frame_of", "swept_of", "twisted_of", "kinks_of", "known_in", "solid_of", "hull_of",
 ];
 
 /// Those of them that only the prelude calls, which has a name for what each does.
-pub const OF_PRELUDE: &[&str] = &["value", "curve_of", "helix_of", "way_to", "frame_of", "swept_of", "kinks_of", "solid_of", "hull_of"];
+pub const OF_PRELUDE: &[&str] = &["value", "curve_of", "helix_of", "way_to", "frame_of", "swept_of", "twisted_of", "kinks_of", "known_in", "solid_of", "hull_of"];
 
 /// Names that stand for a value and are not declared in the prelude.
 pub const NAMES: &[&str] =
@@ -60,7 +60,7 @@ impl Elaborator<'_> {
         }
         // In a formula, a shape among numbers is its field.
         let takes_shape =
-            matches!(name, "at" | "material" | "paint" | "value" | "low_corner" | "high_corner" | "baked");
+            matches!(name, "at" | "material" | "paint" | "value" | "low_corner" | "high_corner" | "baked" | "known_in");
         let mut values: Vec<Value> = Vec::with_capacity(args.len());
         for (value, at) in args {
             values.push(match value {
@@ -226,7 +226,8 @@ impl Elaborator<'_> {
                 self.way_to(line, &q, span)
             }
             ("frame_of", [Value::Curve(line), i, count]) => self.frame_of(line, (i, place(1)), (count, place(2))),
-            ("swept_of" | "kinks_of", [Value::Curve(line)]) => self.swept_of(line, span, name == "kinks_of"),
+            ("swept_of" | "twisted_of" | "kinks_of", [Value::Curve(line)]) => self.swept_of(line, span, name),
+            ("known_in", [Value::Shape(shape), low, high]) => self.known_in(*shape, (low, place(1)), (high, place(2))),
             ("at", [Value::Curve(line), share]) => self.curve_at(line, (share, place(1))),
             ("solid_of", [points, faces]) => self.solid_of((points, place(0)), (faces, place(1)), span),
             ("hull_of", [points]) => self.hull_of((points, place(0)), span),
@@ -566,7 +567,8 @@ pub fn argument_names(name: &str, count: usize) -> &'static [&'static str] {
         "helix_of" => &["radius", "pitch", "turns"],
         "way_to" => &["curve", "q"],
         "frame_of" => &["curve", "i", "count"],
-        "swept_of" | "kinks_of" => &["curve"],
+        "swept_of" | "twisted_of" | "kinks_of" => &["curve"],
+        "known_in" => &["s", "low", "high"],
         "solid_of" => &["points", "faces"],
         "hull_of" => &["points"],
         _ if KERNEL.iter().any(|row| row.callable && row.name == name) => &["a"],
@@ -623,7 +625,8 @@ fn usage(name: &str) -> (String, usize) {
         "shader" => ("shader(\"rock.glsl\", map)".into(), 2),
         "curve_of" | "helix_of" | "frame_of" => (format!("{name}({})", argument_names(name, 3).join(", ")), 3),
         "way_to" => ("way_to(curve, q)".into(), 2),
-        "swept_of" | "kinks_of" => (format!("{name}(curve)"), 1),
+        "swept_of" | "twisted_of" | "kinks_of" => (format!("{name}(curve)"), 1),
+        "known_in" => ("s.known_in(low, high)".into(), 3),
         "solid_of" => ("solid_of(points, faces)".into(), 2),
         "vec2" => ("vec2(x, y)".into(), 1),
         "vec3" => ("vec3(x, y, z)".into(), 1),

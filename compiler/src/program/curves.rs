@@ -6,7 +6,7 @@ use crate::analysis::Box3;
 use crate::diagnostic::Code;
 use crate::figure::{Bow, Face, Figure, Frame, Line, MOST_BOWS, MOST_POINTS, Stretch, closed, hull, triangles, turn};
 use crate::graph::interval::Interval;
-use crate::graph::{Claim, ClaimGroup, Leaf, Node, NodeId, ValueRange};
+use crate::graph::{Claim, ClaimGroup, Leaf, Node, NodeId, ShapeId, ValueRange};
 use crate::kept::Kept;
 use crate::sampled::MOST_DEVICE_BYTES;
 use crate::source::Span;
@@ -18,6 +18,8 @@ use std::sync::Arc;
 const MOST_FACES: usize = 100_000;
 /// The most arcs along which a drawing is carried, each of which is a shape.
 const MOST_SWEPT: usize = 2_000;
+/// A stretch of a sweep with a twist reaches into the next by this part of half its length: the prelude's `way_along` knows its place so far past its ends.
+const TWISTED_OVERLAP: f64 = 0.25;
 
 type Given<'a> = (&'a Value, Span);
 
@@ -150,27 +152,46 @@ impl Elaborator<'_> {
         Ok(Value::List(rows.map(|row| Value::Vector(row.iter().map(|c| self.graph.constant(*c)).collect())).to_vec().into()))
     }
 
-    /// `swept_of(curve)` and `kinks_of(curve)`: the stretches of a sweep, and of its kinks two by two. Each is a list for the prelude's `swept`.
+    /// `swept_of(curve)`, `twisted_of(curve)` and `kinks_of(curve)`: the stretches of a sweep, of one with a twist, and of its kinks two by two. Each is a list for the prelude's `swept` and
+    /// `swept_twisted`.
     #[inline(never)]
-    pub(super) fn swept_of(&mut self, line: &Line, span: Span, of_kinks: bool) -> Elaborated<Value> {
+    pub(super) fn swept_of(&mut self, line: &Line, span: Span, what: &str) -> Elaborated<Value> {
         if line.bows.len() > MOST_SWEPT {
             let words = format!("a drawing is carried along {MOST_SWEPT} arcs at most, and this curve has {}", line.bows.len());
             return Err(self.error(Code::TooLarge, span, words, "carry it along parts of the curve, or write fewer points"));
         }
-        let (all, kinks) = line.stretches();
+        let (all, kinks) = line.stretches(if what == "twisted_of" { TWISTED_OVERLAP } else { 1.0 });
+        let whole = line.length();
         let one = |e: &mut Self, stretch: &Stretch| {
-            let Stretch { bow: Bow { middle, out, forth, bend, .. }, turn, ends } = *stretch;
+            let Stretch { bow: Bow { middle, out, forth, bend, half }, turn, way, past, ends } = *stretch;
+            let [low, high] = Bow { half: half + past[0], ..stretch.bow }.bounds();
             let across = cross(out, forth);
             let [[a, b, c, d], [f, g, h, i]] = ends.map(|([a, b, c], d)| [a, b, c, d]);
-            let rows: [&[f64]; 7] = [&across, &out, &forth, &middle, &[bend, turn], &[a, b, c, d], &[f, g, h, i]];
+            let rows: [&[f64]; 10] = [&across, &out, &forth, &middle, &[bend, turn], &[a, b, c, d], &[f, g, h, i], &[way, half, whole, 1.0 + past[1]], &low, &high];
             Value::List(rows.into_iter().map(|row| Value::Vector(row.iter().map(|c| e.graph.constant(*c)).collect())).collect())
         };
-        let items: Vec<Value> = if of_kinks {
+        let items: Vec<Value> = if what == "kinks_of" {
             kinks.iter().map(|pair| Value::List(pair.iter().map(|stretch| one(self, stretch)).collect())).collect()
         } else {
             all.iter().map(|stretch| one(self, stretch)).collect()
         };
         Ok(Value::List(items.into()))
+    }
+
+    /// `known_in(s, low, high)`: the same shape, which lies within a box, as the prelude knows. Nothing changes where a corner is live or has no end.
+    #[inline(never)]
+    pub(super) fn known_in(&mut self, shape: ShapeId, low: Given<'_>, high: Given<'_>) -> Elaborated<Value> {
+        let mut corner = |(value, span): Given<'_>| -> Elaborated<Option<Vec<f64>>> {
+            let nodes = self.to_vector(value, 3, span)?;
+            Ok(nodes.iter().map(|node| self.graph.as_constant(*node).filter(|c| c.is_finite())).collect())
+        };
+        if let (Some(low), Some(high)) = (corner(low)?, corner(high)?)
+            && let ([a, b, c], [d, e, f]) = (low.as_slice(), high.as_slice())
+            && let Some(value) = self.graph.shape(shape).map(|shape| shape.value)
+        {
+            self.facts.know_solid(value, Box3([Interval::new(*a, *d), Interval::new(*b, *e), Interval::new(*c, *f)]));
+        }
+        Ok(Value::Shape(shape))
     }
 
     /// Points that are known while compiling, no more than `most`.
