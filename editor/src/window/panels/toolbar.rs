@@ -47,11 +47,12 @@ fn left(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Command
     }
     ui.separator();
     modes(ui, session, narrow, commands);
-    cuts(ui, session, commands);
     ui.separator();
     cameras(ui, session, commands);
     time(ui, session, commands);
     super::balls::show(ui, session, commands);
+    ui.separator();
+    looks(ui, session, commands);
 }
 
 fn modes(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Command>) {
@@ -74,7 +75,8 @@ fn modes(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Comman
     ui.spacing_mut().item_spacing.x = 8.0;
 }
 
-fn cuts(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+/// Ways of looking that go with any view. The menu has them too, where there is no room for them here.
+fn looks(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if ui.selectable_label(session.look.cuts, "Section").on_hover_text("cut the picture open by a plane (C)").clicked() {
         commands.push(Command::ShowSection(!session.look.cuts));
     }
