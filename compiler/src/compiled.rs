@@ -209,6 +209,7 @@ impl Compiled {
         let far = blocks.extent.max(SIGHT * seen).clamp(FAR_ENOUGH, FAR);
         Frame {
             slice: live.slice,
+            section: live.section,
             cameras,
             lights,
             sky,

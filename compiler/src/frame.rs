@@ -3,6 +3,7 @@
 use crate::blocks::{Shadow, Tone};
 use crate::camera::{Basis, Camera, Projection};
 use crate::interface::ViewField;
+use crate::section::Section;
 use crate::vector::{length, sub};
 
 /// Where light comes from.
@@ -66,6 +67,8 @@ const SIZE: [f64; 2] = [640.0, 360.0];
 pub struct Frame {
     /// Where the plane of a slice is: [`Live::slice`](crate::live::Live::slice).
     pub slice: f64,
+    /// The plane that cuts the picture open: [`Live::section`](crate::live::Live::section).
+    pub section: Option<Section>,
     /// Cameras with their names; the first is the one that is used. Never empty.
     pub cameras: Vec<(String, Camera)>,
     /// Lights in the order of the text.

@@ -43,6 +43,7 @@ pub mod reference_text;
 pub mod sampled;
 pub mod shading;
 pub mod shader;
+pub mod section;
 pub mod skipped;
 pub mod solid;
 pub mod source;

@@ -2,6 +2,7 @@
 
 use crate::graph::algebra::Reals;
 use crate::graph::{Graph, Leaf, NodeId};
+use crate::section::Section;
 
 /// Values of what is live: time and the parameters' components.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,12 +17,14 @@ pub struct Live {
     pub tightened: Vec<f64>,
     /// Where along its axis the plane of a slice is: of [`View::Slice`](crate::reference::View::Slice) alone.
     pub slice: f64,
+    /// The plane that cuts the picture open, where one does.
+    pub section: Option<Section>,
 }
 
 impl Live {
     /// Time zero and every parameter of a graph at its default.
     pub fn start(graph: &Graph) -> Self {
-        Self { time: 0.0, components: graph.parameters.iter().map(|p| p.default).collect(), followed: None, tightened: Vec::new(), slice: 0.0 }
+        Self { time: 0.0, components: graph.parameters.iter().map(|p| p.default).collect(), followed: None, tightened: Vec::new(), slice: 0.0, section: None }
     }
 
     /// Values of nodes that read nothing but parameters and time.

@@ -50,7 +50,7 @@ const MET: &str =
 const SHADED: &str = include_str!("../src/shading/view_shaded.wgsl");
 const OTHERS: [&str; 3] = [
     include_str!("../../runtime/src/passes/scene/view_normals.wgsl"),
-    include_str!("../../runtime/src/passes/scene/view_steps.wgsl"),
+    concat!(include_str!("../../runtime/src/passes/scene/ramp.wgsl"), include_str!("../../runtime/src/passes/scene/view_steps.wgsl")),
     include_str!("../../runtime/src/passes/scene/view_depth.wgsl"),
 ];
 const OUTPUT: [&str; 2] = [

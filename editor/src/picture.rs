@@ -5,6 +5,9 @@ use std::path::Path;
 use surefoot_compiler::compiled::{Camera, Compiled, Live};
 use surefoot_compiler::diagnostic::Diagnostic;
 use surefoot_compiler::reference::View;
+use surefoot_compiler::section::Cut;
+#[cfg(feature = "gpu")]
+use surefoot_runtime::Showing;
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -16,6 +19,8 @@ pub enum Mode {
     Normals,
     /// How many steps a ray takes.
     Steps,
+    /// How many operations a ray takes, by the logarithm: dark is few. On the processor each look counts as all of the formula.
+    Operations,
     /// How far the surface is.
     Depth,
     /// How steep the field is at the surface: grey as a distance, red steeper, blue flatter.
@@ -34,6 +39,7 @@ impl From<Mode> for View {
             Mode::Shaded => Self::Shaded,
             Mode::Normals => Self::Normals,
             Mode::Steps => Self::Steps,
+            Mode::Operations => Self::Operations,
             Mode::Depth => Self::Depth,
             Mode::Gradient => Self::Gradient,
             Mode::Factor => Self::Factor,
@@ -86,14 +92,17 @@ pub enum NoPainter {
 }
 
 impl Painter {
-    /// A painter on the wanted device, and what a person should know about it. A picture is made of so many samples; left out, of as many as
-    /// are soon drawn.
+    /// A painter on the wanted device, and what a person should know about it. `section`: how a plane cuts its pictures open, whose place is of
+    /// each moment. A picture is made of so many samples; left out, of as many as are soon drawn.
     pub fn new(
         device: Device,
         compiled: &Compiled,
         view: View,
+        section: Option<Cut>,
         samples: Option<u32>,
     ) -> Result<(Self, Option<String>), NoPainter> {
+        #[cfg(not(feature = "gpu"))]
+        let _ = section;
         if device == Device::Cpu {
             let left_out = [(compiled.has_meshes(), "meshes"), (compiled.has_balls(), "balls")];
             let left_out: Vec<&str> = left_out.into_iter().filter_map(|(has, what)| has.then_some(what)).collect();
@@ -102,7 +111,7 @@ impl Painter {
         }
         #[cfg(feature = "gpu")]
         let missing = match surefoot_runtime::Gpu::headless() {
-            Ok(gpu) => match gpu::Painter::new(gpu, compiled, view, samples) {
+            Ok(gpu) => match gpu::Painter::new(gpu, compiled, Showing { view, section, beside: None }, samples) {
                 Ok(painter) => {
                     let note = painter.is_software().then(|| format!("the adapter is a program: {}", painter.name()));
                     return Ok((Self::Gpu(Box::new(painter)), note));
@@ -209,7 +218,7 @@ pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<()
 mod gpu {
     //! On the graphics adapter.
 
-    use super::{Compiled, Diagnostic, Live, Shot, View, files};
+    use super::{Compiled, Diagnostic, Live, Shot, Showing, files};
     use surefoot_runtime::headless;
     use surefoot_runtime::mesh::Assets;
     use surefoot_runtime::physics::{Physics, STEP};
@@ -231,10 +240,11 @@ mod gpu {
     }
 
     impl Painter {
-        pub fn new(gpu: Gpu, compiled: &Compiled, view: View, samples: Option<u32>) -> Result<Self, String> {
+        pub fn new(gpu: Gpu, compiled: &Compiled, showing: Showing, samples: Option<u32>) -> Result<Self, String> {
+            let view = showing.view;
             let samples = samples.unwrap_or(super::samples(compiled, view, !gpu.is_software()));
             let format = headless::format(compiled, view, samples);
-            let mut picture = Picture::prepare(&gpu, compiled, format, view)?;
+            let mut picture = Picture::prepare(&gpu, compiled, format, showing)?;
             let mut assets = Assets::new();
             let broken = assets.load(&files::FileLoader, compiled, &|_, _, _| {});
             picture.show_meshes(&assets.meshes(compiled))?;

@@ -195,6 +195,16 @@ fn a_first_hour() {
     keys(&window, &["ctrl+1"]);
     until("the first view", || pixels(&window, "view", red) > shaded / 2);
 
+    // The ball is cut open, and two views stand beside each other.
+    keys(&window, &["c"]);
+    until("it is cut open", || pixels(&window, "section", red) < shaded / 2);
+    show(&window, "section");
+    keys(&window, &["w"]);
+    pause();
+    show(&window, "two_views");
+    keys(&window, &["w", "c"]);
+    until("it is whole again", || pixels(&window, "view", red) > shaded / 2);
+
     // The scene's parts, and the module beside the text.
     click(&window, letter(3, 20));
     let before = pixels(&window, "narrow", red);

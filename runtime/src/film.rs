@@ -114,8 +114,7 @@ impl Film {
             ..Default::default()
         });
         pass.set_viewport(0.0, 0.0, size[0] as f32, size[1] as f32, 0.0, 1.0);
-        pass.set_scissor_rect(0, rows.start, size[0], rows.end.saturating_sub(rows.start));
-        picture.draw(&mut pass);
+        picture.draw_rows(&mut pass, size[0], rows);
     }
 
     /// The picture that was drawn, developed.

@@ -6,7 +6,8 @@ use crate::passes::scene::{Features, ViewMode};
 use crate::passes::{Bloom, ScenePipeline};
 use crate::physics::Physics;
 use crate::sheets::LINEAR;
-use crate::view::View;
+use crate::view::{Showing, View};
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use surefoot_compiler::compiled::{Compiled, Live};
 use surefoot_compiler::images::Images;
@@ -41,7 +42,10 @@ pub struct PlannedPass {
 
 /// The passes that a view of a scene needs, in the order in which they run.
 pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
-    let features = Features::of(compiled, mode);
+    planned(&Features::of(compiled, mode))
+}
+
+fn planned(features: &Features) -> Vec<PlannedPass> {
     let parts = [
         (features.shadows, "a light throws shadows"),
         (features.occlusion, "corners are kept from the sky's light"),
@@ -50,6 +54,7 @@ pub fn plan(compiled: &Compiled, mode: ViewMode) -> Vec<PlannedPass> {
         (features.glass, "rays go on inside of glass"),
         (features.fog, "fog is in between"),
         (features.optics, "a camera has a lens or parallel rays"),
+        (features.section.is_some(), "a plane cuts it open"),
         (features.meshes_first, "it ends at the meshes, whose depth is drawn before"),
         (features.depth(), "its depth is written, for what is rasterised"),
     ];
@@ -93,6 +98,10 @@ pub struct Picture {
     format: wgpu::TextureFormat,
     passes: Vec<PlannedPass>,
     scene: ScenePipeline,
+    /// What draws the other view, right of the divider, where there are two.
+    beside: Option<ScenePipeline>,
+    /// Where the divider is, in parts of the picture's width; and the width in pixels.
+    divider: (f32, f32),
     /// What scatters its light, where it falls on film.
     bloom: Option<Bloom>,
     /// The depth of the newest size, where there is depth.
@@ -103,8 +112,8 @@ pub struct Picture {
 #[derive(Debug, Default)]
 struct Depth {
     texture: Option<wgpu::Texture>,
-    /// The depth of the meshes, where it was drawn before the field.
-    before: Option<wgpu::BindGroup>,
+    /// The depth of the meshes, where it was drawn before the field; and that of the other view.
+    before: [Option<wgpu::BindGroup>; 2],
 }
 
 impl Picture {
@@ -113,9 +122,18 @@ impl Picture {
         gpu: &Gpu,
         compiled: &Compiled,
         format: wgpu::TextureFormat,
-        mode: ViewMode,
+        showing: impl Into<Showing>,
     ) -> Result<Self, String> {
-        Self::prepare_with(gpu, compiled, format, Features::of(compiled, mode))
+        let Showing { view, section, beside } = showing.into();
+        let features = |view| Features::of(compiled, view).with_section(section);
+        let Some(beside) = beside.map(features) else { return Self::prepare_with(gpu, compiled, format, features(view)) };
+        // Light that is scattered would fall from one view on the other; and one pass draws both.
+        let first = Features { bloom: false, ..features(view) };
+        let beside = Features { bloom: false, ..beside };
+        let deep = first.depth() || beside.depth();
+        let mut new = Self::prepare_with(gpu, compiled, format, Features { deep, ..first })?;
+        new.beside = Some(ScenePipeline::prepare_with(gpu, compiled, format, Features { deep, ..beside })?);
+        Ok(new)
     }
 
     /// The same with other features than the scene's own: to measure what they are worth.
@@ -130,8 +148,8 @@ impl Picture {
             }
             ScenePipeline::prepare_with(gpu, compiled, format, features)
         })?;
-        let passes = plan(compiled, features.view);
-        Ok(Self { gpu: gpu.clone(), mode: features.view, format, passes, scene, bloom, depth: Mutex::default() })
+        let passes = planned(&Features::of(compiled, features.view).with_section(features.section));
+        Ok(Self { gpu: gpu.clone(), mode: features.view, format, passes, scene, beside: None, divider: (0.5, 0.0), bloom, depth: Mutex::default() })
     }
 
     /// What it shows.
@@ -227,28 +245,42 @@ impl Picture {
         view: &View,
     ) -> bool {
         let scattered = self.bloom.as_mut().is_some_and(|bloom| bloom.update(compiled.frame(live).bloom));
-        self.scene.update(queue, compiled, live, view) || scattered
+        let beside = self.beside.as_mut().is_some_and(|beside| beside.update(queue, compiled, live, view));
+        self.divider.1 = view.size[0];
+        self.scene.update(queue, compiled, live, view) || scattered || beside
+    }
+
+    /// Puts the divider of two views to a part of the picture's width. Answers whether the picture is another one then.
+    pub fn divide(&mut self, share: f32) -> bool {
+        let moves = self.beside.is_some() && self.divider.0 != share;
+        self.divider.0 = share;
+        moves
+    }
+
+    /// What draws its views.
+    fn scenes(&mut self) -> impl Iterator<Item = &mut ScenePipeline> {
+        std::iter::once(&mut self.scene).chain(&mut self.beside)
     }
 
     /// Shows the images that the scene names, as far as they could be read; until then it is drawn with the sky of a scene that names none.
     pub fn show_images(&mut self, images: &Images) {
-        self.scene.show_images(&self.gpu, images);
+        let gpu = self.gpu.clone();
+        self.scenes().for_each(|scene| scene.show_images(&gpu, images));
     }
 
     /// Shows the scene's balls as they are now, or none. Nothing happens where the scene has none.
     pub fn show_balls(&mut self, compiled: &Compiled, live: &Live, physics: Option<&Physics>) {
-        if let Some(balls) = self.scene.balls_mut() {
-            balls.show(&self.gpu, compiled, live, physics);
+        let gpu = self.gpu.clone();
+        for balls in self.scenes().filter_map(ScenePipeline::balls_mut) {
+            balls.show(&gpu, compiled, live, physics);
         }
     }
 
     /// Shows the scene's meshes, in the order of the text; a mesh that is none is not drawn. Nothing happens where the scene has none. Fails
     /// where the device has no room.
     pub fn show_meshes(&mut self, meshes: &[Option<Arc<Mesh>>]) -> Result<(), String> {
-        match self.scene.meshes_mut() {
-            Some(pipeline) => pipeline.put(&self.gpu, meshes),
-            None => Ok(()),
-        }
+        let gpu = self.gpu.clone();
+        self.scenes().filter_map(ScenePipeline::meshes_mut).try_for_each(|pipeline| pipeline.put(&gpu, meshes))
     }
 
     /// The depth that a target of so many pixels needs beside its colour, where the frame has any. Where the scene has meshes their depth is
@@ -258,7 +290,7 @@ impl Picture {
         if !self.scene.has_depth() {
             return None;
         }
-        let before = self.scene.draw_before(&self.gpu, size);
+        let before = [Some(&self.scene), self.beside.as_ref()].map(|scene| scene.and_then(|scene| scene.draw_before(&self.gpu, size)));
         let mut kept = self.depth.lock().unwrap_or_else(PoisonError::into_inner);
         kept.before = before;
         let texture = match kept.texture.take().filter(|t| t.size() == size) {
@@ -279,9 +311,27 @@ impl Picture {
         Some(view)
     }
 
-    /// Draws the frame. The pass has the depth of [`Picture::depth`], where there is one.
+    /// Draws the frame, of two views the first. The pass has the depth of [`Picture::depth`], where there is one.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
-        let before = self.depth.lock().unwrap_or_else(PoisonError::into_inner).before.clone();
+        let [before, _] = self.depth.lock().unwrap_or_else(PoisonError::into_inner).before.clone();
         self.scene.draw(pass, before.as_ref());
+    }
+
+    /// Draws so many columns of some rows; of two views each on its side of the divider.
+    pub fn draw_rows(&self, pass: &mut wgpu::RenderPass<'_>, width: u32, rows: Range<u32>) {
+        let high = rows.end.saturating_sub(rows.start);
+        let Some(beside) = &self.beside else {
+            pass.set_scissor_rect(0, rows.start, width, high);
+            return self.draw(pass);
+        };
+        let (share, whole) = self.divider;
+        let left = ((share * whole).round().max(0.0) as u32).min(width);
+        let before = self.depth.lock().unwrap_or_else(PoisonError::into_inner).before.clone();
+        for (scene, before, columns) in [(&self.scene, &before[0], 0..left), (beside, &before[1], left..width)] {
+            if !columns.is_empty() {
+                pass.set_scissor_rect(columns.start, rows.start, columns.end - columns.start, high);
+                scene.draw(pass, before.as_ref());
+            }
+        }
     }
 }

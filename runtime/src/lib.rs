@@ -27,4 +27,4 @@ pub use passes::evaluate::evaluate;
 pub use passes::scene::ViewMode;
 pub use physics::Physics;
 pub use stage::Stage;
-pub use view::View;
+pub use view::{Showing, View};

@@ -9,6 +9,7 @@ use crate::view::View;
 use std::sync::{Arc, Mutex, PoisonError};
 use surefoot_compiler::compiled::{Compiled, Live, Parameter};
 use surefoot_compiler::physics::{Group, spawn};
+use surefoot_compiler::section::Section;
 
 /// The scene that is on, with its live values.
 #[derive(Debug, Default)]
@@ -19,6 +20,10 @@ pub struct Stage {
     time: f64,
     /// Where the plane of a slice is.
     slice: f64,
+    /// The plane that cuts the picture open.
+    section: Option<Section>,
+    /// Where the divider of two views is, in parts of the picture's width.
+    divider: f32,
     /// Whether time runs.
     pub playing: bool,
     animated: bool,
@@ -37,7 +42,7 @@ const MOST_STEPS: u32 = 3;
 impl Stage {
     /// An empty stage.
     pub fn new() -> Self {
-        Self::default()
+        Self { divider: 0.5, ..Self::default() }
     }
 
     /// Puts a new scene on. A parameter that it shares with the old one, by its name, keeps the value that a person gave it, unless the
@@ -49,6 +54,7 @@ impl Stage {
         };
         live.time = self.time;
         live.slice = self.slice;
+        live.section = self.section;
         self.animated = ready.compiled.reads_time();
         let parts = (ready.balls, ready.picture.as_ref().map(|p| p.gpu().clone()));
         self.trouble = match parts {
@@ -184,6 +190,19 @@ impl Stage {
         }
     }
 
+    /// Puts the plane that cuts the picture open to a place. Whether it cuts, and which side stays, is of what draws the picture.
+    pub fn set_section(&mut self, section: Option<Section>) {
+        self.section = section;
+        if let Some(live) = &mut self.live {
+            live.section = section;
+        }
+    }
+
+    /// Puts the divider of two views to a part of the picture's width.
+    pub fn divide(&mut self, share: f32) {
+        self.divider = share;
+    }
+
     /// Where along its axis the plane of a slice is.
     pub fn slice(&self) -> f64 {
         self.slice
@@ -229,7 +248,8 @@ impl Stage {
             }
             picture.show_balls(scene, live, Some(balls));
         }
-        let changed = picture.update(queue, scene, live, view);
+        let divided = picture.divide(self.divider);
+        let changed = picture.update(queue, scene, live, view) || divided;
         std::mem::take(&mut self.fresh) || changed
     }
 }

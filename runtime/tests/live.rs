@@ -440,7 +440,7 @@ fn pipelines_are_built_behind_and_only_where_something_changed() {
     assert!(update.ready.is_none() && update.failure.is_some());
     // Another view of the last good scene: built, not compiled.
     let compilations = live.report().compilations;
-    live.set_mode(ViewMode::Steps);
+    live.show(ViewMode::Steps);
     let ready = next(&live).ready.unwrap();
     assert_eq!(ready.picture.as_ref().unwrap().mode(), ViewMode::Steps);
     assert_eq!(ready.compiled.parameters[0].default, [1.25]);

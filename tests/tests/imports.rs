@@ -16,7 +16,7 @@ const FLOORS: [(&str, &[&str]); 4] = [
             "figure kept loader outline prelude random rules sampled shader source spread srgb unit vector",
             "diagnostic",
             "graph syntax",
-            "live interface images camera",
+            "live interface images camera section",
             "blocks evaluate",
             "analysis frame",
             "functions",

@@ -9,6 +9,7 @@ mod arms;
 mod body;
 mod code;
 mod computed;
+pub mod counted;
 mod draw;
 mod error;
 mod formulas;

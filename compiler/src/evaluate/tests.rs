@@ -105,7 +105,7 @@ fn every_operation_computes_what_the_table_says() {
         let leaves = leaves.iter().take(usize::from(row.arity));
         let inputs: Vec<NodeId> = leaves.map(|&leaf| graph.leaf(leaf)).collect();
         let root = graph.intern(Node::Op(row.op, inputs.into()));
-        let live = Live { time: 0.0, components: Vec::new(), followed: None, tightened: Vec::new(), slice: 0.0 };
+        let live = Live { time: 0.0, components: Vec::new(), followed: None, tightened: Vec::new(), slice: 0.0, section: None };
         let tape = Tape::new(&graph, &Opened::default(), &[root], &live, 100).unwrap();
         let logic = matches!(row.op, Op::And | Op::Or | Op::Not);
         let first: &[f64] = if logic || row.op == Op::Select { &conditions } else { &samples };
@@ -132,7 +132,7 @@ fn sines_are_those_of_the_library() {
     let mut graph = Graph::new();
     let x = graph.leaf(Leaf::P(0));
     let (sin, cos) = (graph.op(Op::Sin, &[x]), graph.op(Op::Cos, &[x]));
-    let live = Live { time: 0.0, components: Vec::new(), followed: None, tightened: Vec::new(), slice: 0.0 };
+    let live = Live { time: 0.0, components: Vec::new(), followed: None, tightened: Vec::new(), slice: 0.0, section: None };
     let tape = Tape::new(&graph, &Opened::default(), &[sin, cos], &live, 100).unwrap();
     let quarter = std::f64::consts::FRAC_PI_2;
     let points: Vec<[f64; 3]> = (-40_000..40_000)
@@ -249,7 +249,7 @@ proptest! {
     #[test]
     fn tapes_compute_what_graphs_say(recipe in recipes(), points in proptest::collection::vec(any::<[i16; 3]>(), 1..40)) {
         let (graph, functions, roots) = cook(&recipe);
-        let live = Live { time: 0.75, components: vec![0.25], followed: None, tightened: Vec::new(), slice: 0.0 };
+        let live = Live { time: 0.75, components: vec![0.25], followed: None, tightened: Vec::new(), slice: 0.0, section: None };
         let Ok(tape) = Tape::new(&graph, &functions, &roots, &live, 100_000) else { return Ok(()) };
         let points: Vec<[f64; 3]> = points.iter().map(|p| p.map(|c| f64::from(c) / 8192.0)).collect();
         let normals = vec![[0.6, 0.8, 0.0]; points.len()];
@@ -288,7 +288,7 @@ fn deep_formulas_and_long_chains_of_calls_are_no_trouble() {
         id = shape(&mut graph, call);
     }
     let root = graph.field(id, [x, y, z]);
-    let live = Live { time: 0.0, components: Vec::new(), followed: None, tightened: Vec::new(), slice: 0.0 };
+    let live = Live { time: 0.0, components: Vec::new(), followed: None, tightened: Vec::new(), slice: 0.0, section: None };
     let tape = Tape::new(&graph, &Opened::default(), &[root], &live, 1_000_000).unwrap();
     assert!(tape.registers < 50, "{} registers", tape.registers);
     assert_eq!(
@@ -303,7 +303,7 @@ fn an_operation_of_constants_is_computed_beforehand() {
     let x = graph.leaf(Leaf::P(0));
     let time = graph.leaf(Leaf::Time);
     let (u, v) = (graph.op(Op::TurnU, &[x, x, time]), graph.op(Op::TurnV, &[x, x, time]));
-    let live = Live { time: 0.5, components: Vec::new(), followed: None, tightened: Vec::new(), slice: 0.0 };
+    let live = Live { time: 0.5, components: Vec::new(), followed: None, tightened: Vec::new(), slice: 0.0, section: None };
     let tape = Tape::new(&graph, &Opened::default(), &[u, v], &live, 100).unwrap();
     // Two products (both coordinates are x), a difference and a sum.
     assert_eq!(tape.operations(), 4);
@@ -325,7 +325,7 @@ fn what_a_gpu_may_answer_lies_about_the_value() {
         let inputs: Vec<NodeId> =
             leaves.iter().take(usize::from(row.arity)).map(|&leaf| graph.leaf(leaf)).collect();
         let root = graph.intern(Node::Op(row.op, inputs.into()));
-        let live = Live { time: 0.0, components: Vec::new(), followed: None, tightened: Vec::new(), slice: 0.0 };
+        let live = Live { time: 0.0, components: Vec::new(), followed: None, tightened: Vec::new(), slice: 0.0, section: None };
         let tape = Tape::new(&graph, &Opened::default(), &[root], &live, 100).unwrap();
         for a in samples {
             for b in samples {

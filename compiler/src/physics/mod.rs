@@ -24,7 +24,7 @@ impl Live {
     pub fn between(&self, to: &Live, part: f64) -> Live {
         let mix = |a: f64, b: f64| a + (b - a) * part;
         let components = self.components.iter().zip(&to.components).map(|(a, b)| mix(*a, *b)).collect();
-        Live { time: mix(self.time, to.time), components, followed: None, tightened: to.tightened.clone(), slice: to.slice }
+        Live { time: mix(self.time, to.time), components, followed: None, tightened: to.tightened.clone(), slice: to.slice, section: to.section }
     }
 }
 

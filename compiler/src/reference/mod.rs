@@ -12,6 +12,7 @@ mod layers;
 mod light;
 pub mod march;
 mod scene;
+mod section;
 pub mod shade;
 mod shadow;
 pub mod steps;
@@ -28,6 +29,7 @@ use crate::frame::Frame;
 use crate::interface::Rounding;
 use crate::live::Live;
 use crate::evaluate::{Tape, TooLarge};
+use crate::section::Plane;
 use crate::graph::{Function, NodeId};
 use crate::functions::Planes;
 use crate::images::{Images, Texture};
@@ -36,6 +38,7 @@ use area::Part;
 use crate::camera::Basis;
 use follow::{Follow, Small, TRACER, Turn};
 use march::{Look, Ray, Scene, at_points, march, sizes};
+use section::Opened;
 use shade::{Seen, Shading, SurfaceValues};
 use std::cell::Cell;
 use std::sync::Arc;
@@ -351,6 +354,7 @@ impl Reference {
         let shading = Shading { part: Part::of(sample), spacing: shade::slice_spacing(camera), ..Shading::of(frame, self.images.environment.clone()) };
         let offset = sample_offset(sample);
         let basis = Basis::of(camera);
+        let plane = frame.section.map(|section| section.plane(camera));
         let mut pixels = vec![[0.0; 4]; area.width as usize * area.height as usize];
         for top in (0..area.height).step_by(BLOCK as usize) {
             for left in (0..area.width).step_by(BLOCK as usize) {
@@ -367,7 +371,7 @@ impl Reference {
                         Ray { origin: basis.start(camera.eye, at, size), direction, t_min: 0.0, t_max: frame.max_distance }
                     })
                     .collect();
-                let colors = self.block(frame, &shading, view, &rays, basis.footprint(size.1));
+                let colors = self.block(frame, &shading, plane.as_ref(), view, &rays, basis.footprint(size.1));
                 for (&(x, y), color) in places.iter().zip(colors) {
                     let at = y as usize * area.width as usize + x as usize;
                     if let Some(pixel) = pixels.get_mut(at) {
@@ -384,6 +388,7 @@ impl Reference {
         &self,
         frame: &Frame,
         shading: &Shading,
+        plane: Option<&Plane>,
         view: View,
         rays: &[Ray],
         footprint: f64,
@@ -391,24 +396,30 @@ impl Reference {
         if let View::Slice(axis) = view {
             return self.sliced(frame, axis, shading.spacing, rays, footprint);
         }
-        let hits = self.trace(rays, footprint, frame.extent);
+        let opened = plane.map(|plane| (plane, self.opened(plane, rays, frame.extent)));
+        let rays = opened.as_ref().map_or(rays, |(_, opened)| &opened.rays);
+        let mut hits = self.trace(rays, footprint, frame.extent);
         let met = numbered(rays, &hits);
         let mut colors: Vec<Vec3> = match view {
             View::Shaded => {
                 rays.iter().map(|r| shading.exposed(shading.behind(r.direction))).collect()
             }
             View::Steps => hits.iter().map(|hit| shade::steps_color(hit.steps)).collect(),
+            View::Operations => {
+                let each = self.rest.bound.operations() as f64;
+                hits.iter().map(|hit| shade::operations_color(each * f64::from(hit.steps))).collect()
+            }
             View::Depth => vec![[0.0; 3]; rays.len()],
             _ => vec![shade::NOTHING; rays.len()],
         };
         let places = match view {
-            View::Steps | View::Depth => Vec::new(),
+            View::Steps | View::Operations | View::Depth => Vec::new(),
             _ => self.places(&met),
         };
         let found: Vec<Vec3> = match view {
             View::Shaded => self.light(frame, shading, &places, footprint),
             View::Normals => places.iter().map(|s| shade::normal_color(s.normal)).collect(),
-            View::Steps | View::Slice(_) => Vec::new(),
+            View::Steps | View::Operations | View::Slice(_) => Vec::new(),
             View::Gradient => self.steepness(&places),
             View::Factor => self.parts_of_distance(&places, footprint),
             View::Occlusion => self.occlusion(&places, frame.ambient_occlusion.0, frame.ambient_occlusion.1).into_iter().map(|open| [open; 3]).collect(),
@@ -420,6 +431,14 @@ impl Reference {
         for (&(i, ..), color) in met.iter().zip(found) {
             if let Some(slot) = colors.get_mut(i) {
                 *slot = color;
+            }
+        }
+        if let Some((plane, Opened { faces, .. })) = &opened {
+            for ((i, seen), color) in faces.iter().zip(self.cut_faces(plane, shading, view, faces)) {
+                if let (Some(slot), Some(hit)) = (colors.get_mut(*i), hits.get_mut(*i)) {
+                    *slot = color;
+                    *hit = Hit { t: seen.t, hit: true, steps: 1 };
+                }
             }
         }
         let depth = |hit: &Hit| if hit.hit { hit.t as f32 } else { -1.0 };

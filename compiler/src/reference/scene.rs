@@ -18,6 +18,8 @@ pub enum View {
     Normals,
     /// How many steps a ray takes.
     Steps,
+    /// How many operations a ray takes: on the GPU those that are done, in the branches and cells that it comes through; here all of a formula for each look.
+    Operations,
     /// How far the surface is.
     Depth,
     /// How steep the field is at the surface.

@@ -405,6 +405,19 @@ pub fn shadow_offset(rounded: f64, t: f64, footprint: f64) -> f64 {
 /// The colour of a number of steps, 64 and more the brightest: the colours "inferno" of matplotlib (van der Walt and Smith), as the
 /// polynomial by Zucker (<https://www.shadertoy.com/view/WlfXRN>).
 pub fn steps_color(steps: u32) -> Vec3 {
+    inferno(f64::from(steps) / 64.0)
+}
+
+/// Of these numbers of operations the colours are the darkest and the brightest; between them they go by the logarithm.
+pub const OPERATIONS: (f64, f64) = (64.0, 1_048_576.0);
+
+/// The colour of a number of operations.
+pub fn operations_color(count: f64) -> Vec3 {
+    let (least, most) = OPERATIONS;
+    inferno((count.max(least) / least).log2() / (most / least).log2())
+}
+
+fn inferno(share: f64) -> Vec3 {
     const INFERNO: [Vec3; 7] = [
         [0.0002189403691192265, 0.001651004631001012, -0.01948089843709184],
         [0.1065134194856116, 0.5639564367884091, 3.932712388889277],
@@ -414,7 +427,7 @@ pub fn steps_color(steps: u32) -> Vec3 {
         [-71.31942824499214, 32.62606426397723, 73.20951985803202],
         [25.13112622477341, -12.24266895238567, -23.07032500287172],
     ];
-    let s = (f64::from(steps) / 64.0).min(1.0);
+    let s = share.clamp(0.0, 1.0);
     let sum = INFERNO.iter().rev().fold([0.0; 3], |sum, &c| add(c, scale(sum, s)));
     sum.map(|c| c.clamp(0.0, 1.0))
 }

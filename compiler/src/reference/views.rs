@@ -11,7 +11,7 @@ const ABOVE: f64 = 4.0;
 
 impl Reference {
     /// The values of a formula at points.
-    fn values(&self, tape: &crate::evaluate::Tape, points: &[Vec3]) -> Vec<f64> {
+    pub(super) fn values(&self, tape: &crate::evaluate::Tape, points: &[Vec3]) -> Vec<f64> {
         let mut found = vec![0.0; points.len()];
         at_points(tape, points, &[], |i, values| {
             if let (Some(slot), Some(value)) = (found.get_mut(i), values.first()) {

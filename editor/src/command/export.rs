@@ -77,7 +77,7 @@ fn poster(args: &Args, live: &Live) -> Result<Vec<u8>, Failure> {
     let outcome = compile_file(&args.scene, &Options { choose: values::choices(&args.set), ..Options::default() })?;
     let compiled = outcome.compiled.as_ref().ok_or_else(|| failed("it has errors".to_owned()))?;
     let (width, height) = args.size.unwrap_or(POSTER);
-    let (mut painter, _) = Painter::new(args.device, compiled, View::default(), None).map_err(|why| match why {
+    let (mut painter, _) = Painter::new(args.device, compiled, View::default(), None, None).map_err(|why| match why {
         NoPainter::NoGraphics(words) => Failure { exit: Exit::NoGraphics, words },
         NoPainter::Refused(words) => failed(words),
     })?;

@@ -11,6 +11,7 @@ use surefoot_compiler::Options;
 use surefoot_compiler::compiled::{Camera, Frame};
 use surefoot_compiler::diagnostic::Diagnostic;
 use surefoot_compiler::reference::View;
+use surefoot_compiler::section::{Across, Cut, Section};
 
 /// What to draw, and how.
 #[derive(Debug, clap::Args)]
@@ -48,6 +49,10 @@ pub struct Args {
     /// Show a plane through the field instead: its lines, blue outside and orange inside. Nothing is drawn before the plane.
     #[arg(long, value_parser = slice, value_name = "AXIS=PLACE", conflicts_with = "view")]
     slice: Option<(u8, f64)>,
+    /// Cut the picture open: `y<0.5` shows what lies below 0.5 along y, `y>0.5` what lies above, and `y=0.5` takes away the side of the eye. x, y, z, or
+    /// `view`: the direction of the camera, from what it looks at. What is cut is flat and striped. Light and shadows are those of the whole scene.
+    #[arg(long, value_parser = section, value_name = "AXIS<PLACE", conflicts_with = "slice")]
+    section: Option<Wanted>,
     /// What draws it.
     #[arg(long, value_enum, default_value_t)]
     device: Device,
@@ -80,6 +85,38 @@ fn slice(text: &str) -> Result<(u8, f64), String> {
     let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim()).ok_or_else(words)?;
     let at = at.trim().parse().ok().filter(|at: &f64| at.is_finite()).ok_or_else(words)?;
     Ok((axis as u8, at))
+}
+
+/// A section as it is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Wanted {
+    across: Across,
+    /// Whether what lies above stays; the side away from the eye where that is not said.
+    keeps_above: Option<bool>,
+    at: f64,
+}
+
+impl Wanted {
+    /// The section, as a camera sees it.
+    fn section(self, camera: &Camera) -> Section {
+        let Self { across, keeps_above, at } = self;
+        keeps_above.map_or_else(|| Section::facing(across, at, camera), |keeps_above| Section { cut: Cut { across, keeps_above }, at })
+    }
+}
+
+/// Reads `y<0.5`, `view>0` and `z=0.2`.
+fn section(text: &str) -> Result<Wanted, String> {
+    let words = || "write x, y, z or view, then <, > or =, and a place, as 'y<0.5'".to_owned();
+    let sign = text.find(['<', '>', '=']).ok_or_else(words)?;
+    let (name, rest) = text.split_at(sign);
+    let keeps_above = match rest.as_bytes().first() {
+        Some(b'<') => Some(false),
+        Some(b'>') => Some(true),
+        _ => None,
+    };
+    let across = Across::ALL.into_iter().find(|across| across.name() == name.trim()).ok_or_else(words)?;
+    let at = rest.get(1..).and_then(|place| place.trim().parse().ok()).filter(|at: &f64| at.is_finite()).ok_or_else(words)?;
+    Ok(Wanted { across, keeps_above, at })
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -122,13 +159,14 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         spare(&path(*n), &outcome)?;
     }
     // A wrong name is said before anything slow is done.
-    camera(&compiled.frame(&live), args.camera.as_deref())?;
+    let first = camera(&compiled.frame(&live), args.camera.as_deref())?;
+    live.section = args.section.map(|wanted| wanted.section(&first));
     live.time = moments.first().map_or(args.time, |(_, time)| *time);
     let unseen: Vec<Diagnostic> = outcome.outlook(&live, args.camera.as_deref()).into_iter().collect();
     show_found(&outcome, &unseen);
 
     let (mut painter, note) =
-        Painter::new(args.device, compiled, view, args.samples).map_err(|why| match why {
+        Painter::new(args.device, compiled, view, live.section.map(|section| section.cut), args.samples).map_err(|why| match why {
             NoPainter::NoGraphics(words) => Failure { exit: Exit::NoGraphics, words },
             NoPainter::Refused(words) => {
                 Failure::usage(format!("the graphics adapter refuses the scene: {words}"))
@@ -263,6 +301,18 @@ mod tests {
         assert_eq!(size("1280x720"), Ok((1280, 720)));
         for wrong in ["", "x", "0x1", "1x", "100000x1", "1280", "-1x1"] {
             assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_section_keeps_the_side_that_is_asked_for() {
+        let from = |eye| Camera { eye, ..Camera::PLAIN };
+        let kept = |text: &str, eye| section(text).map(|wanted| wanted.section(&from(eye)).cut.keeps_above);
+        assert_eq!((kept("y<0.5", [0.0, 3.0, 0.0]), kept(" y > -0.5 ", [0.0, 3.0, 0.0])), (Ok(false), Ok(true)));
+        assert_eq!((kept("y=0.5", [0.0, 3.0, 0.0]), kept("y=0.5", [0.0, -3.0, 0.0])), (Ok(false), Ok(true)));
+        assert_eq!(kept("view=0", [0.0, 0.0, 5.0]), Ok(true), "the eye is before the plane");
+        for wrong in ["", "y", "y<", "w<1", "<1", "y<one", "y<inf", "y<=1"] {
+            assert!(section(wrong).is_err(), "{wrong}");
         }
     }
 

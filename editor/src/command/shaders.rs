@@ -101,7 +101,7 @@ impl Stepped {
     /// Draws the function twice: as rays find it that step by the share, with its holes in red, and as rays find it by its bound.
     pub fn draw(&self, path: &Path) -> Result<(), String> {
         let (live, (width, height)) = (self.alone.live(), HALF);
-        let (mut painter, _) = Painter::new(Device::Cpu, &self.alone, View::Shaded, Some(1)).map_err(|_| "the processor draws no picture".to_owned())?;
+        let (mut painter, _) = Painter::new(Device::Cpu, &self.alone, View::Shaded, None, Some(1)).map_err(|_| "the processor draws no picture".to_owned())?;
         let camera = self.alone.frame(&live).cameras.first().map(|(_, camera)| *camera).ok_or("there is no camera")?;
         let whole = painter.paint(&self.alone, &live, &Shot { width, height, camera }, &|_| {})?;
         let found = by_hand(&self.alone, &[], &live, self.share, HALF).map_err(|_| "the function is too large to follow rays through it".to_owned())?;

@@ -84,7 +84,7 @@ fn picture(args: &Args, why: &str) -> Result<Exit, Failure> {
     show_diagnostics(&outcome);
     let Some(compiled) = &outcome.compiled else { return Ok(Exit::Errors) };
     let (mut painter, note) =
-        Painter::new(Device::Auto, compiled, View::Shaded, None).map_err(|why| match why {
+        Painter::new(Device::Auto, compiled, View::Shaded, None, None).map_err(|why| match why {
             NoPainter::NoGraphics(words) | NoPainter::Refused(words) => Failure::usage(words),
         })?;
     if let Some(note) = note {

@@ -25,8 +25,9 @@ use surefoot_compiler::reference::Reference;
 use surefoot_compiler::reference::march::Ray;
 use surefoot_compiler::source::FileId;
 use surefoot_compiler::syntax::{self, revise};
+use surefoot_compiler::section::{Across, Section};
 use surefoot_compiler::vector::{add, dot, length, scale, sub};
-use surefoot_runtime::Physics;
+use surefoot_runtime::{Physics, Showing};
 use surefoot_runtime::live::{Update, Words};
 
 /// A picture as it is asked for at first.
@@ -49,6 +50,7 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::SavePicture(path) => {
             let wanted = session.asked.take().map_or(PICTURE, |asked| asked.wanted);
             if let (Some(compiled), Some(live)) = (session.scene().cloned(), session.stage.live().cloned()) {
+                let live = Live { section: session.look.cut(), ..live };
                 let moved = session.look.orbit.as_ref().map(Orbit::camera);
                 let (camera, view, length) = (session.look.camera.clone(), session.look.mode, session.timeline.length);
                 session.export.begin(Scene { compiled, live, moved, camera, view, length }, wanted, path, world.waker());
@@ -178,6 +180,18 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::LookFrom(side) => move_camera(session, |orbit| orbit.look_from(side)),
         Command::FrameSelection => frame_selection(session),
         Command::Slice(at) => session.stage.set_slice(at),
+        Command::ShowSection(cuts) => show_section(session, world, cuts),
+        Command::Section(section) => cut(session, world, section),
+        Command::Beside(mode) => {
+            session.look.beside = mode;
+            world.live.show(session.look.showing());
+        }
+        Command::Divide(share) => {
+            session.look.divider = share.clamp(0.0, 1.0);
+            session.stage.divide(session.look.divider);
+        }
+        Command::ShowTruth(true) => session.truth.open = true,
+        Command::ShowTruth(false) => session.truth.close(),
         Command::Home => session.look.orbit = None,
         Command::KeepView => keep_view(session),
         Command::Camera(name) => {
@@ -186,7 +200,7 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         }
         Command::Mode(mode) => {
             session.look.mode = mode;
-            world.live.set_mode(mode);
+            world.live.show(session.look.showing());
         }
         Command::ShowSource(open) => session.open.source = open,
         Command::ShowParameters(open) => session.open.parameters = open,
@@ -216,7 +230,7 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::MeasurePasses => {
             let size = session.meter.size;
             if let (Some(gpu), Some(scene), Some(live)) = (world.gpu(), session.scene().cloned(), session.stage.live().cloned()) {
-                session.passes.begin(gpu, &scene, &live, session.look.mode, size, world.waker());
+                session.passes.begin(gpu, &scene, &live, Showing { beside: None, ..session.look.showing() }, size, world.waker());
             }
         }
         Command::Parallel(parallel) => {
@@ -248,6 +262,30 @@ pub fn apply(session: &mut Session, world: &mut World, command: Command) {
         Command::OnDisk(name, disk) => on_disk(session, world, &name, &disk),
         Command::Drawn(error) => session.said.drawing = error,
     }
+}
+
+/// Cuts the picture open, at first through the middle of what the camera looks at and on the side of the eye.
+fn show_section(session: &mut Session, world: &World, cuts: bool) {
+    session.look.cuts = cuts;
+    let first = || {
+        let camera = session.camera()?;
+        let forward = Basis::of(&camera).forward;
+        let axes = [Across::X, Across::Y, Across::Z].into_iter().zip(forward);
+        let (across, _) = axes.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))?;
+        Some(Section::through(across, &camera))
+    };
+    match session.look.section.or_else(first) {
+        Some(section) => cut(session, world, section),
+        // There is nothing yet that it could cut.
+        None => session.look.cuts = false,
+    }
+}
+
+/// Cuts it open by a plane. Where that is moves nothing but a uniform.
+fn cut(session: &mut Session, world: &World, section: Section) {
+    session.look.section = Some(section);
+    session.stage.set_section(Some(section));
+    world.live.show(session.look.showing());
 }
 
 /// Draws the scene with these of its parts.
@@ -466,7 +504,10 @@ fn ray_at(session: &Session, at: [f64; 2], size: [u32; 2]) -> Option<(Ray, Camer
     let (camera, scene, live) = (session.camera()?, session.scene()?, session.stage.live()?);
     let basis = Basis::of(&camera);
     let direction = basis.direction(at.into(), size.into());
-    Some((Ray { origin: basis.start(camera.eye, at.into(), size.into()), direction, t_min: 0.0, t_max: scene.frame(live).max_distance }, camera, basis))
+    let (origin, reach) = (basis.start(camera.eye, at.into(), size.into()), [0.0, scene.frame(live).max_distance]);
+    // What is taken away is not pointed at.
+    let [t_min, t_max] = session.look.cut().map_or(reach, |section| section.plane(&camera).span(origin, direction, reach));
+    Some((Ray { origin, direction, t_min, t_max }, camera, basis))
 }
 
 /// How far along a ray the field is seen.
@@ -567,6 +608,8 @@ fn enter(session: &mut Session, world: &mut World, scene: Document) {
     session.documents.focus = true;
     session.look.orbit = None;
     session.look.camera = None;
+    (session.look.section, session.look.cuts) = (None, false);
+    world.live.show(session.look.showing());
     session.stage.set_time(0.0);
     session.timeline = Timeline::default();
     session.stage.reset_balls();

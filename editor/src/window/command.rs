@@ -9,6 +9,7 @@ use crate::window::session::{Mend, Place, Purpose, Search, Timeline};
 use crate::window::theme::Choice;
 use std::path::PathBuf;
 use std::sync::Arc;
+use surefoot_compiler::section::Section;
 use surefoot_runtime::ViewMode;
 use surefoot_runtime::live::{Update, Words};
 
@@ -178,6 +179,16 @@ pub enum Command {
     FrameSelection,
     /// Put the plane of a slice to a place along its axis.
     Slice(f64),
+    /// Cut the picture open, or no longer.
+    ShowSection(bool),
+    /// Cut it open by this plane.
+    Section(Section),
+    /// Show another view right of the divider, or no longer.
+    Beside(Option<ViewMode>),
+    /// Put the divider to a part of the picture's width.
+    Divide(f32),
+    /// Show how far the picture is from what is certain of it, or no longer.
+    ShowTruth(bool),
     /// Back to the scene's camera.
     Home,
     /// Write where the camera stands into the scene's text.

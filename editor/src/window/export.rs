@@ -110,7 +110,7 @@ fn draw(scene: Scene, wanted: Wanted, path: &Path, tell: &(dyn Fn(f64) + Sync), 
     let (width, height) = wanted.size;
     let format = Format::of(path);
     let count = if format.is_some() || wanted.each { (length * RATE).round().max(1.0) as u32 } else { 1 };
-    let painter = Painter::new(Device::Auto, &compiled, view, None);
+    let painter = Painter::new(Device::Auto, &compiled, view, live.section.map(|section| section.cut), None);
     let (mut painter, _) = painter.map_err(|why| match why {
         NoPainter::NoGraphics(words) | NoPainter::Refused(words) => words,
     })?;

@@ -2,7 +2,7 @@
 
 use crate::window::command::Command;
 use crate::window::panels::cursor::id;
-use crate::window::panels::toolbar::MODES;
+use crate::window::panels::modes::MODES;
 use crate::window::session::{Purpose, Session};
 use crate::window::theme::TEXT_SIZE;
 use egui::{Key, Modifiers, Ui};
@@ -71,6 +71,9 @@ pub const KEYS: &[Part] = &[
             ("1, 3, 7, 9", "look from the front, from the right, from above, from a corner"),
             ("G", "a grid with a scale, or none"),
             ("5", "let rays go side by side, or not"),
+            ("C, and with Shift", "cut the picture open, or not; show the other side of the cut"),
+            ("W; Left and Right on the divider", "two views beside each other, or one; move the divider"),
+            ("D", "the difference of the picture from what is certain of it, or none"),
             ("F", "come nearer to what was picked, or see the whole solid"),
             ("Home, or a double click", "the scene's own camera"),
             ("Alt and a click", "name what made the pixel, and follow its ray"),

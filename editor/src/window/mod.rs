@@ -26,6 +26,7 @@ mod refine;
 mod session;
 mod theme;
 mod trial;
+mod truth;
 mod world;
 
 #[cfg(test)]
@@ -52,6 +53,7 @@ use surefoot_compiler::Options;
 use surefoot_runtime::Gpu;
 use surefoot_runtime::live::SharedLoader;
 use trial::Trial;
+use truth::Seen;
 use world::World;
 
 /// Shows a scene until the window is closed; the error is why there is no window. `asked` is what the compiler is asked for, and `alone` whether only
@@ -194,6 +196,7 @@ impl App {
         }
         self.session.measuring.hear();
         self.session.passes.hear();
+        self.session.truth.hear();
         if let Some(words) = self.session.export.hear() {
             self.session.notice = Some(words);
         }
@@ -319,6 +322,10 @@ impl App {
             moving: self.session.stage.animates() || moves(ui),
             swaps: self.session.said.swaps,
         });
+        let again = order.as_ref().and_then(|order| self.follow_truth(order));
+        if let Some(again) = again {
+            ui.ctx().request_repaint_after(again);
+        }
         let shown = match (&mut self.canvas, &order) {
             (Some(canvas), Some(order)) => canvas.draw(&mut self.session.stage, order),
             _ => None,
@@ -332,11 +339,23 @@ impl App {
         }
         panels::picture::paint(ui, rect, &self.session, shown);
         panels::grid::show(ui, rect, &self.session);
+        panels::wipe::show(ui, rect, &self.session, &mut commands);
         panels::legend::show(ui, rect, &self.session, &mut commands);
+        panels::section::show(ui, rect, &self.session, &mut commands);
+        panels::truth::show(ui, rect, &self.session, &mut commands);
         panels::outline::badge(ui, rect, &self.session, &mut commands);
         panels::picked::show(ui, rect, &self.session, &mut commands);
         panels::picture::band(ui, rect, &self.session, &mut commands);
         self.apply(commands);
+    }
+
+    /// Tells what looks for the truth which picture is shown, where a person wants to see it. The answer: after what time to tell again.
+    fn follow_truth(&mut self, order: &Order) -> Option<Duration> {
+        let (gpu, scene, live) = (self.world.gpu()?, self.session.stage.scene()?.clone(), self.session.stage.live()?.clone());
+        let wake = self.world.waker();
+        let seen = Seen { scene, live, camera: order.camera, size: order.size };
+        let truth = &mut self.session.truth;
+        if truth.open { truth.follow(gpu, seen, wake) } else { None }
     }
 
     fn apply(&mut self, commands: Vec<Command>) {

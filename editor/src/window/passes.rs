@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use surefoot_compiler::compiled::{Compiled, Live};
 use surefoot_runtime::explain::{Explained, explain};
 use surefoot_runtime::headless::{Shot, format};
-use surefoot_runtime::{Gpu, Picture, ViewMode};
+use surefoot_runtime::{Gpu, Picture, Showing};
 
 /// What was found, or why nothing was.
 type Found = Result<Explained, String>;
@@ -20,15 +20,16 @@ pub struct Passes {
 
 impl Passes {
     /// Begins, where nothing is being measured. `done` is called at the end.
-    pub fn begin(&mut self, gpu: &Gpu, scene: &Arc<Compiled>, live: &Live, mode: ViewMode, (width, height): (u32, u32), done: impl FnOnce() + Send + 'static) {
+    pub fn begin(&mut self, gpu: &Gpu, scene: &Arc<Compiled>, live: &Live, showing: Showing, (width, height): (u32, u32), done: impl FnOnce() + Send + 'static) {
         if self.work.is_some() {
             return;
         }
         let (sender, answer) = channel();
         let (gpu, compiled, live) = (gpu.clone(), scene.clone(), live.clone());
         let find = move || {
+            let mode = showing.view;
             let shot = Shot { mode, ..Shot::new(width.max(1), height.max(1)) };
-            let found = Picture::prepare(&gpu, &compiled, format(&compiled, mode, 1), mode).and_then(|mut picture| explain(&gpu, &mut picture, &compiled, &live, &shot));
+            let found = Picture::prepare(&gpu, &compiled, format(&compiled, mode, 1), showing).and_then(|mut picture| explain(&gpu, &mut picture, &compiled, &live, &shot));
             // The window may be closed by now.
             let _ = sender.send(found);
             done();

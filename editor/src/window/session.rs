@@ -13,6 +13,7 @@ use super::passes::Passes;
 pub use super::places::{Place, place};
 use super::recovery::Found;
 use super::theme::{Choice, TEXT_SIZE};
+use super::truth::Truth;
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -23,9 +24,10 @@ use surefoot_compiler::compiled::{Camera, Compiled, Parameter};
 use surefoot_compiler::diagnostic::{self, Severity};
 use surefoot_compiler::factors::Explained;
 use surefoot_compiler::outlook::is_blind;
+use surefoot_compiler::section::Section;
 use surefoot_compiler::syntax::revise::Written;
 use surefoot_runtime::live::{Times, Words, Work};
-use surefoot_runtime::{Stage, ViewMode};
+use surefoot_runtime::{Showing, Stage, ViewMode};
 
 /// All that the window knows.
 pub struct Session {
@@ -71,6 +73,8 @@ pub struct Session {
     pub parts: Parts,
     /// What each pass of a frame takes.
     pub passes: Passes,
+    /// What is certain of the picture.
+    pub truth: Truth,
     /// The number of the text that a hand holds, if one does and it can be a slider.
     pub holding: Option<Holding>,
     /// How many numbers were held so far.
@@ -190,10 +194,31 @@ pub struct Look {
     pub camera: Option<String>,
     /// What the picture shows.
     pub mode: ViewMode,
+    /// What it shows right of the divider, where it shows two views.
+    pub beside: Option<ViewMode>,
+    /// Where the divider is, in parts of the picture's width.
+    pub divider: f32,
+    /// The plane that cuts the picture open, as a person left it; none before there was one.
+    pub section: Option<Section>,
+    /// Whether it cuts.
+    pub cuts: bool,
     /// How wide the picture is for its height.
     pub wide: f64,
     /// What was seen from where a hand left the camera.
     pub left: Option<Left>,
+}
+
+impl Look {
+    /// The plane that cuts the picture open, where one does.
+    pub fn cut(&self) -> Option<Section> {
+        self.section.filter(|_| self.cuts && !matches!(self.mode, ViewMode::Slice(_)))
+    }
+
+    /// What the picture is built for.
+    pub fn showing(&self) -> Showing {
+        let section = self.section.filter(|_| self.cuts).map(|section| section.cut);
+        Showing { view: self.mode, section, beside: self.beside }
+    }
 }
 
 /// From where a hand left the camera.
@@ -370,7 +395,7 @@ impl Session {
             documents: Documents { all: vec![scene], shown: 0, jump: None, focus: false },
             stage,
             said: Said::default(),
-            look: Look { wide: f64::INFINITY, ..Look::default() },
+            look: Look { wide: f64::INFINITY, divider: 0.5, ..Look::default() },
             open: Open { source: true, parameters: true, measures: false, outline: false, shader: false, frames: false, grid: false, ray: true, text_size: TEXT_SIZE, wrap: false, zoom: 1.0, theme: Choice::Dark, widths: [470.0, 250.0], alone: false, start: false, keys: false, to_sliders: false, beside: Vec::new() },
             search: None,
             asked: None,
@@ -388,6 +413,7 @@ impl Session {
             held: None,
             parts: Parts::default(),
             passes: Passes::default(),
+            truth: Truth::default(),
             holding: None,
             holds: 0,
         }

@@ -14,6 +14,7 @@ mod timeline;
 mod typing;
 mod understanding;
 mod unsaved;
+mod views;
 
 use super::*;
 use egui::accesskit::Role;

@@ -161,7 +161,7 @@ impl World {
     }
 
     /// What another thread calls where there is something to hear.
-    pub fn waker(&self) -> impl FnOnce() + Send + 'static {
+    pub fn waker(&self) -> impl Fn() + Send + 'static {
         let wake = self.wake.clone();
         move || wake()
     }

@@ -19,7 +19,7 @@ pub use record::SharedLoader;
 pub use state::{Compile, Ready, Report, Setup, Times, Update, Words, Work};
 use state::{Shared, State};
 
-use crate::passes::scene::ViewMode;
+use crate::view::Showing;
 use std::sync::{Arc, Condvar, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -38,7 +38,7 @@ impl LiveScene {
             state: Mutex::new(State {
                 path: setup.path.clone(),
                 options: setup.options.clone(),
-                mode: setup.mode,
+                showing: setup.mode.into(),
                 asked: Some(Instant::now()),
                 ..State::default()
             }),
@@ -112,8 +112,11 @@ impl LiveScene {
 
     /// Shows something else of the scene. The pipeline for it is built like any other: the old picture stays until it is ready. The
     /// compiler does not run.
-    pub fn set_mode(&self, mode: ViewMode) {
-        self.push(|state| state.mode = mode);
+    pub fn show(&self, showing: impl Into<Showing>) {
+        let showing = showing.into();
+        if self.shared.lock().showing != showing {
+            self.push(|state| state.showing = showing);
+        }
     }
 
     /// Whether a change is being worked on.

@@ -5,6 +5,7 @@ use crate::frame::Picture;
 use crate::gpu::Gpu;
 use crate::passes::scene::ViewMode;
 use crate::physics::{Contact, Passes};
+use crate::view::Showing;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use surefoot_compiler::compiled::{Compiled, Loader, Options, Outcome};
@@ -137,7 +138,7 @@ impl Shared {
 pub(super) struct State {
     pub(super) path: String,
     pub(super) options: Options,
-    pub(super) mode: ViewMode,
+    pub(super) showing: Showing,
     /// Texts that are not on the disk.
     pub(super) texts: record::Texts,
     /// When the oldest change that is not yet worked on came.

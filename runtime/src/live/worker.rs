@@ -9,8 +9,8 @@ use crate::live::rehearsal::Rehearsal;
 use crate::live::state::{Ready, Setup, Shared, Times, Update, Words, Work};
 use crate::live::watch::Watch;
 use crate::mesh::Assets;
-use crate::passes::scene::ViewMode;
 use crate::physics::{Contact, Passes};
+use crate::view::Showing;
 use std::mem::take;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -75,7 +75,7 @@ struct Newest {
     failure: Option<String>,
     good: Option<Arc<Compiled>>,
     /// What the newest picture shows.
-    mode: ViewMode,
+    showing: Showing,
     times: Times,
 }
 
@@ -94,8 +94,8 @@ impl Worker {
             // Before anything is read, so that nothing falls between.
             self.watch.refresh();
             self.watch.look();
-            let mode = self.shared.lock().mode;
-            let other_mode = mode != self.newest.mode;
+            let showing = self.shared.lock().showing;
+            let shows_other = showing != self.newest.showing;
             let since = job.since;
             let mut scene = None;
             if job.anew || self.is_stale() {
@@ -110,17 +110,17 @@ impl Worker {
                 if let Some(compiled) = &scene {
                     self.load(compiled);
                 }
-            } else if !other_mode {
+            } else if !shows_other {
                 continue;
             }
-            if other_mode && scene.is_none() {
+            if shows_other && scene.is_none() {
                 scene = self.newest.good.clone();
             }
             std::thread::scope(|scope| {
                 let shared = self.shared.clone();
                 let listens = scene.is_some() && self.setup.target.is_some();
                 let _ears = listens.then(|| overhear::start(scope, self.setup.clone(), &shared, self.words()));
-                let update = self.build(scene, mode, since);
+                let update = self.build(scene, showing, since);
                 self.deliver(update);
             });
         }
@@ -258,13 +258,13 @@ impl Worker {
     }
 
     /// Builds a scene's picture, where there is a scene.
-    fn build(&mut self, scene: Option<Arc<Compiled>>, mode: ViewMode, since: Instant) -> Update {
+    fn build(&mut self, scene: Option<Arc<Compiled>>, showing: Showing, since: Instant) -> Update {
         let start = Instant::now();
         if scene.is_some() {
             self.begin(Work::Building);
         }
         let ready = scene.and_then(|compiled| {
-            let prepare = || self.prepare(&compiled, mode);
+            let prepare = || self.prepare(&compiled, showing);
             let prepared = catch_unwind(AssertUnwindSafe(prepare))
                 .unwrap_or_else(|panic| Err(broken("the translation", panic.as_ref())));
             match prepared {
@@ -276,7 +276,7 @@ impl Worker {
             }
         });
         let newest = &mut self.newest;
-        newest.mode = mode;
+        newest.showing = showing;
         if let Some(ready) = &ready {
             newest.good = Some(ready.compiled.clone());
             newest.times.pipeline = start.elapsed();
@@ -301,11 +301,11 @@ impl Worker {
         (self.setup.wake)();
     }
 
-    fn prepare(&mut self, compiled: &Compiled, mode: ViewMode) -> Result<Parts, String> {
+    fn prepare(&mut self, compiled: &Compiled, showing: Showing) -> Result<Parts, String> {
         let Some((gpu, format)) = &self.setup.target else { return Ok((None, None)) };
         let meshes = self.assets.meshes(compiled);
         let picture = self.rehearsal.prepare(gpu, |gpu| {
-            let mut picture = Picture::prepare(gpu, compiled, *format, mode)?;
+            let mut picture = Picture::prepare(gpu, compiled, *format, showing)?;
             picture.show_meshes(&meshes)?;
             picture.show_images(self.assets.images());
             headless::warm_up(gpu, &mut picture, compiled, *format)?;

@@ -1,12 +1,14 @@
 //! Balls over the field: instances that share its uniforms, its light and its depth.
 
 use super::scene::{Features, ViewMode};
+use super::section;
 use super::shadows::BallsNow;
 use super::surroundings;
 use crate::gpu::{Gpu, PipelineKey, storage_layout};
 use crate::module;
 use crate::physics::Physics;
 use bytemuck::{Pod, Zeroable};
+use std::borrow::Cow;
 use surefoot_compiler::compiled::{Compiled, Live};
 use surefoot_compiler::physics::Group;
 
@@ -140,7 +142,11 @@ fn pipeline(
     let mut sections = vec![compiled.module.code()];
     sections.extend(shading.iter().map(|s| &**s));
     sections.push(include_str!("../physics/ball.wgsl"));
-    sections.push(include_str!("balls/balls.wgsl"));
+    let balls = match features.section {
+        Some(_) => section::balls(include_str!("balls/balls.wgsl")).into(),
+        None => Cow::Borrowed(include_str!("balls/balls.wgsl")),
+    };
+    sections.push(&balls);
     sections.push(match features.view {
         ViewMode::Normals => include_str!("balls/normals.wgsl"),
         ViewMode::Depth => include_str!("balls/depth.wgsl"),

@@ -2,10 +2,12 @@
 
 use super::layers;
 use super::scene::{Features, ViewMode};
+use super::section;
 use super::surroundings;
 use crate::gpu::{Gpu, PipelineKey, storage_layout};
 use crate::mesh::{Mesh, Vertex};
 use bytemuck::{Pod, Zeroable};
+use std::borrow::Cow;
 use std::sync::Arc;
 use surefoot_compiler::compiled::Compiled;
 use surefoot_compiler::mesh::Placed;
@@ -88,6 +90,10 @@ impl MeshesPipeline {
         features: Features,
         shadows: Option<&wgpu::BindGroupLayout>,
     ) -> Result<Self, String> {
+        let (depth, plane, constants) = match features.section {
+            Some(cut) => (section::before(include_str!("meshes/before.wgsl")).into(), section::PLANE, section::constants(cut).to_vec()),
+            None => (Cow::Borrowed(include_str!("meshes/before.wgsl")), "", Vec::new()),
+        };
         // No formula of the scene is asked: the same for all scenes.
         let before = [
             "fn sf_gradient(p: vec3f) -> vec4f { return vec4f(p, 0.0); }",
@@ -96,9 +102,10 @@ impl MeshesPipeline {
             features.eye(),
             include_str!("meshes/place.wgsl"),
             include_str!("meshes/vertex.wgsl"),
-            include_str!("meshes/before.wgsl"),
+            &depth,
+            plane,
         ];
-        let before_key = PipelineKey { format: None, entries: ["mesh_vertex", "mesh_before"], ..key(before.join("\n"), Vec::new(), format) };
+        let before_key = PipelineKey { format: None, entries: ["mesh_vertex", "mesh_before"], ..key(before.join("\n"), constants, format) };
         gpu.catch(|| {
             let triangles = Triangles::new(gpu, compiled);
             let pipeline = pipeline(gpu, compiled, format, features, &triangles.layout, shadows)?;
@@ -159,7 +166,11 @@ fn pipeline(
     sections.push(include_str!("meshes/place.wgsl"));
     sections.push(include_str!("meshes/vertex.wgsl"));
     sections.push(include_str!("meshes/own.wgsl"));
-    sections.push(include_str!("meshes/mesh.wgsl"));
+    let mesh = match features.section {
+        Some(_) => section::meshes(include_str!("meshes/mesh.wgsl")).into(),
+        None => Cow::Borrowed(include_str!("meshes/mesh.wgsl")),
+    };
+    sections.push(&mesh);
     let met = if features.view == ViewMode::Shaded { layers::mesh_text(compiled, features.textures) } else { Vec::new() };
     sections.extend(met.iter().map(|s| &**s));
     sections.push(match features.view {

@@ -9,6 +9,7 @@ mod meshes;
 mod pipeline;
 pub mod rays;
 pub mod scene;
+mod section;
 mod shadows;
 mod surroundings;
 

@@ -42,7 +42,7 @@ impl ScenePipeline {
         let label = "surefoot scene";
         let stage = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let key = PipelineKey {
-            wgsl: format!("{}\n{}", compiled.module.code(), features.wgsl(compiled)),
+            wgsl: format!("{}\n{}", features.module(compiled)?, features.wgsl(compiled)),
             constants: features.constants(format),
             format: Some(format),
             entries: ["vertex", "fragment"],
@@ -108,6 +108,10 @@ impl ScenePipeline {
         let uniforms = SceneUniforms::new(&frame, &camera, origin, size, corner)
             .of_sample(sample)
             .rounded(compiled.module.rounding);
+        let uniforms = match frame.section.filter(|_| self.features.section.is_some()) {
+            Some(section) => uniforms.cut_at(section.place(&camera)),
+            None => uniforms,
+        };
         let module = self.module.write(queue, &compiled.uniform_bytes(live, origin));
         let scene = self.scene.write(queue, &uniforms);
         let placed = if self.meshes.is_some() { compiled.meshes(live) } else { Vec::new() };
@@ -192,7 +196,7 @@ impl ScenePipeline {
 
     /// Whether it draws with depth.
     pub fn has_depth(&self) -> bool {
-        self.balls.is_some() || self.meshes.is_some()
+        self.features.depth()
     }
 
     /// Draws the depth of the meshes for a target of this size, and answers with what the field's pass is bound to, so that its rays end there.

@@ -1,15 +1,17 @@
 //! The pass that draws the field: one triangle over the screen. Its text is a list of sections, of which only those stand in the
 //! module that the scene and the view need; its uniforms are filled from a [`Frame`].
 
-use super::layers;
+use super::{layers, section};
 use crate::images::MOST_TEXTURES;
 use crate::sheets::LINEAR;
 use bytemuck::{Pod, Zeroable};
 use std::borrow::Cow;
 use surefoot_compiler::camera::Basis;
 use surefoot_compiler::compiled::{Camera, Compiled, Export, Frame, Rounding, Shadow, Tone};
+use surefoot_compiler::emit::counted::counted;
 use surefoot_compiler::frame::{MAX_LIGHTS, NEAR};
 use surefoot_compiler::reference::{area, shade};
+use surefoot_compiler::section::Cut;
 use surefoot_compiler::shading::{self, Parts, Shading};
 use surefoot_compiler::vector::{scale, sub};
 
@@ -56,6 +58,10 @@ pub struct Features {
     pub optics: bool,
     /// Whether a lamp may stand in a solid that emits light.
     pub emitters: bool,
+    /// How a plane cuts the picture open, where one does.
+    pub section: Option<Cut>,
+    /// Whether the depth is written though nothing is rasterised: what is drawn beside it has depth.
+    pub deep: bool,
 }
 
 impl Features {
@@ -88,8 +94,15 @@ impl Features {
             fog: shaded && shading.fog,
             bloom: blocks.bloom.is_some_and(|share| shaded && constant(share) != Some(0.0)),
             optics: shading.optics,
+            section: None,
+            deep: false,
             field_maps: shaded && !off && blocks.lights.iter().any(|l| l.shadow.0 == Shadow::Map),
         }
+    }
+
+    /// The same of a picture that is cut open. A slice is a plane of its own, and nothing is before it.
+    pub fn with_section(self, section: Option<Cut>) -> Self {
+        Self { section: section.filter(|_| !matches!(self.view, ViewMode::Slice(_))), ..self }
     }
 
     /// Which parts of the shading it has.
@@ -101,7 +114,7 @@ impl Features {
     /// Of what draws the cubemap of a scene that has these: the same light, seen from one place. What is mirrored there is the field and
     /// the sky.
     pub(super) fn of_capture(self) -> Self {
-        Self { capture: None, captures: true, meshes_first: false, ..self }
+        Self { capture: None, captures: true, meshes_first: false, section: None, deep: false, ..self }
     }
 
     /// Whether shadows are looked up in maps.
@@ -109,15 +122,15 @@ impl Features {
         self.shadows && (self.balls || self.meshes || self.field_maps)
     }
 
-    /// Whether the depth is written too: something is rasterised.
+    /// Whether the depth is written too: something is rasterised, in it or beside it.
     pub fn depth(&self) -> bool {
-        self.balls || self.meshes
+        self.balls || self.meshes || self.deep
     }
 
     /// The functions of the module that the pass calls.
     pub fn exports(&self) -> Vec<Export> {
         let mut exports = vec![Export::Trace];
-        if !matches!(self.view, ViewMode::Steps | ViewMode::Depth) {
+        if self.section.is_some() || !matches!(self.view, ViewMode::Steps | ViewMode::Operations | ViewMode::Depth) {
             exports.push(Export::Gradient);
         }
         if self.view == ViewMode::Factor {
@@ -142,6 +155,9 @@ impl Features {
     pub(super) fn shading(&self, compiled: &Compiled) -> Vec<Cow<'static, str>> {
         let shading = self.parts();
         let mut sections: Vec<Cow<'static, str>> = vec![shading::BASE.into(), include_str!("scene/bindings.wgsl").into(), shading.eye().into()];
+        if self.section.is_some() {
+            sections.extend(section::sections(self.view).map(Cow::Borrowed));
+        }
         if !matches!(self.view, ViewMode::Shaded | ViewMode::Shadow) {
             sections.extend([shading::DITHER, shading::TARGET].map(Cow::Borrowed));
             if self.view == ViewMode::Occlusion {
@@ -186,31 +202,48 @@ impl Features {
             ("scene_linear", f64::from(u8::from(linear))),
             ("scene_step", level),
         ];
-        all.into_iter().chain(axis).collect()
+        let cut = self.section.map(section::constants);
+        all.into_iter().chain(axis).chain(cut.into_iter().flatten()).collect()
+    }
+
+    /// The scene's module as this pass has it: one that counts its operations, where the view shows them.
+    pub fn module<'m>(&self, compiled: &'m Compiled) -> Result<Cow<'m, str>, String> {
+        match self.view {
+            ViewMode::Operations => counted(compiled.module.code()).map(Cow::Owned),
+            _ => Ok(compiled.module.code().into()),
+        }
     }
 
     /// The pass's text, to stand after the scene's module. Entry points: `vertex`, `fragment`; uniforms: group 1, binding 0.
     pub fn wgsl(&self, compiled: &Compiled) -> String {
         let mut sections = self.shading(compiled);
-        let mut push = |text: &'static str| sections.push(text.into());
-        push(shading::TRIANGLE);
-        push(match self.view {
+        let mut push = |text: Cow<'static, str>| sections.push(text);
+        push(shading::TRIANGLE.into());
+        if matches!(self.view, ViewMode::Steps | ViewMode::Operations) {
+            push(include_str!("scene/ramp.wgsl").into());
+        }
+        let view = match self.view {
             ViewMode::Shaded if self.captures => include_str!("capture/view.wgsl"),
             ViewMode::Shaded => shading::VIEW,
             ViewMode::Normals => include_str!("scene/view_normals.wgsl"),
             ViewMode::Steps => include_str!("scene/view_steps.wgsl"),
+            ViewMode::Operations => include_str!("scene/view_operations.wgsl"),
             ViewMode::Depth => include_str!("scene/view_depth.wgsl"),
             ViewMode::Gradient => include_str!("scene/view_gradient.wgsl"),
             ViewMode::Factor => include_str!("scene/view_factor.wgsl"),
             ViewMode::Occlusion => include_str!("scene/view_occlusion.wgsl"),
             ViewMode::Shadow => include_str!("scene/view_shadow.wgsl"),
             ViewMode::Slice(_) => include_str!("scene/view_slice.wgsl"),
+        };
+        push(match self.section {
+            Some(_) => section::pixel(self.view, view).into(),
+            None => view.into(),
         });
-        push(match self.depth() {
+        push(Cow::Borrowed(match self.depth() {
             true if self.meshes_first => include_str!("scene/color_behind.wgsl"),
             true => include_str!("scene/color_and_depth.wgsl"),
             false => include_str!("scene/color.wgsl"),
-        });
+        }));
         sections.join("\n")
     }
 }
@@ -285,6 +318,11 @@ impl SceneUniforms {
     pub fn of_sample(self, sample: u32) -> Self {
         let area::Part { place: [x, y], narrower } = area::Part::of(sample);
         Self { part: [x, y, narrower].map(|c| c as f32), ..self }
+    }
+
+    /// The same of a picture that a plane cuts open, which is at this place along what it is square to.
+    pub fn cut_at(self, place: f64) -> Self {
+        Self { slice: place as f32, ..self }
     }
 
     /// Through a camera. `origin` is the scene's point at which the module's `p` is zero; `size` is that of the whole picture and `corner` its upper left

@@ -4,7 +4,7 @@ use crate::window::command::Command;
 use crate::window::session::Session;
 use crate::window::theme;
 use egui::{Align2, Area, Color32, CornerRadius, Frame, Id, Margin, Order, Rect, RichText, Sense, Slider, Ui, pos2, vec2};
-use surefoot_compiler::reference::shade::{depth_color, factor_color, gradient_color, slice_spacing, steps_color};
+use surefoot_compiler::reference::shade::{OPERATIONS, depth_color, factor_color, gradient_color, operations_color, slice_spacing, steps_color};
 use surefoot_compiler::vector::{length, sub};
 use surefoot_runtime::ViewMode;
 
@@ -21,30 +21,35 @@ pub fn show(ui: &mut Ui, rect: Rect, session: &Session, commands: &mut Vec<Comma
     let area = Area::new(Id::unique("legend")).pivot(Align2::LEFT_TOP).fixed_pos(rect.left_top() + vec2(10.0, 10.0)).constrain_to(rect).order(Order::Middle);
     area.show(ui.ctx(), |ui| {
         let frame = Frame::new().fill(theme::PANEL.gamma_multiply(0.9)).corner_radius(CornerRadius::same(5)).inner_margin(Margin::symmetric(9, 6));
-        frame.show(ui, |ui| {
-            ui.set_max_width(BAR.x);
-            let far = session.scene().zip(session.stage.live()).map_or(100.0, |(scene, live)| scene.frame(live).max_distance);
-            match session.look.mode {
-                ViewMode::Steps => bar(ui, &["0", "32", "64 steps"], |share| steps_color((64.0 * share).round() as u32)),
-                ViewMode::Depth => bar(ui, &["0", &format!("{far:.0} away")], |share| depth_color(share * far, far)),
-                ViewMode::Gradient => bar(ui, &["1/4", "slope 1", "4"], |share| gradient_color(16f64.powf(share - 0.5))),
-                ViewMode::Factor => bar(ui, &["1/8", "of the distance", "all"], |share| factor_color(8f64.powf(share - 1.0))),
-                ViewMode::Occlusion => bar(ui, &["closed", "open"], |share| [share; 3]),
-                ViewMode::Shadow => bar(ui, &["dark", "lit"], |share| [share; 3]),
-                ViewMode::Normals => words(ui, "red x, green y, blue z; grey is square to the axis"),
-                ViewMode::Slice(axis) => slice(ui, session, axis, commands),
-                ViewMode::Shaded => {}
-            }
-        });
+        frame.show(ui, |ui| body(ui, session, session.look.mode, commands));
     });
 }
 
-fn words(ui: &mut Ui, words: &str) {
+/// The legend of a view.
+pub fn body(ui: &mut Ui, session: &Session, mode: ViewMode, commands: &mut Vec<Command>) {
+    ui.set_max_width(BAR.x);
+    let far = session.scene().zip(session.stage.live()).map_or(100.0, |(scene, live)| scene.frame(live).max_distance);
+    match mode {
+        ViewMode::Steps => bar(ui, &["0", "32", "64 steps"], |share| steps_color((64.0 * share).round() as u32)),
+        ViewMode::Operations => bar(ui, &["64", "operations", "1 million"], |share| operations_color(OPERATIONS.0 * (OPERATIONS.1 / OPERATIONS.0).powf(share))),
+        ViewMode::Depth => bar(ui, &["0", &format!("{far:.0} away")], |share| depth_color(share * far, far)),
+        ViewMode::Gradient => bar(ui, &["1/4", "slope 1", "4"], |share| gradient_color(16f64.powf(share - 0.5))),
+        ViewMode::Factor => bar(ui, &["1/8", "of the distance", "all"], |share| factor_color(8f64.powf(share - 1.0))),
+        ViewMode::Occlusion => bar(ui, &["closed", "open"], |share| [share; 3]),
+        ViewMode::Shadow => bar(ui, &["dark", "lit"], |share| [share; 3]),
+        ViewMode::Normals => words(ui, "red x, green y, blue z; grey is square to the axis"),
+        ViewMode::Slice(axis) => slice(ui, session, axis, commands),
+        ViewMode::Shaded => {}
+    }
+}
+
+/// A few words of it.
+pub fn words(ui: &mut Ui, words: &str) {
     ui.label(RichText::new(words).small().color(theme::TEXT));
 }
 
 /// A bar of colours, and what its ends and what lies between mean.
-fn bar(ui: &mut Ui, names: &[&str], color: impl Fn(f64) -> [f64; 3]) {
+pub fn bar(ui: &mut Ui, names: &[&str], color: impl Fn(f64) -> [f64; 3]) {
     let (rect, _) = ui.allocate_exact_size(BAR, Sense::hover());
     for i in 0..COLORS {
         let side = |i: u32| rect.left() + rect.width() * i as f32 / COLORS as f32;

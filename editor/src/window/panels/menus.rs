@@ -74,6 +74,17 @@ pub fn look(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         if ui.add(Button::selectable(parallel, "Parallel rays").shortcut_text("5")).clicked() {
             commands.push(Command::Parallel(!parallel));
         }
+        let (look, truth) = (&session.look, session.truth.open);
+        let looks = [
+            ("Section", "C", look.cuts, Command::ShowSection(!look.cuts)),
+            ("Two views", "W", look.beside.is_some(), super::wipe::switch(session)),
+            ("Difference", "D", truth, Command::ShowTruth(!truth)),
+        ];
+        for (name, key, is_on, command) in looks {
+            if ui.add(Button::selectable(is_on, name).shortcut_text(key)).clicked() {
+                commands.push(command);
+            }
+        }
         if ui.add(Button::selectable(open.grid, "Grid").shortcut_text("G")).clicked() {
             commands.push(Command::ShowGrid(!open.grid));
         }

@@ -81,6 +81,18 @@ pub fn keys(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
     if plain(Key::Num5) {
         commands.push(Command::Parallel(!session.look.orbit.is_some_and(|orbit| orbit.parallel)));
     }
+    if plain(Key::C) {
+        commands.push(Command::ShowSection(!session.look.cuts));
+    }
+    if ui.input(|i| i.modifiers.shift_only() && i.key_pressed(Key::C)) && let Some(section) = session.look.section {
+        commands.push(Command::Section(section.flipped()));
+    }
+    if plain(Key::D) {
+        commands.push(Command::ShowTruth(!session.truth.open));
+    }
+    if plain(Key::W) {
+        commands.push(super::wipe::switch(session));
+    }
     if plain(Key::F) {
         commands.push(Command::FrameSelection);
     }

@@ -3,28 +3,11 @@
 use crate::window::command::Command;
 use crate::window::panels::icons::{self, Icon};
 use crate::window::panels::menus;
+use crate::window::panels::modes::{MODES, MORE};
 use crate::window::session::Session;
 use egui::scroll_area::ScrollBarVisibility;
 use egui::{Align, Layout, ScrollArea, Ui};
 use surefoot_runtime::ViewMode;
-
-/// What the picture may show, with words for each.
-pub const MODES: [(ViewMode, &str, &str); 4] = [
-    (ViewMode::Shaded, "Shaded", "the scene in its light"),
-    (ViewMode::Normals, "Normals", "the surface's normals, as colours"),
-    (ViewMode::Steps, "Steps", "how many steps a ray takes: dark is few"),
-    (ViewMode::Depth, "Depth", "how far the surface is"),
-];
-/// The same, in a list.
-const MORE: [(ViewMode, &str, &str); 7] = [
-    (ViewMode::Gradient, "Gradient", "how steep the field is at the surface"),
-    (ViewMode::Factor, "Factor", "what of the distance a ray may go right above the surface"),
-    (ViewMode::Occlusion, "Occlusion", "how much of the sky's light arrives"),
-    (ViewMode::Shadow, "Shadow", "how much of the lights arrives"),
-    (ViewMode::Slice(0), "Slice x", "a plane through the field, square to x"),
-    (ViewMode::Slice(1), "Slice y", "a plane through the field, square to y"),
-    (ViewMode::Slice(2), "Slice z", "a plane through the field, square to z"),
-];
 
 /// Narrower than this the views become a list.
 const NARROW: f32 = 820.0;
@@ -68,6 +51,8 @@ fn left(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Command
     cameras(ui, session, commands);
     time(ui, session, commands);
     super::balls::show(ui, session, commands);
+    ui.separator();
+    looks(ui, session, commands);
 }
 
 fn modes(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Command>) {
@@ -88,6 +73,19 @@ fn modes(ui: &mut Ui, session: &Session, narrow: bool, commands: &mut Vec<Comman
     let list = list.show_ui(ui, |ui| choices(ui, session, &MORE, commands));
     icons::name(ui, list.response.id, "More views");
     ui.spacing_mut().item_spacing.x = 8.0;
+}
+
+/// Ways of looking that go with any view. The menu has them too, where there is no room for them here.
+fn looks(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    if ui.selectable_label(session.look.cuts, "Section").on_hover_text("cut the picture open by a plane (C)").clicked() {
+        commands.push(Command::ShowSection(!session.look.cuts));
+    }
+    if ui.selectable_label(session.truth.open, "Difference").on_hover_text("how far the picture is from what is certain of it (D)").clicked() {
+        commands.push(Command::ShowTruth(!session.truth.open));
+    }
+    if ui.selectable_label(session.look.beside.is_some(), "Two views").on_hover_text("another view beside this one, and a divider between them (W)").clicked() {
+        commands.push(super::wipe::switch(session));
+    }
 }
 
 fn choices(ui: &mut Ui, session: &Session, modes: &[(ViewMode, &str, &str)], commands: &mut Vec<Command>) {

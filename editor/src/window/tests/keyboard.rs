@@ -171,7 +171,7 @@ fn one_changes_numbers_colours_and_sliders_and_looks() {
     press(&mut harness, Modifiers::NONE, Key::Home);
     assert_eq!(harness.state().session.camera().unwrap(), home);
     // 20: each view.
-    for (key, (mode, ..)) in [Key::Num2, Key::Num3, Key::Num4, Key::Num1].into_iter().zip([1, 2, 3, 0].map(|i| panels::toolbar::MODES[i])) {
+    for (key, (mode, ..)) in [Key::Num2, Key::Num3, Key::Num4, Key::Num1].into_iter().zip([1, 2, 3, 0].map(|i| panels::modes::MODES[i])) {
         press(&mut harness, CMD, key);
         assert_eq!(harness.state().session.look.mode, mode);
     }

@@ -77,6 +77,7 @@ fn views_say_what_their_colours_mean_and_a_slice_is_dragged_through_the_field() 
     assert!(harness.query_by_label("64 steps").is_none());
     for (mode, words) in [
         (surefoot_runtime::ViewMode::Steps, "64 steps"),
+        (surefoot_runtime::ViewMode::Operations, "1 million"),
         (surefoot_runtime::ViewMode::Gradient, "slope 1"),
         (surefoot_runtime::ViewMode::Factor, "of the distance"),
         (surefoot_runtime::ViewMode::Occlusion, "open"),
