@@ -295,7 +295,7 @@ mod gpu {
         pub fn explain(&mut self, compiled: &Compiled, live: &Live, shot: &Shot) -> Result<String, String> {
             let wanted = headless::Shot { camera: Some(shot.camera), ..headless::Shot::new(shot.width, shot.height) };
             let explained = surefoot_runtime::explain::explain(&self.gpu, &mut self.picture, compiled, live, &wanted)?;
-            let mut text = String::new();
+            let mut text = format!("adapter      {}\n", self.gpu.described());
             for pass in explained.passes {
                 let milliseconds = pass.time.as_secs_f64() * 1e3;
                 text += &format!("{:<12}{milliseconds:>9.2} ms  {:<16}{}\n", pass.name, pass.size, pass.reason);

@@ -151,6 +151,13 @@ impl Gpu {
         &self.name
     }
 
+    /// Its name, what it is driven through, and the driver's version, for people.
+    pub fn described(&self) -> String {
+        let info = self.device.adapter_info();
+        let driver = [info.driver, info.driver_info].join(" ");
+        format!("{}, {:?}, {}", info.name, info.backend, if driver.trim().is_empty() { "an unnamed driver" } else { driver.trim() })
+    }
+
     /// What makes its machine code: adapter and driver with their versions, for comparison.
     pub(crate) fn driver(&self) -> (wgpu::Backend, String, String) {
         let info = self.device.adapter_info();

@@ -496,7 +496,7 @@ const FLAT: &[&str] = &[
     "largest(<spot>)",
     "smallest(<spot>)",
     "off_circle(<spot>, <little>)",
-    "way_along(<spot>, <little>, <positive>, 0.7)",
+    "way_along(<spot>, <little>, 0.2 + abs(off_circle(<spot>, <little>)), 0.7)",
     "pin_distance(<spot>, <positive>, <little>, <positive>)",
     "corner(abs(<spot>) - <size>)",
     "value_noise(<spot>)",
