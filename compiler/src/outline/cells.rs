@@ -111,9 +111,9 @@ impl Outline {
             return near;
         }
         let middle = scale(add(low, high), 0.5);
-        let halves = |i: usize| [[low, middle], [middle, high]].map(|[from, to]| [from[i], to[i]]);
-        let quarters = halves(0).into_iter().flat_map(|[x, far_x]| halves(1).map(|[y, far_y]| ([x, y], [far_x, far_y])));
-        let mut all: Vec<u32> = quarters.flat_map(|(low, high)| self.in_quarters(low, high, self.nearest_in(low, high, &near), depth - 1)).collect();
+        let ([x, y], [across, up], [far_x, far_y]) = (low, middle, high);
+        let quarters = [(low, middle), ([across, y], [far_x, up]), ([x, up], [across, far_y]), (middle, high)];
+        let mut all: Vec<u32> = quarters.into_iter().flat_map(|(low, high)| self.in_quarters(low, high, self.nearest_in(low, high, &near), depth - 1)).collect();
         all.sort_unstable();
         all.dedup();
         all
