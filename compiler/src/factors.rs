@@ -357,6 +357,8 @@ fn advice(known: &Explained) -> String {
         "taper" => "less narrowing, or a clamp of what is narrowed to a smaller part",
         "scale" | "stretch" | "matrix" => "a stretch that is more alike along its axes",
         "sweep_helix" => "a smaller pitch, or a larger radius",
+        "sweep" | "swept_twisted" => "less twist: narrow its range, or clamp it",
+        "extrude_to" => "a greater height, or a larger `top`",
         "displace" => "a smaller amplitude or a lower frequency",
         name if name.contains("union") || name.contains("intersection") || name.contains("difference") => {
             "operands that are nearer to distances: the group is as steep as its steepest one"

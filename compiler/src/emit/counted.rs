@@ -9,8 +9,9 @@ use naga::{AddressSpace, BinaryOperator, Block, Expression, Function, GlobalVari
 /// The variable that counts, from 0 on for each fragment or thread.
 pub const COUNTER: &str = "sf_counted";
 
-/// A text whose functions add to [`COUNTER`] what they compute: arithmetic, comparisons, choices and functions of numbers, those of vectors once for each
-/// component. What stands in a branch or a loop counts each time that it is done, and not where it is passed over. Fails where naga can't read the text.
+/// A text whose functions add to [`COUNTER`] the operations that they do: arithmetic, comparisons, choices and functions of numbers.
+/// An operation on vectors counts once for each component. One in a branch or a loop counts each time that it is done.
+/// Fails where naga can't read the text.
 pub fn counted(wgsl: &str) -> Result<String, String> {
     let (mut module, info) = validate(wgsl)?;
     let number = module.types.insert(Type { name: None, inner: TypeInner::Scalar(Scalar::U32) }, Span::UNDEFINED);

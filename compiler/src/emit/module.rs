@@ -13,7 +13,8 @@ use std::sync::Arc;
 pub struct Module {
     /// The text.
     pub wgsl: String,
-    /// Which shape of the source a line of the text computes: the line, counted from 1, and the place of the shape. They are sorted by line.
+    /// Which shape of the source a line of the text computes: the line, counted from 1, and the shape's place.
+    /// They are sorted by line.
     /// Shapes of the prelude have no place.
     pub places: Vec<(u32, Span)>,
     /// The functions in it that were asked for or are needed by them.

@@ -56,8 +56,10 @@ pub struct Stretch {
     pub turn: f64,
     /// The way along the curve to the bow's middle.
     pub way: f64,
-    /// How far beyond the bow's ends the curve goes on in it, at most, and how much farther it reaches where it is mitred, for each unit of the drawing's reach.
-    pub past: [f64; 2],
+    /// How far the curve goes on beyond the bow's ends, at most.
+    pub past: f64,
+    /// How far a mitre reaches beyond an end, for each unit of the drawing's reach; 0 where none is.
+    pub mitre: f64,
     /// The planes where it begins and where it ends: the direction away from it, and how far from the origin along that.
     pub ends: [(Vec3, f64); 2],
 }
@@ -248,7 +250,8 @@ impl Line {
 
     /// The stretches of a sweep, and the pairs of them that meet at a kink, without the planes that end them there.
     /// At a kink both stretches end at the plane between them. What the two hold in common without that plane belongs to the sweep.
-    /// Where there is no kink each stretch reaches a little into the next one, and stays inside of it: at most by so much of half of the shorter one (`overlap`).
+    /// Where there is no kink each stretch reaches a little into the next one, and stays inside of it.
+    /// `overlap` limits that, as a part of half the length of the shorter one.
     /// The turn that a closed curve lacks at its end is shared out among its joints.
     pub fn stretches(&self, overlap: f64) -> (Vec<Stretch>, Vec<[Stretch; 2]>) {
         let frames = self.frames();
@@ -266,7 +269,7 @@ impl Line {
                 let out = scale(forth, sign);
                 (out, dot(out, place))
             };
-            all.push(Stretch { bow: *bow, turn, way: middle, past: [0.0; 2], ends: [plane(-bow.half, -1.0), plane(bow.half, 1.0)] });
+            all.push(Stretch { bow: *bow, turn, way: middle, past: 0.0, mitre: 0.0, ends: [plane(-bow.half, -1.0), plane(bow.half, 1.0)] });
         }
         let mut kinks = Vec::new();
         let count = all.len();
@@ -277,16 +280,16 @@ impl Line {
             let ((at, end), (_, start)) = (one.bow.at(one.bow.half), other.bow.at(-other.bow.half));
             let cosine = dot(end, start);
             let (mut to, mut from) = (one.ends[1], other.ends[0]);
-            let mut past = [0.0; 2];
+            let (mut past, mut mitre) = (0.0, 0.0);
             if cosine > 1.0 - 1e-7 {
                 // Two arcs that meet come apart by half of the difference of their bends, times the square of the way.
                 let apart = length(sub(scale(one.bow.out, one.bow.bend), scale(other.bow.out, other.bow.bend)));
                 let reach = (overlap * one.bow.half.min(other.bow.half)).min((2.0 * off / apart.max(f64::MIN_POSITIVE)).sqrt());
                 to.1 = beyond(&one.bow, reach, 1.0, &mut to.0);
                 from.1 = beyond(&other.bow, reach, -1.0, &mut from.0);
-                past[0] = reach;
+                past = reach;
             } else if cosine > FOLDED && let Some(between) = unit(add(end, start)) {
-                past[1] = ((1.0 - cosine) / (1.0 + cosine)).max(0.0).sqrt();
+                mitre = ((1.0 - cosine) / (1.0 + cosine)).max(0.0).sqrt();
                 if one.bow.bend == 0.0 {
                     to = (between, dot(between, at));
                 }
@@ -299,7 +302,7 @@ impl Line {
             }
             for i in [i, next] {
                 if let Some(stretch) = all.get_mut(i) {
-                    stretch.past = [stretch.past[0].max(past[0]), stretch.past[1].max(past[1])];
+                    (stretch.past, stretch.mitre) = (stretch.past.max(past), stretch.mitre.max(mitre));
                 }
             }
             for (i, end, plane) in [(i, 1, to), (next, 0, from)] {

@@ -6,10 +6,11 @@ use crate::kept::{Data, HEAD, Known};
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Words of a place where a piece begins or the last of a chain ends: the place, where the tangents of the piece meet, the direction of the joint.
+/// Words of a place where a piece begins, or where the last of a chain ends. They hold the place, where the piece's tangents meet, and the joint's direction.
 const PLACE: usize = 6;
-/// Cells for each piece of an outline, and of one of many pieces, which a text does not hold anyway: the lists of smaller cells are shorter.
+/// Cells for each piece of a small outline, which may stand in a text, and of a large one: smaller cells have shorter lists.
 const CELLS: [f64; 2] = [3.0, 12.0];
+/// An outline of so many pieces is large.
 const MANY: usize = 500;
 /// The fewest and the most cells.
 const FEWEST: f64 = 64.0;
@@ -28,8 +29,8 @@ const END: f64 = 1e-5;
 
 /// A region of the plane with its signed distance, below zero inside.
 ///
-/// A cell's list has each piece whose way to the middle of a part of the cell is longer than the least one by at most that part's diagonal: no other is nearest
-/// anywhere in the part, for along half a diagonal each way changes by at most that.
+/// A cell is divided into parts, and its list has what may be nearest somewhere in one of them. Those are the pieces whose way to the part's middle is longer
+/// than the least one by at most the part's diagonal: along half a diagonal no way changes by more than that half.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     pieces: Vec<Piece>,

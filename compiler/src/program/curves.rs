@@ -163,11 +163,11 @@ impl Elaborator<'_> {
         let (all, kinks) = line.stretches(if what == "twisted_of" { TWISTED_OVERLAP } else { 1.0 });
         let whole = line.length();
         let one = |e: &mut Self, stretch: &Stretch| {
-            let Stretch { bow: Bow { middle, out, forth, bend, half }, turn, way, past, ends } = *stretch;
-            let [low, high] = Bow { half: half + past[0], ..stretch.bow }.bounds();
+            let Stretch { bow: Bow { middle, out, forth, bend, half }, turn, way, past, mitre, ends } = *stretch;
+            let [low, high] = Bow { half: half + past, ..stretch.bow }.bounds();
             let across = cross(out, forth);
             let [[a, b, c, d], [f, g, h, i]] = ends.map(|([a, b, c], d)| [a, b, c, d]);
-            let rows: [&[f64]; 10] = [&across, &out, &forth, &middle, &[bend, turn], &[a, b, c, d], &[f, g, h, i], &[way, half, whole, 1.0 + past[1]], &low, &high];
+            let rows: [&[f64]; 10] = [&across, &out, &forth, &middle, &[bend, turn], &[a, b, c, d], &[f, g, h, i], &[way, half, whole, 1.0 + mitre], &low, &high];
             Value::List(rows.into_iter().map(|row| Value::Vector(row.iter().map(|c| e.graph.constant(*c)).collect())).collect())
         };
         let items: Vec<Value> = if what == "kinks_of" {

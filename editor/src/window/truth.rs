@@ -1,5 +1,5 @@
-//! The picture against what is certain of it: where rays in 64 bits provably meet the surface first, beside where the GPU's rays have met it. Found on another
-//! thread, coarse at first, and anew when the picture is another one.
+//! The picture against what is certain of it: where rays in 64 bits provably meet the surface first, beside where the GPU's rays have met it.
+//! It is found on another thread, coarse at first. When the picture changes it begins again.
 
 use egui::ColorImage;
 use rayon::prelude::*;
@@ -9,15 +9,15 @@ use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
 use surefoot_compiler::camera::Basis;
 use surefoot_compiler::certify::{Hit, Prover, Truth as Certain};
-use surefoot_compiler::compiled::{Camera, Compiled, Live, UniformSource};
+use surefoot_compiler::compiled::{Camera, Compiled, Live};
 use surefoot_compiler::reference::march::Ray;
 use surefoot_compiler::reference::shade::steps_color;
-use surefoot_compiler::vector::{Vec3, add, sub};
+use surefoot_compiler::vector::Vec3;
 use surefoot_runtime::Gpu;
-use surefoot_runtime::passes::rays::{Follower, GpuRay, RayPicture, Rays, Traced};
+use surefoot_runtime::passes::rays::{Follower, GpuRay, RayPicture, Rays, Traced, counted_from};
 
-/// One pixel of so many a side is looked at, in the end.
-const CELL: u32 = 4;
+/// The side of a cell in pixels. Its middle pixel is looked at.
+pub const CELL: u32 = 4;
 /// So many cells a side share what is found of one, coarse at first.
 const STRIDES: [u32; 4] = [8, 4, 2, 1];
 /// Boxes that a ray may cost.
@@ -33,7 +33,7 @@ const AROUND: [(f64, f64); 4] = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0
 /// A neighbour is met where the ray was, if they are no further apart than so many widths of a pixel.
 const NEAR: f64 = 8.0;
 
-/// A picture of which the truth is looked for.
+/// A picture that is compared with the truth.
 #[derive(Clone)]
 pub struct Seen {
     /// The scene.
@@ -191,7 +191,7 @@ impl Truth {
                     is_new = true;
                 }
                 Err(TryRecvError::Disconnected) if self.found.is_none() => {
-                    self.found = Some(Err("it could not be looked for".to_owned()));
+                    self.found = Some(Err("no thread could be started for it".to_owned()));
                     return true;
                 }
                 Err(_) => return is_new,
@@ -214,13 +214,12 @@ struct Grid {
 impl Grid {
     fn new(seen: &Seen) -> Self {
         let Seen { scene, live, camera, size: [width, height] } = seen;
-        let moves = scene.module.uniforms.iter().any(|u| u.source == UniformSource::Origin);
         Self {
             size: (width.div_ceil(CELL).next_multiple_of(8), height.div_ceil(CELL).max(1)),
             basis: Basis::of(camera),
             eye: camera.eye,
             picture: (*width, *height),
-            origin: if moves { camera.eye.map(|c| f64::from(c as f32)) } else { [0.0; 3] },
+            origin: counted_from(scene, camera.eye),
             reach: scene.frame(live).max_distance,
         }
     }
@@ -229,15 +228,13 @@ impl Grid {
     fn narrow(&self, (x, y): (u32, u32), (right, down): (f64, f64)) -> GpuRay {
         let middle = |cell: u32| f64::from(cell * CELL + CELL / 2) + 0.5;
         let at = (middle(x) + right, middle(y) + down);
-        let narrow = |v: Vec3| v.map(|c| c as f32);
         let from = self.basis.start(self.eye, at, self.picture);
-        GpuRay { origin: narrow(sub(from, self.origin)), t_min: 0.0, direction: narrow(self.basis.direction(at, self.picture)), t_max: self.reach as f32 }
+        GpuRay::narrowed(from, self.basis.direction(at, self.picture), self.origin, self.reach)
     }
 
     /// The same ray in 64 bits.
     fn ray(&self, cell: (u32, u32), aside: (f64, f64)) -> Ray {
-        let GpuRay { origin, t_min, direction, t_max } = self.narrow(cell, aside);
-        Ray { origin: add(origin.map(f64::from), self.origin), direction: direction.map(f64::from), t_min: t_min.into(), t_max: t_max.into() }
+        self.narrow(cell, aside).widened(self.origin)
     }
 }
 

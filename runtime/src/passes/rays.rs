@@ -5,7 +5,9 @@ use crate::module::{self, ModuleGroup};
 use crate::readback::{read, wait};
 use bytemuck::{Pod, Zeroable};
 use std::time::{Duration, Instant};
-use surefoot_compiler::compiled::{Compiled, Live};
+use surefoot_compiler::compiled::{Compiled, Live, UniformSource};
+use surefoot_compiler::reference::march::Ray;
+use surefoot_compiler::vector::{Vec3, add, sub};
 
 /// A ray, as the pass reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -19,6 +21,26 @@ pub struct GpuRay {
     pub direction: [f32; 3],
     /// It ends here.
     pub t_max: f32,
+}
+
+impl GpuRay {
+    /// A ray from a point in a direction, as the GPU gets it: in 32 bits, and counted from `origin`. It ends at `reach`.
+    pub fn narrowed(from: Vec3, direction: Vec3, origin: Vec3, reach: f64) -> Self {
+        let narrow = |v: Vec3| v.map(|c| c as f32);
+        Self { origin: narrow(sub(from, origin)), t_min: 0.0, direction: narrow(direction), t_max: reach as f32 }
+    }
+
+    /// The same ray in 64 bits, with nothing rounded again.
+    pub fn widened(&self, origin: Vec3) -> Ray {
+        let wide = |v: [f32; 3]| v.map(f64::from);
+        Ray { origin: add(wide(self.origin), origin), direction: wide(self.direction), t_min: self.t_min.into(), t_max: self.t_max.into() }
+    }
+}
+
+/// The point from which the origins of rays are counted that begin at an eye: in 32 bits, and zero where the module can't be moved.
+pub fn counted_from(scene: &Compiled, eye: Vec3) -> Vec3 {
+    let moves = scene.module.uniforms.iter().any(|u| u.source == UniformSource::Origin);
+    if moves { eye.map(|c| f64::from(c as f32)) } else { [0.0; 3] }
 }
 
 /// What a tracer may evaluate.

@@ -5,7 +5,7 @@ use crate::window::panels::icons::{self, Icon};
 use crate::window::panels::legend::{bar, words};
 use crate::window::session::Session;
 use crate::window::theme;
-use crate::window::truth::{Count, LEAST, difference_color};
+use crate::window::truth::{CELL, Count, LEAST, difference_color};
 use egui::{Align2, Area, Color32, CornerRadius, Frame, Id, Margin, Order, ProgressBar, Rect, TextureOptions, Ui, pos2, vec2};
 
 /// Shows it where a person wants to see it.
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, rect: Rect, session: &Session, commands: &mut Vec<Comma
                 texture
             }
         };
-        let [columns, rows] = found.image.size.map(|side| side as f32 * 4.0);
+        let [columns, rows] = found.image.size.map(|side| (side * CELL as usize) as f32);
         let [width, height] = found.seen.size.map(|side| side as f32);
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(width / columns, height / rows));
         ui.painter().image(texture.id(), rect, uv, Color32::WHITE);

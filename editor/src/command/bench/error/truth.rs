@@ -4,13 +4,13 @@ use super::pixel::{Doubt, Pixel};
 use super::silhouette;
 use rayon::prelude::*;
 use surefoot_compiler::certify::{Hit, Truth};
-use surefoot_compiler::compiled::{Camera, Compiled, Frame, Live, UniformSource};
+use surefoot_compiler::compiled::{Camera, Compiled, Frame, Live};
 use surefoot_compiler::evaluate::Tape;
 use surefoot_compiler::reference::{self, Reference};
 use surefoot_compiler::camera::Basis;
 use surefoot_compiler::reference::march::Ray;
-use surefoot_compiler::vector::{Vec3, add, along, dot, length, sub};
-use surefoot_runtime::passes::rays::{FUNCTIONS, GpuRay, RayPicture, Traced};
+use surefoot_compiler::vector::{Vec3, along, dot, length};
+use surefoot_runtime::passes::rays::{FUNCTIONS, GpuRay, RayPicture, Traced, counted_from};
 
 /// Boxes that one ray may cost.
 pub const BOXES: usize = 20_000;
@@ -175,27 +175,9 @@ impl View {
     ) -> Result<Self, String> {
         let frame = scene.frame(live);
         // The truth is that of the rays that the GPU gets, and it gets them as the picture does: from the eye on, where that can be.
-        let narrow = |v: Vec3| v.map(|c| c as f32);
-        let moves = scene.module.uniforms.iter().any(|u| u.source == UniformSource::Origin);
-        let origin = if moves { aimed.first().map_or([0.0; 3], |(eye, _)| narrow(*eye).map(f64::from)) } else { [0.0; 3] };
-        let gpu: Vec<GpuRay> = aimed
-            .iter()
-            .map(|(from, direction)| GpuRay {
-                origin: narrow(sub(*from, origin)),
-                t_min: 0.0,
-                direction: narrow(*direction),
-                t_max: frame.max_distance as f32,
-            })
-            .collect();
-        let rays: Vec<Ray> = gpu
-            .iter()
-            .map(|r| Ray {
-                origin: add(r.origin.map(f64::from), origin),
-                direction: r.direction.map(f64::from),
-                t_min: f64::from(r.t_min),
-                t_max: f64::from(r.t_max),
-            })
-            .collect();
+        let origin = aimed.first().map_or([0.0; 3], |(eye, _)| counted_from(scene, *eye));
+        let gpu: Vec<GpuRay> = aimed.iter().map(|(from, direction)| GpuRay::narrowed(*from, *direction, origin, frame.max_distance)).collect();
+        let rays: Vec<Ray> = gpu.iter().map(|ray| ray.widened(origin)).collect();
         let truth = Truth::new(scene, live, LIMIT).map_err(|e| e.to_string())?;
         let found: Vec<Hit> = rays
             .par_iter()
