@@ -26,6 +26,17 @@ function run(command, args, more = {}) {
     process.exit(1);
   }
 }
+// What comes over the network is tried again, as it may be away for a moment.
+function fetched(command, args, more) {
+  for (const pause of [5, 20, 60, 0]) {
+    const { status } = spawnSync(command, args, { stdio: 'inherit', ...more });
+    if (status === 0) return;
+    if (!pause) break;
+    console.error(`web: ${command} ${args.join(' ')} ends with ${status}; again in ${pause} s`);
+    Atomics.wait(new Int32Array(new SharedArrayBuffer(4)), 0, 0, pause * 1000);
+  }
+  process.exit(1);
+}
 const says = (command, ...args) => spawnSync(command, args, { encoding: 'utf8' }).stdout?.trim() ?? '';
 
 // The module as the Rust compiler writes it.
@@ -106,7 +117,7 @@ async function examples(compiler) {
 async function playground(npm) {
   const folder = join(out, 'playground');
   if (!existsSync(join(web, 'node_modules', '.package-lock.json')) || statSync(join(web, 'package-lock.json')).mtimeMs > statSync(join(web, 'node_modules', '.package-lock.json')).mtimeMs) {
-    run('npm', ['ci', '--ignore-scripts', '--no-audit', '--no-fund', '--loglevel=error'], { cwd: web });
+    fetched('npm', ['ci', '--ignore-scripts', '--no-audit', '--no-fund', '--loglevel=error'], { cwd: web });
   }
   rmSync(folder, { recursive: true, force: true });
   cpSync(join(web, 'playground'), folder, { recursive: true });

@@ -68,8 +68,17 @@ pub struct Shot {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
+    /// The first row that is drawn, and the one after the last.
+    pub rows: [u32; 2],
     /// From where.
     pub camera: Camera,
+}
+
+impl Shot {
+    /// All of a picture.
+    pub fn new((width, height): (u32, u32), camera: Camera) -> Self {
+        Self { width, height, rows: [0, height], camera }
+    }
 }
 
 /// Something that draws a scene again and again.
@@ -318,6 +327,7 @@ mod gpu {
             let wanted = headless::Shot {
                 camera: Some(shot.camera),
                 samples: self.samples,
+                rows: shot.rows,
                 ..headless::Shot::new(shot.width, shot.height)
             };
             headless::render_with(&self.gpu, &mut self.picture, compiled, live, &wanted)
@@ -369,22 +379,25 @@ mod cpu {
                 .map_err(|_| "the scene has more operations than the processor takes".to_owned())?
                 .with_images(&self.images);
             let frame = compiled.frame(live);
-            let Shot { width, height, camera } = *shot;
-            let rows = (0..height).step_by(TILE as usize);
+            let Shot { width, height, rows: [first, end], camera } = *shot;
+            let rows = (first..end).step_by(TILE as usize);
             let areas: Vec<Area> = rows
                 .flat_map(|top| (0..width).step_by(TILE as usize).map(move |left| (left, top)))
                 .map(|(left, top)| Area {
                     left,
                     top,
                     width: TILE.min(width - left),
-                    height: TILE.min(height - top),
+                    height: TILE.min(end - top),
                 })
                 .collect();
             let (view, samples) = (self.view, self.samples);
             // Light is scattered before the tone curve, and from anywhere in the picture.
             let blooms = view == View::Shaded && frame.bloom > 0.0;
+            if blooms && end - first < height {
+                return Err("a picture with bloom is drawn as a whole, as light is scattered over all of it".to_owned());
+            }
             let done = AtomicUsize::new(0);
-            let mut sum = vec![[0.0; 3]; width as usize * height as usize];
+            let mut sum = vec![[0.0; 3]; width as usize * (end - first) as usize];
             let mut light = sum.clone();
             for sample in 0..samples {
                 let camera = camera.sampled(sample);
@@ -398,7 +411,7 @@ mod cpu {
                 for (area, tile) in areas.iter().zip(tiles) {
                     for (i, [r, g, b, _]) in (0..).zip(tile) {
                         let (x, y) = (i % area.width + area.left, i / area.width + area.top);
-                        if let Some(pixel) = light.get_mut((y * width + x) as usize) {
+                        if let Some(pixel) = light.get_mut(((y - first) * width + x) as usize) {
                             *pixel = [r, g, b].map(f64::from);
                         }
                     }
@@ -414,7 +427,7 @@ mod cpu {
                     }
                 }
             }
-            let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            let places = (first..end).flat_map(|y| (0..width).map(move |x| (x, y)));
             let levels = |(color, (x, y)): ([f64; 3], (u32, u32))| {
                 let moved = if view == View::Shaded { dither(x, y) } else { 0.0 };
                 let [r, g, b] = color.map(|c| level(encode(c), moved));

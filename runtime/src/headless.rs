@@ -7,6 +7,7 @@ use crate::passes::scene::{Features, ViewMode};
 use crate::readback::{read, wait};
 use crate::sheets::LINEAR;
 use crate::view::View;
+use std::ops::Range;
 use surefoot_compiler::compiled::{Camera, Compiled, Live};
 
 /// A picture that is asked for.
@@ -23,12 +24,14 @@ pub struct Shot {
     /// How many pictures become this one, each through other places of its pixels. More than one need a picture that was prepared for
     /// [`LINEAR`].
     pub samples: u32,
+    /// The first row that is drawn, and the one after the last. They are those of the whole picture, to the byte.
+    pub rows: [u32; 2],
 }
 
 impl Shot {
     /// The scene in its light, through its first camera.
     pub fn new(width: u32, height: u32) -> Self {
-        Self { width, height, mode: ViewMode::default(), camera: None, samples: 1 }
+        Self { width, height, mode: ViewMode::default(), camera: None, samples: 1, rows: [0, height] }
     }
 }
 
@@ -83,12 +86,15 @@ pub fn render_with(
     live: &Live,
     shot: &Shot,
 ) -> Result<Pixels, String> {
-    let Shot { width, height, camera, samples, .. } = *shot;
+    let Shot { width, height, camera, samples, rows: [first, end], .. } = *shot;
     if samples > 1 && picture.format() != LINEAR {
         return Err("a picture of several samples is prepared for 16-bit floats".to_owned());
     }
     if width == 0 || height == 0 || u64::from(width) * u64::from(height) > MOST_PIXELS {
         return Err(format!("a picture of {width} by {height} pixels can't be drawn"));
+    }
+    if first >= end || end > height {
+        return Err(format!("a picture of {height} rows has no rows {first} to {end}"));
     }
     let frame = compiled.frame(live);
     let camera = match (camera, frame.cameras.first()) {
@@ -102,14 +108,19 @@ pub fn render_with(
     if picture.blooms() && width.max(height) > side {
         return Err(format!("a picture with bloom is at most {side} pixels wide and high here"));
     }
+    if picture.blooms() && end - first < height {
+        return Err("a picture with bloom is drawn as a whole, as light is scattered over all of it".to_owned());
+    }
     let (tile_width, tile_height) = (width.min(side), height.min(side));
     let target = Target::new(gpu, tile_width, tile_height, FORMAT)?;
     let mut film = match picture.format() == LINEAR {
         true => Some(Film::new(gpu, [tile_width, tile_height], FORMAT)?),
         false => None,
     };
-    let mut pixels = Pixels { width, height, rgba: vec![0; 4 * width as usize * height as usize] };
-    for top in (0..height).step_by(side as usize) {
+    let mut pixels = Pixels { width, height: end - first, rgba: vec![0; 4 * width as usize * (end - first) as usize] };
+    // Those squares of the whole picture's that have some of its rows.
+    for top in (0..end).step_by(side as usize).filter(|top| top + side > first) {
+        let rows = first.saturating_sub(top)..(end - top).min(tile_height);
         for left in (0..width).step_by(side as usize) {
             let aim = |picture: &mut Picture, sample: u32| {
                 let [across, down] = film::offset(sample);
@@ -122,16 +133,17 @@ pub fn render_with(
                     film.clear();
                     for sample in 0..samples.max(1) {
                         aim(picture, sample);
-                        expose(gpu, film, picture)?;
+                        expose(gpu, film, picture, rows.clone())?;
                     }
                     target.develop(gpu, film, picture)?
                 }
                 None => {
                     aim(picture, 0);
-                    target.draw(gpu, picture)?
+                    target.draw(gpu, picture, rows.clone())?
                 }
             };
-            copy_tile(&tile, target.stride(), &mut pixels, left, top);
+            let drawn = tile.chunks_exact(target.stride()).skip(rows.start as usize).take(rows.len());
+            copy_tile(drawn, &mut pixels, left, (top + rows.start - first) as usize);
         }
     }
     Ok(pixels)
@@ -150,7 +162,7 @@ pub fn light(gpu: &Gpu, compiled: &Compiled, live: &Live, shot: &Shot) -> Result
     let target = Target::new(gpu, width, height, LINEAR)?;
     let view = View { camera, size: [width as f32, height as f32], corner: [0.0; 2], sample: 0 };
     picture.update(gpu.queue(), compiled, live, &view);
-    let bytes = target.draw(gpu, &picture)?;
+    let bytes = target.draw(gpu, &picture, 0..height)?;
     let rows = bytes.chunks_exact(target.stride()).map(|row| &row[..8 * width as usize]);
     let number = |pair: &[u8]| half::f16::from_le_bytes([pair[0], pair[1]]).to_f32();
     Ok(rows.flat_map(|row| row.chunks_exact(8)).map(|pixel| [0, 2, 4, 6].map(|at| number(&pixel[at..at + 2]))).collect())
@@ -170,7 +182,7 @@ pub(crate) fn warm_up(
     gpu.catch(|| {
         picture.update(gpu.queue(), compiled, &live, &view);
         let texture = texture(gpu, 1, 1, format);
-        let submitted = gpu.queue().submit([encode(gpu, picture, &texture).finish()]);
+        let submitted = gpu.queue().submit([encode(gpu, picture, &texture, 0..1).finish()]);
         wait(gpu, submitted)
     })?
 }
@@ -200,8 +212,8 @@ impl Target {
         stride(&self.texture) as usize
     }
 
-    fn draw(&self, gpu: &Gpu, picture: &Picture) -> Result<Vec<u8>, String> {
-        self.read(gpu, || encode(gpu, picture, &self.texture))
+    fn draw(&self, gpu: &Gpu, picture: &Picture, rows: Range<u32>) -> Result<Vec<u8>, String> {
+        self.read(gpu, || encode(gpu, picture, &self.texture, rows))
     }
 
     /// Shows what fell on a film.
@@ -235,17 +247,17 @@ impl Target {
     }
 }
 
-/// Lets a picture fall on a film, and waits for it: a driver gives up on a queue that is too long.
-fn expose(gpu: &Gpu, film: &mut Film, picture: &Picture) -> Result<(), String> {
+/// Lets some rows of a picture fall on a film, and waits for it: a driver gives up on a queue that is too long.
+fn expose(gpu: &Gpu, film: &mut Film, picture: &Picture, rows: Range<u32>) -> Result<(), String> {
     let size = film.size();
     // No more pixels at once than a tile has.
     let band = (TILE * TILE / size[0].max(1)).max(1);
-    for top in (0..size[1]).step_by(band as usize) {
-        let end = (top + band).min(size[1]);
+    for top in rows.clone().step_by(band as usize) {
+        let end = (top + band).min(rows.end);
         let submitted = gpu.catch(|| {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
             film.draw(&mut encoder, picture, size, top..end);
-            if end == size[1] {
+            if end == rows.end {
                 film.keep(&mut encoder, picture);
             }
             gpu.queue().submit([encoder.finish()])
@@ -268,7 +280,7 @@ fn texture(gpu: &Gpu, width: u32, height: u32, format: wgpu::TextureFormat) -> w
     })
 }
 
-fn encode(gpu: &Gpu, picture: &Picture, texture: &wgpu::Texture) -> wgpu::CommandEncoder {
+fn encode(gpu: &Gpu, picture: &Picture, texture: &wgpu::Texture, rows: Range<u32>) -> wgpu::CommandEncoder {
     let mut encoder = gpu.device().create_command_encoder(&Default::default());
     let view = texture.create_view(&Default::default());
     let depth = picture.depth(texture.size());
@@ -286,7 +298,7 @@ fn encode(gpu: &Gpu, picture: &Picture, texture: &wgpu::Texture) -> wgpu::Comman
         depth_stencil_attachment: depth.as_ref().map(depth_attachment),
         ..Default::default()
     });
-    picture.draw(&mut pass);
+    picture.draw_rows(&mut pass, texture.width(), rows);
     drop(pass);
     encoder
 }
@@ -297,11 +309,11 @@ fn stride(texture: &wgpu::Texture) -> u32 {
     (bytes * texture.width()).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
 }
 
-fn copy_tile(tile: &[u8], stride: usize, pixels: &mut Pixels, left: u32, top: u32) {
+fn copy_tile<'a>(tile: impl Iterator<Item = &'a [u8]>, pixels: &mut Pixels, left: u32, top: usize) {
     let width = 4 * pixels.width as usize;
     let left = 4 * left as usize;
-    let rows = pixels.rgba.chunks_exact_mut(width).skip(top as usize);
-    for (row, from) in rows.zip(tile.chunks_exact(stride)) {
+    let rows = pixels.rgba.chunks_exact_mut(width).skip(top);
+    for (row, from) in rows.zip(tile) {
         for (to, from) in row.iter_mut().skip(left).zip(from) {
             *to = *from;
         }

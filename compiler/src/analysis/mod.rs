@@ -32,4 +32,5 @@ pub use analysis_cache::Sampled;
 pub use domain::{Box3, Domain, Key, Pinned, call_domain, cell_ranges, leaf_range};
 pub use dual::{Constant, leaf_dual};
 pub use facts::Facts;
+pub use rigid_transform::Placed;
 pub use rules::noise_cells::has_cells;

@@ -4,6 +4,7 @@ use super::Box3;
 use crate::graph::interval::Interval;
 use crate::graph::kernel::Op;
 use crate::graph::{Graph, Leaf, Node, NodeId};
+use crate::vector::{along, scale};
 
 /// No coordinate of a point that is only moved and turned is a longer formula.
 const MOST_OPENED: usize = 64;
@@ -38,6 +39,13 @@ impl Placed {
     /// Whether it does more than move.
     pub fn turns(&self) -> bool {
         (0..3).any(|i| self.turn.get(i).and_then(|row| row.get(i)) != Some(&1.0))
+    }
+
+    /// The point of the own space that is moved to one of the other.
+    pub fn back_to(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let [a, b, c] = self.shift;
+        let [first, second, third] = self.turn;
+        along(along(scale(first, x - a), second, y - b), third, z - c)
     }
 
     /// The box in the own space that holds a box of the other.

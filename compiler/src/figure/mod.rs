@@ -1,8 +1,9 @@
 //! Figures in space: curves of straight pieces and arcs, and closed surfaces of triangles, each with the way to what is nearest of it.
 //!
-//! [`line`] makes chains of arcs of what a person writes, [`face`] closes a surface, [`hull`] finds the hull of points; [`tree`] finds what is nearest. The
-//! kernel's operation `Figured` reads a [`Figure`] by its number. Plain data in, plain data out.
+//! [`line`] makes chains of arcs of what a person writes, [`face`] closes a surface, [`hull`] finds the hull of points and [`balls`] that of balls; [`tree`] finds
+//! what is nearest. The kernel's operation `Figured` reads a [`Figure`] by its number. Plain data in, plain data out.
 
+mod balls;
 mod bow;
 mod face;
 mod hull;
@@ -10,6 +11,7 @@ mod line;
 mod polygon;
 mod tree;
 
+pub use balls::{Ball, MOST_BALLS, Part, parts};
 pub use bow::{Bow, turn};
 pub use face::{Face, closed};
 pub use hull::{MOST_POINTS, hull};

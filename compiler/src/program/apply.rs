@@ -210,6 +210,9 @@ impl Elaborator<'_> {
                 Ok(e.claimed_value(value, (item, function), &values, &here))
             }
         });
+        if let (Ok(made), true) = (&value, modules.is_prelude(item.module)) {
+            self.note_balls(&function.name.text, &values, made);
+        }
         // What is wrong with a person's function is said once; what the prelude can't take is said where it is called.
         let said = !(self.trial || self.endless || self.full || modules.is_prelude(item.module));
         if let (Some(key), false) = (memo_key, varies)

@@ -60,7 +60,7 @@ impl Elaborator<'_> {
         }
         // In a formula, a shape among numbers is its field.
         let takes_shape =
-            matches!(name, "at" | "material" | "paint" | "value" | "low_corner" | "high_corner" | "baked" | "known_in");
+            matches!(name, "at" | "material" | "paint" | "value" | "low_corner" | "high_corner" | "baked" | "known_in" | "hull_of");
         let mut values: Vec<Value> = Vec::with_capacity(args.len());
         for (value, at) in args {
             values.push(match value {
@@ -230,6 +230,8 @@ impl Elaborator<'_> {
             ("known_in", [Value::Shape(shape), low, high]) => self.known_in(*shape, (low, place(1)), (high, place(2))),
             ("at", [Value::Curve(line), share]) => self.curve_at(line, (share, place(1))),
             ("solid_of", [points, faces]) => self.solid_of((points, place(0)), (faces, place(1)), span),
+            ("hull_of", [Value::Nothing]) => Ok(Value::Nothing),
+            ("hull_of", [Value::Shape(shape)]) => self.hull_of_shape((*shape, place(0)), span),
             ("hull_of", [points]) => self.hull_of((points, place(0)), span),
             ("svg", [_, _]) => match args {
                 [file, size] => self.svg(file, size, span, env),

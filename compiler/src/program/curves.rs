@@ -103,7 +103,8 @@ impl Elaborator<'_> {
         self.solid(found, span, "write at least four points that do not lie in one plane")
     }
 
-    fn solid(&mut self, faces: Result<Vec<Face>, String>, span: Span, help: &str) -> Elaborated<Value> {
+    pub(super) fn solid(&mut self, faces: Result<Vec<Face>, String>, span: Span, help: &str) -> Elaborated<Value> {
+        let corners: Vec<Vec3> = faces.iter().flatten().flat_map(|face| face.corners).collect();
         let figure = match faces {
             Ok(faces) => Figure::of_faces(&faces),
             Err(_) if self.trial => hull(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).ok().and_then(|faces| Figure::of_faces(&faces)),
@@ -114,7 +115,9 @@ impl Elaborator<'_> {
         let point = self.graph.point();
         let value = self.figured(figure, point, span)?;
         self.facts.know_solid(value, Box3([Interval::new(a, d), Interval::new(b, e), Interval::new(c, f)]));
-        Ok(Value::Shape(self.formula_shape(value, 3, None, false, span)))
+        let made = self.formula_shape(value, 3, None, false, span);
+        self.note_corners(made, corners);
+        Ok(Value::Shape(made))
     }
 
     /// The distance of a point to a figure, which changes no faster than the way.

@@ -23,6 +23,7 @@ mod flush;
 mod gaps;
 mod grids;
 mod growth;
+mod hulls;
 pub mod load;
 mod loops;
 mod many;
@@ -113,6 +114,8 @@ pub struct Elaborator<'a> {
     trial: bool,
     /// What is known of the faces of shapes that are blended.
     faces: FxHashMap<ShapeId, Faces>,
+    /// The balls of shapes whose hull is known.
+    balls: FxHashMap<ShapeId, hulls::Balls>,
     /// Where `x`, `y` and `z` stand for unit vectors.
     axes: FxHashSet<Span>,
     /// What one unit of the scene is, where it says that.
@@ -188,6 +191,7 @@ fn elaborate_reading(
         outside: None,
         trial: false,
         faces: FxHashMap::default(),
+        balls: FxHashMap::default(),
         axes: FxHashSet::default(),
         unit: None,
         extent: 100.0,

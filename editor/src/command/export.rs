@@ -84,7 +84,7 @@ fn poster(args: &Args, live: &Live) -> Result<Vec<u8>, Failure> {
     let camera = render::camera(&compiled.frame(live), None)?;
     let camera = compiled.camera_in(camera, f64::from(width) / f64::from(height));
     let bar = LateBar::new();
-    let rgba = painter.paint(compiled, live, &Shot { width, height, camera }, &|part| bar.show(part)).map_err(failed)?;
+    let rgba = painter.paint(compiled, live, &Shot::new((width, height), camera), &|part| bar.show(part)).map_err(failed)?;
     bar.finish();
     let rgb: Vec<u8> = rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     let mut jpeg = Vec::new();

@@ -25,6 +25,10 @@ pub struct Args {
     /// Width and height in pixels.
     #[arg(long, default_value = "1280x720", value_parser = size, value_name = "WxH")]
     size: (u32, u32),
+    /// Draw the I-th of N bands of rows alone, the first on top. Its pixels are those of the whole picture, to the byte: bands may be drawn anywhere, and are
+    /// set one below the other.
+    #[arg(long, value_parser = tile, value_name = "I/N")]
+    tile: Option<(u32, u32)>,
     /// The scene's time, in seconds.
     #[arg(long, allow_negative_numbers = true, default_value_t = 0.0, value_parser = seconds, value_name = "SECONDS", conflicts_with = "frames")]
     time: f64,
@@ -76,6 +80,19 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
     side(width)
         .zip(side(height))
         .ok_or_else(|| "each side is a whole number from 1 to 16384".to_owned())
+}
+
+/// Reads `2/8`.
+fn tile(text: &str) -> Result<(u32, u32), String> {
+    let words = || "write I/N, as 1/8 for the first of eight and 8/8 for the last".to_owned();
+    let (which, of) = text.split_once('/').ok_or_else(words)?;
+    let (which, of) = which.trim().parse().ok().zip(of.trim().parse().ok()).ok_or_else(words)?;
+    if (1..=of).contains(&which) { Ok((which, of)) } else { Err(words()) }
+}
+
+/// The rows of a band.
+fn band((which, of): (u32, u32), height: u32) -> [u32; 2] {
+    [which - 1, which].map(|i| (u64::from(height) * u64::from(i) / u64::from(of)) as u32)
 }
 
 /// Reads `z=0.2`.
@@ -178,13 +195,14 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
     let exit = show_broken(&outcome, painter.broken());
     let bar = LateBar::new();
     let (width, height) = args.size;
+    let rows = args.tile.map_or([0, height], |tile| band(tile, height));
     // The picture at the end of a loop is drawn too, and not written.
     let total = moments.len() + usize::from(args.period.is_some());
     let mut paint = |at: usize, time: f64| -> Result<Vec<u8>, Failure> {
         live.time = time;
         let camera = camera(&compiled.frame(&live), args.camera.as_deref())?;
         let camera = compiled.camera_in(camera, f64::from(width) / f64::from(height));
-        let shot = Shot { width, height, camera };
+        let shot = Shot { rows, ..Shot::new(args.size, camera) };
         let rgba = painter
             .paint(compiled, &live, &shot, &|part| bar.show((at as f64 + part) / total as f64))
             .map_err(|why| Failure::usage(format!("can't draw {}: {why}", args.scene)))?;
@@ -202,7 +220,7 @@ pub fn run(args: &Args) -> Result<Exit, Failure> {
         let rgba = paint(at, *time)?;
         match &mut film {
             Some(film) => film.push(&rgba).map_err(|why| unwritten(&args.output, why))?,
-            None => write_png(&path(*n), width, height, &rgba).map_err(|why| unwritten(&path(*n), why))?,
+            None => write_png(&path(*n), width, rows[1] - rows[0], &rgba).map_err(|why| unwritten(&path(*n), why))?,
         }
         first.get_or_insert(rgba);
     }
@@ -251,10 +269,16 @@ fn moments(args: &Args) -> Result<Vec<(u32, f64)>, Failure> {
 fn film(args: &Args, count: usize) -> Result<Option<(Format, f64)>, Failure> {
     let moves = args.frames.is_some() || args.period.is_some();
     let shown = args.output.display();
+    if let Some((_, of)) = args.tile.filter(|(_, of)| *of > args.size.1) {
+        return Err(Failure::usage(format!("a picture of {} rows has no {of} bands: write a smaller N in `--tile I/N`", args.size.1)));
+    }
     if args.output.as_os_str() == "-" && moves {
         return Err(Failure::usage("frames are files of their own: say where to write with `-o FRAME.png` or `-o FILM.gif`"));
     }
     if let Some(format) = Format::of(&args.output) {
+        if args.tile.is_some() {
+            return Err(Failure::usage(format!("{shown} is a film, and a band of rows is written as PNG: write `-o BAND.png`")));
+        }
         if !moves {
             return Err(Failure::usage(format!("{shown} moves: say how long it is with `--frames 0..120` or `--loop 4`")));
         }
@@ -301,6 +325,19 @@ mod tests {
         assert_eq!(size("1280x720"), Ok((1280, 720)));
         for wrong in ["", "x", "0x1", "1x", "100000x1", "1280", "-1x1"] {
             assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn bands_are_all_of_a_picture() {
+        assert_eq!(tile(" 2/ 8"), Ok((2, 8)));
+        for wrong in ["", "1", "0/4", "5/4", "-1/4", "1/0", "a/b", "1/2/3"] {
+            assert!(tile(wrong).is_err(), "{wrong}");
+        }
+        for (of, height) in [(1, 1), (3, 100), (7, 720), (16384, 16384)] {
+            let ends: Vec<[u32; 2]> = (1..=of).map(|which| band((which, of), height)).collect();
+            assert!(ends.iter().all(|[first, end]| first < end) && ends.windows(2).all(|two| two[0][1] == two[1][0]));
+            assert_eq!((ends[0][0], ends[ends.len() - 1][1]), (0, height));
         }
     }
 

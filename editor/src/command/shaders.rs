@@ -103,7 +103,7 @@ impl Stepped {
         let (live, (width, height)) = (self.alone.live(), HALF);
         let (mut painter, _) = Painter::new(Device::Cpu, &self.alone, View::Shaded, None, Some(1)).map_err(|_| "the processor draws no picture".to_owned())?;
         let camera = self.alone.frame(&live).cameras.first().map(|(_, camera)| *camera).ok_or("there is no camera")?;
-        let whole = painter.paint(&self.alone, &live, &Shot { width, height, camera }, &|_| {})?;
+        let whole = painter.paint(&self.alone, &live, &Shot::new((width, height), camera), &|_| {})?;
         let found = by_hand(&self.alone, &[], &live, self.share, HALF).map_err(|_| "the function is too large to follow rays through it".to_owned())?;
         let mut holed = whole.clone();
         for (_, [x, y]) in &found.holes {

@@ -97,7 +97,7 @@ fn picture(args: &Args, why: &str) -> Result<Exit, Failure> {
     let Some(&(_, camera)) = frame.cameras.first() else {
         return Err(Failure::usage(format!("{scene}: the scene has no camera")));
     };
-    let shot = Shot { width: 1280, height: 720, camera };
+    let shot = Shot::new((1280, 720), camera);
     let rgba = painter
         .paint(compiled, &live, &shot, &|_| {})
         .map_err(|why| Failure::usage(format!("can't draw {scene}: {why}")))?;

@@ -131,7 +131,7 @@ fn draw(scene: Scene, wanted: Wanted, path: &Path, tell: &(dyn Fn(f64) + Sync), 
         let wide = f64::from(width) / f64::from(height);
         let camera = moved.or(own.map(|(_, camera)| compiled.camera_in(*camera, wide))).ok_or("the scene has no camera")?;
         let part = |part: f64| tell((f64::from(n) + part) / f64::from(count));
-        let rgba = painter.paint(&compiled, &live, &Shot { width, height, camera }, &part)?;
+        let rgba = painter.paint(&compiled, &live, &Shot::new((width, height), camera), &part)?;
         match &mut film {
             Some(film) => film.push(&rgba)?,
             None if wanted.each => write_png(&numbered(path, n), width, height, &rgba)?,

@@ -391,6 +391,33 @@ fn without_an_adapter_the_processor_draws_unless_graphics_were_asked_for() {
     assert!(folder.join("a.png").exists());
 }
 
+#[test]
+fn bands_of_rows_are_those_of_the_whole_picture() {
+    let folder = folder("bands");
+    // Lit, so that levels are spread over the pixels, and larger than what is drawn at once.
+    fs::write(folder.join("lit.sdf"), "scene = sphere(1) | plane(y, -1)\nlight sun { direction: (-1, -2, -1), shadow: soft(3deg) }\n").unwrap();
+    fs::write(folder.join("glows.sdf"), "scene = sphere(1)\nrender { bloom: 0.2 }\n").unwrap();
+    let devices: &[&str] = if cfg!(feature = "gpu") { &["cpu", "gpu"] } else { &["cpu"] };
+    for device in devices {
+        let draw = |more: &[&str], out: &str| {
+            let args = [&["render", "lit.sdf", "-o", out, "--size=60x530", "--samples=2", "--device", device], more].concat();
+            let (code, _, err) = run(&folder, &args);
+            assert_eq!(code, 0, "{err}");
+            image::open(folder.join(out)).unwrap().to_rgba8().into_raw()
+        };
+        let whole = draw(&[], "whole.png");
+        let bands: Vec<Vec<u8>> = ["1/3", "2/3", "3/3"].into_iter().map(|tile| draw(&["--tile", tile], "band.png")).collect();
+        assert_eq!(size(&folder.join("band.png")), (60, 177), "{device}");
+        assert!(bands.concat() == whole, "{device}: bands are other than the whole");
+        let (code, _, err) = run(&folder, &["render", "glows.sdf", "-o", "a.png", "--tile=1/2", "--size=32x32", "--samples=2", "--device", device]);
+        assert!(code == 2 && err.contains("drawn as a whole"), "{err}");
+    }
+    for (tile, out, words) in [("0/4", "a.png", "1/8 for the first"), ("1/99", "a.png", "has no 99 bands"), ("1/2", "a.gif", "is a film")] {
+        let (code, _, err) = run(&folder, &["render", "good.sdf", "-o", out, "--frames=0..2", "--tile", tile, "--size=32x32"]);
+        assert!(code == 2 && err.contains(words), "{tile}: {err}");
+    }
+}
+
 #[cfg(feature = "gpu")]
 #[test]
 fn both_devices_draw_the_same_picture() {

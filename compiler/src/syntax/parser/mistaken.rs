@@ -14,7 +14,7 @@ const MOVES: [&str; 9] = ["translate", "rotate", "scale", "mirror", "resize", "c
 
 /// What it writes before a block of them, and ours.
 const JOINS: [(&str, &str); 5] =
-    [("union", "(a | b)"), ("difference", "(a - b)"), ("intersection", "(a & b)"), ("hull", "smooth_union(a, b, 0.5)"), ("minkowski", "a.round(0.1)")];
+    [("union", "(a | b)"), ("difference", "(a - b)"), ("intersection", "(a & b)"), ("hull", "hull(a, b)"), ("minkowski", "a.round(0.1)")];
 
 impl Parser<'_> {
     /// What stands at the top of the file and is no declaration: says what was probably meant, and reads it as that.
@@ -373,13 +373,8 @@ impl Parser<'_> {
             }
         };
         let written: String = calls.iter().rev().map(|call| format!(".{}", moved(call))).collect();
-        let help = match last.0 == "hull" && calls.is_empty() {
-            true => "there is no convex hull; write a `capsule`, a `rounded_cone` or `smooth_union(a, b, 0.5)`".to_owned(),
-            false => {
-                let is_alone = self.text.get(..start as usize).is_none_or(|before| before.is_empty() || before.ends_with('\n'));
-                format!("write `{}{shape}{written}`", if is_alone { "scene = " } else { "" })
-            }
-        };
+        let is_alone = self.text.get(..start as usize).is_none_or(|before| before.is_empty() || before.ends_with('\n'));
+        let help = format!("write `{}{shape}{written}`", if is_alone { "scene = " } else { "" });
         // What is wrong within it is written anew.
         self.diagnostics.retain(|d| d.span.start < start);
         self.report(Code::Unexpected, span, "what is moved or joined stands first, and what is done to it behind a dot", help);
