@@ -267,10 +267,10 @@ fn direction(random: &mut Random) -> Vec3 {
     }
 }
 
-/// The distance of a point to the hull of balls: the most that a plane says. Searched for from all directions at once, then nearer and nearer to the best; inside, where it has several
+/// The distance of a point to a hull: the most that a plane with a normal says. Searched for from all directions at once, then nearer and nearer to the best; inside, where it has several
 /// maxima, to some of the best.
-fn off_hull(balls: &[(Vec3, f64)], p: Vec3, random: &mut Random) -> f64 {
-    let mut tried: Vec<(f64, Vec3)> = (0..400).map(|_| direction(random)).map(|n| (off_plane(balls, n, p), n)).collect();
+fn off_hull(off_plane: impl Fn(Vec3) -> f64, random: &mut Random) -> f64 {
+    let mut tried: Vec<(f64, Vec3)> = (0..400).map(|_| direction(random)).map(|n| (off_plane(n), n)).collect();
     tried.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut starts: Vec<(f64, Vec3)> = Vec::new();
     for (value, n) in tried {
@@ -282,7 +282,7 @@ fn off_hull(balls: &[(Vec3, f64)], p: Vec3, random: &mut Random) -> f64 {
         let mut reach = 0.3;
         while reach > 1e-7 {
             let moved = (0..40).map(|_| add(n, scale(direction(random), reach))).map(|n| scale(n, 1.0 / length(n)));
-            let (value, found) = moved.map(|n| (off_plane(balls, n, p), n)).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+            let (value, found) = moved.map(|n| (off_plane(n), n)).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
             if value > best {
                 (best, n) = (value, found);
             } else {
@@ -322,20 +322,38 @@ fn hulls_of_shapes_are_exact() {
             [corners([0.5; 3], 0.0).collect(), vec![([0.0, 0.8, 0.0], 0.2)], tips.collect(), corners([0.2, 0.2, 1.6], 0.0).collect()].concat()
         }),
     ];
-    for (text, balls) in &all {
+    // Drawings: theirs is the hull of discs, here extruded without an end.
+    let discs = |all: &[([f64; 2], f64)]| all.iter().map(|([x, y], r)| ([*x, *y, 0.0], *r)).collect::<Vec<_>>();
+    let drawings = [
+        ("hull(circle(0.6), circle(0.25).translate(1.1, 0.3), circle(0.1).translate(0.2, 1))", discs(&[([0.0; 2], 0.6), ([1.1, 0.3], 0.25), ([0.2, 1.0], 0.1)])),
+        ("hull(circle(0.8) | circle(0.1).translate(1, 0) | circle(0.2).translate(-1, 0), circle(0.1))", discs(&[([0.0; 2], 0.8), ([1.0, 0.0], 0.1), ([-1.0, 0.0], 0.2)])),
+        (
+            "hull(rectangle(1).rotate(90deg).scale(0.8), rounded_rectangle((0.4, 0.6), 0.1).translate(0, 0.7), segment((-1, 0), (-1, 0.2))).round(0.05)",
+            discs(&[([0.4, 0.4], 0.05), ([-0.4, 0.4], 0.05), ([0.4, -0.4], 0.05), ([-0.4, -0.4], 0.05), ([0.1, 0.9], 0.15), ([-0.1, 0.9], 0.15), ([0.1, 0.5], 0.15), ([-0.1, 0.5], 0.15), ([-1.0, 0.0], 0.05), ([-1.0, 0.2], 0.05)]),
+        ),
+    ];
+    let drawn = drawings.into_iter().map(|(text, discs)| (format!("{text}.extrude(40)"), discs));
+    for (text, balls) in all.into_iter().chain(drawn) {
+        let (text, balls) = (&text, &balls);
+        let is_drawn = text.ends_with(".extrude(40)");
+        let off_plane = |n: Vec3, p: Vec3| match is_drawn {
+            true => off_plane(balls, scale([n[0], n[1], 0.0], 1.0 / n[0].hypot(n[1]).max(1e-12)), p),
+            false => off_plane(balls, n, p),
+        };
         let scene = compiled(&format!("scene = {text}"));
         assert!(scene.graph.factors.is_empty(), "{text}: {:?}", scene.graph.factors);
         let field = scene.functions.formulas[&(scene.root, Function::Field)];
         let tape = Tape::new(&scene.graph, &scene.functions.formulas, &[field], &scene.live(), 1 << 20).unwrap();
         let worst = (0..PLACES).into_par_iter().map(|i| {
             let mut random = Random(1 + i);
-            let p = random.within(1.6);
+            let [x, y, z] = random.within(1.6);
+            let p = [x, y, if is_drawn { 0.0 } else { z }];
             let mut found = 0.0;
             tape.evaluator().at(&[p], &[], |_, v| found = v[0]);
             // The search takes long: elsewhere no plane says more.
-            let error = match i % 400 {
-                0 => (found - off_hull(balls, p, &mut random)).abs(),
-                _ => off_plane(balls, direction(&mut random), p) - found,
+            let error = match i % 1000 {
+                0 => (found - off_hull(|n| off_plane(n, p), &mut random)).abs(),
+                _ => off_plane(direction(&mut random), p) - found,
             };
             (error, p)
         });
@@ -343,7 +361,7 @@ fn hulls_of_shapes_are_exact() {
         assert!(error < 1e-5, "{text}: {error} at {p:?}");
         let bounds = scene.bounds().unwrap();
         let wanted = |axis: usize, sign: f64| balls.iter().map(|(c, r)| sign * c[axis] + r).fold(f64::MIN, f64::max);
-        assert!((0..3).all(|axis| (bounds[1][axis] - wanted(axis, 1.0)).abs() < 1e-3 && (bounds[0][axis] + wanted(axis, -1.0)).abs() < 1e-3), "{text}: {bounds:?}");
+        assert!((0..if is_drawn { 2 } else { 3 }).all(|axis| (bounds[1][axis] - wanted(axis, 1.0)).abs() < 1e-3 && (bounds[0][axis] + wanted(axis, -1.0)).abs() < 1e-3), "{text}: {bounds:?}");
         let report = verify(&scene, Settings { samples: 500, certified: 4, seed: 1, work: WORK }, None, &|_| {}).unwrap();
         assert!(report.violations.is_empty(), "{text}: {:?}", report.violations);
     }

@@ -1,14 +1,16 @@
-//! The convex hull of balls: points are those of no radius.
+//! The convex hull of balls, and of discs in the plane: points are those of no radius.
 //!
 //! The hull is bounded by planes through three balls, cones around two, and balls. Its signed distance at p is the largest n · p - h(n) over all directions n, where h(n), the support
 //! function, is the largest n · c + r over the balls. That largest value is at the normal of a plane, at a direction of a cone, or at one from a ball's middle; each is right where no other
-//! ball reaches farther in its direction. (Rockafellar, "Convex Analysis", 1970, § 13, for the support function.)
+//! ball reaches farther in its direction. In the plane, lines that touch two discs stand for planes and cones. (Rockafellar, "Convex Analysis", 1970, § 13, for the support function.)
 
 use crate::vector::{Vec3, cross, dot, length, scale, sub, unit};
 use std::f64::consts::{PI, TAU};
 
 /// The most balls of which the hull is found, those that lie in another one left out.
-pub const MOST_BALLS: usize = 64;
+const MOST_BALLS: usize = 64;
+/// The most discs of which the hull is found, those that lie in another one left out.
+const MOST_DISCS: usize = 256;
 /// Lengths below this part of the whole size count as none.
 const TINY: f64 = 1e-9;
 /// By so much of a circle's radius a direction may be beyond what bounds it: 32 bits do not open a gap there, and what it adds is of second order.
@@ -64,27 +66,30 @@ pub enum Part {
     },
 }
 
-/// The parts of the hull of balls. An error says why there are none.
-pub fn parts(balls: &[Ball]) -> Result<Vec<Part>, String> {
+/// The parts of the hull of balls; of discs about places of the plane z = 0, if there are two `dimensions`. An error says why there are none.
+pub fn parts(balls: &[Ball], dimensions: u8) -> Result<Vec<Part>, String> {
     if let Some(at) = balls.iter().position(|ball| ball.at.iter().chain([&ball.radius]).any(|c| !c.is_finite() || c.abs() > 1e15)) {
         return Err(format!("ball {at} is nowhere: a number of it is too large"));
     }
     let outer = outermost(balls);
-    if outer.len() > MOST_BALLS {
-        return Err(format!("there are {} balls and corners of different radii, and {MOST_BALLS} are the most", outer.len()));
+    let most = if dimensions == 2 { MOST_DISCS } else { MOST_BALLS };
+    if outer.len() > most {
+        return Err(format!("there are {} balls and corners, and {most} are the most", outer.len()));
     }
     let Some(first) = outer.first() else { return Err("there is nothing".to_owned()) };
     let size = outer.iter().map(|ball| length(sub(ball.at, first.at)) + ball.radius).fold(first.radius, f64::max);
     let tiny = TINY * size;
-    let mut parts = planes(&outer, tiny);
+    let mut parts = if dimensions == 2 { Vec::new() } else { planes(&outer, tiny) };
+    // Which are joined by a part.
     let mut beside: Vec<Vec<usize>> = vec![Vec::new(); outer.len()];
     for (i, foot) in outer.iter().enumerate() {
         for (j, tip) in outer.iter().enumerate().skip(i + 1) {
-            if let Some(cone) = cone(&outer, (*foot, *tip), tiny) {
-                parts.push(cone);
+            let joins = if dimensions == 2 { lines(&outer, (*foot, *tip), tiny) } else { cone(&outer, (*foot, *tip), tiny).into_iter().collect() };
+            if !joins.is_empty() {
                 beside.get_mut(i).into_iter().for_each(|of| of.push(j));
                 beside.get_mut(j).into_iter().for_each(|of| of.push(i));
             }
+            parts.extend(joins);
         }
     }
     let on_hull: Vec<usize> = beside.iter().enumerate().filter(|(_, of)| !of.is_empty()).map(|(i, _)| i).collect();
@@ -103,6 +108,19 @@ pub fn parts(balls: &[Ball]) -> Result<Vec<Part>, String> {
         parts.push(Part::Ball { ball: *ball, ends: ends.collect() });
     }
     Ok(parts)
+}
+
+/// The lines that touch two discs of the plane from one side and have none beyond them.
+fn lines(discs: &[Ball], (a, b): (Ball, Ball), tiny: f64) -> Vec<Part> {
+    let way = sub(b.at, a.at);
+    let Some(axis) = unit(way) else { return Vec::new() };
+    let rise = (a.radius - b.radius) / length(way);
+    let run = (1.0 - rise * rise).max(0.0).sqrt();
+    let [x, y, _] = axis;
+    let normals = [1.0, -1.0].map(|side| [rise * x - side * run * y, rise * y + side * run * x, 0.0]);
+    let planes = normals.map(|normal| (normal, dot(normal, a.at) + a.radius));
+    let is_outer = |(normal, height): &(Vec3, f64)| discs.iter().all(|disc| dot(*normal, disc.at) + disc.radius <= height + tiny);
+    planes.into_iter().filter(is_outer).map(|(normal, height)| Part::Plane { normal, height }).collect()
 }
 
 /// Those that do not lie in another one.

@@ -11,7 +11,7 @@ mod line;
 mod polygon;
 mod tree;
 
-pub use balls::{Ball, MOST_BALLS, Part, parts};
+pub use balls::{Ball, Part, parts};
 pub use bow::{Bow, turn};
 pub use face::{Face, closed};
 pub use hull::{MOST_POINTS, hull};

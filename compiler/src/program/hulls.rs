@@ -36,7 +36,8 @@ impl Elaborator<'_> {
     #[inline(never)]
     pub(super) fn note_balls(&mut self, name: &str, values: &[Value], made: &Value) {
         let Value::Shape(id) = made else { return };
-        if let Some(balls) = self.balls_made(name, values).filter(|balls| balls.len() <= MOST) {
+        let z = self.graph.leaf(Leaf::P(2));
+        if let Some(balls) = self.balls_made(name, values, z).filter(|balls| balls.len() <= MOST) {
             self.balls.insert(*id, balls.into());
         }
     }
@@ -50,7 +51,7 @@ impl Elaborator<'_> {
         }
     }
 
-    fn balls_made(&self, name: &str, values: &[Value]) -> Option<Vec<Ball>> {
+    fn balls_made(&self, name: &str, values: &[Value], z: NodeId) -> Option<Vec<Ball>> {
         let number = |i: usize| match values.get(i)? {
             Value::Number(node, _) => self.graph.as_constant(*node),
             _ => None,
@@ -63,11 +64,11 @@ impl Elaborator<'_> {
         let corner = |at: Vec3| Ball { at, radius: 0.0 };
         let signs = |of: Vec3| (0..8).map(move |i| mul(of, [i & 1, i >> 1 & 1, i >> 2].map(|bit| f64::from(2 * bit - 1))));
         let of = || match values.first()? {
-            Value::Shape(id) => self.balls_of(*id).ok(),
+            Value::Shape(id) => self.balls_of(*id, z).ok(),
             _ => None,
         };
         Some(match (name, values.len()) {
-            ("sphere", 1) => vec![ball([0.0; 3], number(0)?)],
+            ("sphere" | "circle", 1) => vec![ball([0.0; 3], number(0)?)],
             ("box", 1) => signs(scale(vector(0)?, 0.5)).map(corner).collect(),
             ("rounded_box", 2) => {
                 let size = vector(0)?;
@@ -82,6 +83,12 @@ impl Elaborator<'_> {
             ("rounded_cone", 3) => vec![ball([0.0, number(2)? / -2.0, 0.0], number(0)?), ball([0.0, number(2)? / 2.0, 0.0], number(1)?)],
             ("rounded_cone", 4) => vec![ball(vector(0)?, number(2)?), ball(vector(1)?, number(3)?)],
             ("octahedron", 1) => [0, 1, 2].into_iter().flat_map(|axis| [1.0, -1.0].map(|sign| [0, 1, 2].map(|i| if i == axis { sign } else { 0.0 }))).map(|at| Some(corner(scale(at, number(0)?)))).collect::<Option<_>>()?,
+            ("segment", 2) => vec![corner(vector(0)?), corner(vector(1)?)],
+            ("rounded_rectangle", 2) => {
+                let [x, y, _] = vector(0)?;
+                let radius = number(1)?.min(x / 2.0).min(y / 2.0);
+                signs([x / 2.0 - radius, y / 2.0 - radius, 0.0]).take(4).map(|at| ball(at, radius)).collect()
+            }
             ("rectangle", 1) => signs(scale(vector(0)?, 0.5)).take(4).map(corner).collect(),
             ("triangle", 3) => [vector(0)?, vector(1)?, vector(2)?].map(corner).to_vec(),
             ("polygon", 1) => {
@@ -131,8 +138,8 @@ impl Elaborator<'_> {
         Some(place)
     }
 
-    /// The balls of a shape: those noted, or those of what it is made of.
-    fn balls_of(&self, shape: ShapeId) -> Result<Balls, Unknown> {
+    /// The balls of a shape: those noted, or those of what it is made of. `z` is the third coordinate, which a drawing does not have.
+    fn balls_of(&self, shape: ShapeId, z: NodeId) -> Result<Balls, Unknown> {
         if let Some(known) = self.balls.get(&shape) {
             return Ok(known.clone());
         }
@@ -145,8 +152,12 @@ impl Elaborator<'_> {
                 // Nothing.
                 Node::Constant(bits) if f64::from_bits(*bits) >= FAR => {}
                 Node::Call(inner, Function::Field, point) => {
-                    let placed = Placed::of(&self.graph, point).ok_or(Unknown::Other(shape))?;
-                    all.extend(self.balls_of(*inner)?.iter().map(|ball| Ball { at: placed.back_to(ball.at), ..*ball }));
+                    let placed = match (self.graph.dimensions(*inner), &**point) {
+                        (2, [x, y, ..]) => Placed::of(&self.graph, &[*x, *y, z]),
+                        _ => Placed::of(&self.graph, point),
+                    };
+                    let placed = placed.ok_or(Unknown::Other(shape))?;
+                    all.extend(self.balls_of(*inner, z)?.iter().map(|ball| Ball { at: placed.back_to(ball.at), ..*ball }));
                 }
                 _ => return Err(Unknown::Other(shape)),
             }
@@ -160,7 +171,9 @@ impl Elaborator<'_> {
     /// `hull_of(shape)`.
     #[inline(never)]
     pub(super) fn hull_of_shape(&mut self, (shape, at): (ShapeId, Span), span: Span) -> Elaborated<Value> {
-        let balls = match self.balls_of(shape) {
+        let z = self.graph.leaf(Leaf::P(2));
+        let dimensions = self.graph.dimensions(shape);
+        let balls = match self.balls_of(shape, z) {
             Ok(balls) => balls,
             Err(Unknown::Many) => {
                 let words = format!("a hull has {MOST} corners and balls at most, and these shapes have more");
@@ -168,7 +181,10 @@ impl Elaborator<'_> {
             }
             Err(Unknown::Other(which)) => {
                 let words = "the hull of this shape is not known while compiling";
-                let help = "a hull is of balls, boxes, capsules, solids with flat faces and extruded polygons, of numbers that are not live; they may be moved, turned, scaled, rounded and joined. Else write points: `hull([(0, 0, 0), …])`";
+                let help = match dimensions {
+                    2 => "a hull is of circles, rectangles, polygons and segments of numbers that are not live; they may be moved, turned, scaled, rounded and joined. Else write corners: `hull(polygon([(0, 0), …]))`",
+                    _ => "a hull is of balls, boxes, capsules, solids with flat faces and extruded polygons, of numbers that are not live; they may be moved, turned, scaled, rounded and joined. Of cylinders side by side, extrude the hull of their circles: `hull(circle(1), circle(0.5).translate(2, 0)).extrude(0.3)`. Else write points: `hull([(0, 0, 0), …])`",
+                };
                 let error = Diagnostic::new(Code::BadValue, at, words, help);
                 let error = match self.graph.place_in(which, None) {
                     Some(place) if place != at => error.label(place, "it is not known of this one"),
@@ -179,7 +195,7 @@ impl Elaborator<'_> {
         };
         let Some(radius) = balls.first().map(|ball| ball.radius) else { return Ok(Value::Nothing) };
         // Of one radius it is a solid with flat faces, made thicker, unless all is in one plane.
-        if balls.iter().all(|ball| ball.radius == radius) {
+        if dimensions == 3 && balls.iter().all(|ball| ball.radius == radius) {
             let corners: Vec<Vec3> = balls.iter().map(|ball| ball.at).collect();
             if let Ok(faces) = hull(&corners) {
                 let Value::Shape(flat) = self.solid(Ok(faces), span, "")? else { return Err(Stop) };
@@ -188,17 +204,17 @@ impl Elaborator<'_> {
                 return Ok(Value::Shape(made));
             }
         }
-        match parts(&balls) {
+        match parts(&balls, dimensions) {
             Ok(parts) => {
-                let value = self.distance_of(&parts);
+                let value = self.distance_of(&parts, dimensions);
                 let side = |i: usize| {
                     balls.iter().fold(Interval::EMPTY, |side, ball| {
                         let at = ball.at.get(i).copied().unwrap_or(0.0);
                         side.hull(Interval::new(at - ball.radius, at + ball.radius))
                     })
                 };
-                self.facts.know_solid(value, Box3([side(0), side(1), side(2)]));
-                let made = self.formula_shape(value, 3, None, true, span);
+                self.facts.know_solid(value, Box3([side(0), side(1), if dimensions == 2 { Interval::ALL } else { side(2) }]));
+                let made = self.formula_shape(value, dimensions, None, true, span);
                 self.balls.insert(made, balls);
                 Ok(Value::Shape(made))
             }
@@ -216,7 +232,7 @@ impl Elaborator<'_> {
     }
 
     /// The largest value of the parts that are right, which is a distance.
-    fn distance_of(&mut self, parts: &[Part]) -> NodeId {
+    fn distance_of(&mut self, parts: &[Part], dimensions: u8) -> NodeId {
         let graph = &mut self.graph;
         let point = graph.point();
         let none = graph.constant(-FAR);
@@ -229,7 +245,10 @@ impl Elaborator<'_> {
                 }
                 Part::Ball { ball, ends } => {
                     let way = off(graph, point, ball.at);
-                    let far = graph.op(Op::Length3, &way);
+                    let far = match (dimensions, way) {
+                        (2, [x, y, _]) => graph.op(Op::Length2, &[x, y]),
+                        _ => graph.op(Op::Length3, &way),
+                    };
                     let value = add(graph, far, -ball.radius);
                     within(graph, (way, far), ends.iter().map(|end| (end.way, end.by)), value, none)
                 }
@@ -252,9 +271,9 @@ impl Elaborator<'_> {
         }
         let value = graph.balanced(Op::Max, &values, -FAR);
         let steepest = graph.leaf(Leaf::Variable(0));
-        let claim = Claim::Lipschitz(steepest, [ClaimGroup::Vector(3)].into(), None::<ValueRange>);
-        let [x, y, z] = point;
-        graph.intern(Node::Claim([value, x, y, z].into(), claim))
+        let claim = Claim::Lipschitz(steepest, [ClaimGroup::Vector(dimensions.into())].into(), None::<ValueRange>);
+        let args = std::iter::once(value).chain(point.into_iter().take(dimensions.into()));
+        graph.intern(Node::Claim(args.collect(), claim))
     }
 }
 

@@ -126,6 +126,7 @@ const SHAPE: &[&str] = &[
     "<drawing>.scale(0.3).swept((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0), (<little>, <signed>), (0, 0, -1, 0.8), (0, 0, 1, 0.8))",
     "<drawing>.translate(<size>, 0).revolve(abs(<angle>) + 0.2)",
     "hull(sphere(<positive>), box(<positive>).rotate(z, 0.5).translate(<positive>, 0.1, -<positive>), capsule((0, 0, 0), (0, 1, 0), 0.5 * <positive>))",
+    "hull(circle(<positive>), rectangle(<positive>).rotate(0.4).translate(<positive>, 0.1), segment((0, 0), (0, 1))).extrude(<small>)",
     "hull([(0, 0, 0), (<positive>, 0, 0), (0, <positive>, 0), (0, 0, <positive>), (0.4, 0.4, 0.5)])",
     "polyhedron([(-0.6, 0, -0.6), (0.6, 0, -0.6), (0, 0, 0.6), (0, 0.3 + <positive>, 0)], [[0, 1, 2], [0, 1, 3], [1, 2, 3], [2, 0, 3]])",
     "(nothing | <same>)",
