@@ -463,6 +463,7 @@ fn what_is_no_curve_or_solid_is_an_error_at_its_place() {
         ("scene = hull([(0, 0, 0), (0, 0, 0), (0, 0, 0), (0, 0, 0)])".to_owned(), "at one place"),
         ("scene = hull([(0, 0, 0), (1, 0, 0), (0, 1, 0)])".to_owned(), "points"),
         ("scene = hull([for i in 0..9000 { hash3(i) }])".to_owned(), "4000"),
+        ("scene = polyhedron([(-0.6, 0, -0.6), (0.6, 0, -0.6), (0, 0, 0.6), (0, 0, 0)], [[0, 1, 2], [0, 1, 3], [1, 2, 3], [2, 0, 3]])".to_owned(), "enclose nothing"),
         ("scene = hull(torus(1, 0.2), sphere(1))".to_owned(), "hull of this shape is not known"),
         ("scene = hull(sphere(1), sphere(1) - box(1))".to_owned(), "hull of this shape is not known"),
         ("param r = 1 in 0.5..2\nscene = hull(sphere(r), box(3))".to_owned(), "hull of this shape is not known"),

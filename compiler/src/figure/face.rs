@@ -70,7 +70,7 @@ impl Face {
 /// The faces of a closed surface, given by triangles in either direction. An error says where it is none.
 pub fn closed(points: &[Vec3], triangles: &[[u32; 3]]) -> Result<Vec<Face>, String> {
     let surface = Surface::new(points, triangles, Sign::Pseudonormal)?;
-    let Findings { duplicates, flat, open_edges, branching_edges, one_sided_edges, pinched, crossing_edges, overlapping, .. } = surface.findings;
+    let Findings { duplicates, flat, open_edges, branching_edges, one_sided_edges, pinched, crossing_edges, overlapping, volume, .. } = surface.findings;
     let wrong = [
         (flat, "of its triangles have no area"),
         (duplicates, "of its triangles are there twice"),
@@ -83,8 +83,20 @@ pub fn closed(points: &[Vec3], triangles: &[[u32; 3]]) -> Result<Vec<Face>, Stri
     ];
     match wrong.into_iter().find(|(count, _)| *count > 0) {
         Some((count, what)) => Err(format!("{count} {what}")),
+        // So little is made by rounding.
+        None if volume.is_some_and(|volume| volume <= 1e-12 * size(points).powi(3)) => Err("its faces lie in one plane, and enclose nothing".to_owned()),
         None => Ok(faces(&surface)),
     }
+}
+
+/// The longest side of the box about points.
+fn size(points: &[Vec3]) -> f64 {
+    let side = |i: usize| {
+        let along = points.iter().filter_map(|p| p.get(i));
+        let [low, high] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], c| [low.min(*c), high.max(*c)]);
+        high - low
+    };
+    side(0).max(side(1)).max(side(2))
 }
 
 /// The faces of a convex hull.

@@ -20,9 +20,6 @@ use std::rc::Rc;
 /// The most corners and balls of all shapes of a hull.
 const MOST: usize = 4_000;
 
-/// What is known of the balls of a shape.
-pub(super) type Balls = Rc<[Ball]>;
-
 /// Why the balls of a shape are not known.
 enum Unknown {
     /// It is of another kind.
@@ -139,7 +136,7 @@ impl Elaborator<'_> {
     }
 
     /// The balls of a shape: those noted, or those of what it is made of. `z` is the third coordinate, which a drawing does not have.
-    fn balls_of(&self, shape: ShapeId, z: NodeId) -> Result<Balls, Unknown> {
+    fn balls_of(&self, shape: ShapeId, z: NodeId) -> Result<Rc<[Ball]>, Unknown> {
         if let Some(known) = self.balls.get(&shape) {
             return Ok(known.clone());
         }

@@ -49,6 +49,7 @@ pub use env::{Elaborated, Env, Scope, Stop};
 use crate::analysis::Facts;
 use crate::blocks::SceneBlocks;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::figure::Ball;
 use crate::graph::{Exactness, Graph, NodeId, NodeList, Shape, ShapeId};
 use crate::interface::{Options, Parameter};
 use crate::source::{Sources, Span};
@@ -59,6 +60,7 @@ use faces::Faces;
 use load::{ItemRef, Modules};
 pub use grids::Grids;
 use rustc_hash::{FxHashMap, FxHashSet};
+use std::rc::Rc;
 use std::sync::Arc;
 use value::{Bound, Value};
 
@@ -115,7 +117,7 @@ pub struct Elaborator<'a> {
     /// What is known of the faces of shapes that are blended.
     faces: FxHashMap<ShapeId, Faces>,
     /// The balls of shapes whose hull is known.
-    balls: FxHashMap<ShapeId, hulls::Balls>,
+    balls: FxHashMap<ShapeId, Rc<[Ball]>>,
     /// Where `x`, `y` and `z` stand for unit vectors.
     axes: FxHashSet<Span>,
     /// What one unit of the scene is, where it says that.
