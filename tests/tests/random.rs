@@ -28,7 +28,7 @@ const HANG: Duration = Duration::from_secs(10);
 /// How often the shrinker may ask.
 const ASKED: usize = 300;
 /// Scenes among which every construct is found.
-const ENOUGH: u64 = 2500;
+const ENOUGH: u64 = 6000;
 
 fn number(name: &str) -> Option<u64> {
     std::env::var(name).ok().and_then(|s| s.parse().ok())
