@@ -268,7 +268,7 @@ impl Elaborator<'_> {
         }
         let value = graph.balanced(Op::Max, &values, -FAR);
         let steepest = graph.leaf(Leaf::Variable(0));
-        let claim = Claim::Lipschitz(steepest, [ClaimGroup::Vector(dimensions.into())].into(), None::<ValueRange>);
+        let claim = Claim::Lipschitz(steepest, [ClaimGroup::Vector(dimensions)].into(), None::<ValueRange>);
         let args = std::iter::once(value).chain(point.into_iter().take(dimensions.into()));
         graph.intern(Node::Claim(args.collect(), claim))
     }
