@@ -317,7 +317,7 @@ fn hulls_of_shapes_are_exact() {
             "hull((box(1) | sphere(0.1).translate(0, 1, 0)).rotate(z, 90deg).scale(0.5).round(0.1).translate(0.2, 0, 0))".into(),
             moved([corners([0.5; 3], 0.1).collect(), vec![([-0.5, 0.0, 0.0], 0.15)]].concat(), [0.2, 0.0, 0.0]),
         ),
-        ("hull(hull(box(0.5), sphere(0.2).translate(0, 0.8, 0)), octahedron(0.6), box(0.2).stretch(1, 1, 8))".into(), {
+        ("hull(hull(box(0.5), sphere(0.2).translate(0, 0.8, 0)), octahedron(0.6), box(0.2, 0.2, 1.6))".into(), {
             let tips = (0..6).map(|i| ([0, 1, 2].map(|axis| if i / 2 == axis { 0.6 - 1.2 * f64::from(i % 2) } else { 0.0 }), 0.0));
             [corners([0.5; 3], 0.0).collect(), vec![([0.0, 0.8, 0.0], 0.2)], tips.collect(), corners([0.2, 0.2, 1.6], 0.0).collect()].concat()
         }),
@@ -465,6 +465,7 @@ fn what_is_no_curve_or_solid_is_an_error_at_its_place() {
         ("scene = hull([for i in 0..9000 { hash3(i) }])".to_owned(), "4000"),
         ("scene = polyhedron([(-0.6, 0, -0.6), (0.6, 0, -0.6), (0, 0, 0.6), (0, 0, 0)], [[0, 1, 2], [0, 1, 3], [1, 2, 3], [2, 0, 3]])".to_owned(), "enclose nothing"),
         ("scene = hull(torus(1, 0.2), sphere(1))".to_owned(), "hull of this shape is not known"),
+        ("scene = hull(sphere(1), box(1).stretch(1, 1, 8).round(0.1))".to_owned(), "hull of this shape is not known"),
         ("scene = hull(sphere(1), sphere(1) - box(1))".to_owned(), "hull of this shape is not known"),
         ("param r = 1 in 0.5..2\nscene = hull(sphere(r), box(3))".to_owned(), "hull of this shape is not known"),
         ("scene = hull(for i in 0..99 { sphere(0.1 + 0.001 * i).translate(sin(i), cos(i), 0.01 * i) })".to_owned(), "64 are the most"),

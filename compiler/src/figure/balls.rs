@@ -4,7 +4,7 @@
 //! function, is the largest n · c + r over the balls. That largest value is at the normal of a plane, at a direction of a cone, or at one from a ball's middle; each is right where no other
 //! ball reaches farther in its direction. In the plane, lines that touch two discs stand for planes and cones. (Rockafellar, "Convex Analysis", 1970, § 13, for the support function.)
 
-use crate::vector::{Vec3, cross, dot, length, scale, sub, unit};
+use crate::vector::{Vec3, add, cross, dot, length, scale, sub, unit};
 use std::f64::consts::{PI, TAU};
 
 /// The most balls of which the hull is found, those that lie in another one left out.
@@ -168,11 +168,7 @@ fn touching([a, b, c]: [&Ball; 3], tiny: f64) -> Option<[(Vec3, f64); 2]> {
     let rest = 1.0 - dot(within, within);
     let up = scale(across, rest.max(0.0).sqrt() / area);
     let plane = |normal: Vec3| (normal, dot(normal, a.at) + a.radius);
-    (rest >= 0.0).then(|| [plane([0, 1, 2].map(|i| at(within, i) + at(up, i))), plane(sub(within, up))])
-}
-
-fn at(v: Vec3, i: usize) -> f64 {
-    v.get(i).copied().unwrap_or(0.0)
+    (rest >= 0.0).then(|| [plane(add(within, up)), plane(sub(within, up))])
 }
 
 /// The cone around two balls, if any part of it bounds the hull of all.
@@ -183,7 +179,8 @@ fn cone(balls: &[Ball], (foot, tip): (Ball, Ball), tiny: f64) -> Option<Part> {
     let rise = (foot.radius - tip.radius) / far;
     let run = (1.0 - rise * rise).max(0.0).sqrt();
     // Two directions across the axis, at right angles.
-    let least = if axis.iter().all(|c| at(axis, 0).abs() <= c.abs()) { [1.0, 0.0, 0.0] } else if at(axis, 1).abs() <= at(axis, 2).abs() { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] };
+    let [x, y, z] = axis.map(f64::abs);
+    let least = if x <= y.min(z) { [1.0, 0.0, 0.0] } else if y <= z { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] };
     let first = unit(cross(axis, least))?;
     let second = cross(axis, first);
     // Along the circle of normals another ball reaches farther on an arc: its middle, and half its length.

@@ -105,19 +105,11 @@ impl Elaborator<'_> {
                 let ends = |ball: &Ball| (ball.radius == 0.0).then(|| [half, -half].map(|z| corner([ball.at[0], ball.at[1], z])));
                 flat.iter().map(ends).collect::<Option<Vec<_>>>()?.concat()
             }
-            ("extrude_to", 3) => {
-                let (flat, half, top) = (of()?, number(1)? / 2.0, number(2)?);
-                let ends = |ball: &Ball| (ball.radius == 0.0).then(|| [(1.0, -half), (top, half)].map(|(size, z)| corner([size * ball.at[0], size * ball.at[1], z])));
-                flat.iter().map(ends).collect::<Option<Vec<_>>>()?.concat()
-            }
             ("scale", 2) => {
                 let by = number(1)?;
                 of()?.iter().map(|one| ball(scale(one.at, by), one.radius * by)).collect()
             }
-            ("stretch", 2) => {
-                let by = vector(1)?;
-                of()?.iter().map(|one| (one.radius == 0.0).then(|| corner(mul(one.at, by)))).collect::<Option<_>>()?
-            }
+            // Only distances are known here: what is stretched is made thicker by more than it is told.
             ("round", 2) => {
                 let by = number(1)?;
                 of()?.iter().map(|one| (one.radius + by >= 0.0).then(|| ball(one.at, one.radius + by))).collect::<Option<_>>()?
