@@ -43,6 +43,8 @@ pub const WORLD_SIDE: f64 = 1e5;
 pub(super) const FARTHEST: f64 = 1e6;
 /// What is known no better than to lie within this is looked at more closely where that costs little.
 pub(super) const FAR: f64 = 1e4;
+/// Bytes of stack that [`DEEPEST`] steps take at most, in a build without optimisation.
+const WALK_STACK: usize = 4 << 20;
 /// See [`FARTHEST`].
 pub(super) const MOVES: usize = 70;
 
@@ -369,8 +371,13 @@ impl Facts {
         let ranges = self.ranges_of(graph, tape, domain);
         let Some(last) = tape.steps.len().checked_sub(1) else { return domain.point };
         let mut visits = VISITS;
+        let is_first = self.looks.walking == 0;
         let mut walk = Walk::new(self, (graph, tape, &ranges), &mut visits);
-        walk.step(last, target, domain.point)
+        match is_first {
+            // The deepest way back needs more stack than a caller's thread may have left.
+            true => stacker::maybe_grow(WALK_STACK, 2 * WALK_STACK, || walk.step(last, target, domain.point)),
+            false => walk.step(last, target, domain.point),
+        }
     }
 
     pub(super) fn shape_region(

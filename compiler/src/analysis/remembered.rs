@@ -100,6 +100,10 @@ impl Facts {
         if let Some(known) = self.contents.get(&node) {
             return *known;
         }
+        // From below, so that no stack follows how many shapes stand within each other.
+        for shape in graph.called_below(node, |shape| graph.shape(shape).is_none_or(|s| self.contents.contains_key(&s.value))) {
+            self.content_of_shape(graph, shape);
+        }
         for id in graph.reachable(&[node]) {
             if self.contents.contains_key(&id) {
                 continue;

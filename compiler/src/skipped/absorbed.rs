@@ -118,20 +118,21 @@ impl<'s> Search<'s> {
 
     /// Looks at the operands of a node, and at theirs; where many lead to one node, once.
     fn walk(&mut self, node: NodeId) {
-        if !self.walked.insert(node) {
-            return;
-        }
-        let Some(op) = self.extremum(node) else { return };
-        let mut operands = Vec::new();
-        self.operands(op, node, &mut operands);
-        for (i, &(whole, operand)) in operands.iter().enumerate() {
-            if operands.len() <= MANY {
-                let rest = operands.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, &(_, o))| o).collect::<Vec<_>>();
-                let left_out = self.scene.functions.absorbed.contains(&(whole, operand));
-                self.judge(op, operand, &rest, left_out);
+        let mut open = vec![node];
+        while let Some(node) = open.pop() {
+            if !self.walked.insert(node) {
+                continue;
             }
-            let (inner, _) = self.turned(operand);
-            self.walk(inner);
+            let Some(op) = self.extremum(node) else { continue };
+            let operands = self.operands(op, node);
+            for (i, &(whole, operand)) in operands.iter().enumerate() {
+                if operands.len() <= MANY {
+                    let rest = operands.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, &(_, o))| o).collect::<Vec<_>>();
+                    let left_out = self.scene.functions.absorbed.contains(&(whole, operand));
+                    self.judge(op, operand, &rest, left_out);
+                }
+            }
+            open.extend(operands.iter().rev().map(|&(_, operand)| self.turned(operand).0));
         }
     }
 
@@ -158,15 +159,16 @@ impl<'s> Search<'s> {
     }
 
     /// What is put together by one operation, however deep: the operation's node, and the operand.
-    fn operands(&self, op: Op, node: NodeId, all: &mut Vec<(NodeId, NodeId)>) {
-        let whole = self.opened(node);
-        let Node::Op(_, args) = self.graph.node(whole) else { return };
-        for &arg in args.iter() {
-            match self.graph.node(self.opened(arg)) {
-                Node::Op(own, _) if *own == op => self.operands(op, arg, all),
-                _ => all.push((whole, arg)),
+    fn operands(&self, op: Op, node: NodeId) -> Vec<(NodeId, NodeId)> {
+        let (mut open, mut all) = (vec![(node, node)], Vec::new());
+        while let Some((whole, operand)) = open.pop() {
+            let inner = self.opened(operand);
+            match self.graph.node(inner) {
+                Node::Op(own, args) if *own == op => open.extend(args.iter().rev().map(|&arg| (inner, arg))),
+                _ => all.push((whole, operand)),
             }
         }
+        all
     }
 
     /// What a node is the negative of, or the node itself.
