@@ -59,6 +59,14 @@ pub fn explain(gpu: &Gpu, picture: &mut Picture, compiled: &Compiled, live: &Liv
                 })?;
                 (all.saturating_sub(before), format!("6 of {side}x{side}"))
             }
+            PassKind::Cones => {
+                let all = median(|| {
+                    picture.forget_cones();
+                    drawn(gpu, picture, compiled, live, shot, Some(0))
+                })?;
+                let [across, down] = picture.tiles().unwrap_or_default();
+                (all.saturating_sub(before), format!("{across}x{down}"))
+            }
             PassKind::Scene | PassKind::Meshes | PassKind::Balls | PassKind::Bloom => {
                 count += 1;
                 let all = median(|| drawn(gpu, picture, compiled, live, shot, Some(count)))?;

@@ -19,6 +19,8 @@ pub enum PassKind {
     Shadows,
     /// The scene from one place, into the cubemap of what is mirrored; drawn only where something of it moved.
     Capture,
+    /// A cone for each tile of pixels, up to where the tile's rays begin; marched only where something moved.
+    Cones,
     /// Rays through the field, over the whole screen.
     Scene,
     /// Meshes over it, with its depth.
@@ -69,6 +71,10 @@ fn planned(features: &Features) -> Vec<PlannedPass> {
     if features.capture.is_some() {
         let reason = "what surfaces mirror, seen from one place; drawn where something moved".to_owned();
         passes.push(PlannedPass { kind: PassKind::Capture, name: "capture", reason });
+    }
+    if features.cones {
+        let reason = "one for each tile of pixels, whose rays begin where it ends; marched where something moved".to_owned();
+        passes.push(PlannedPass { kind: PassKind::Cones, name: "cones", reason });
     }
     passes.push(PlannedPass {
         kind: PassKind::Scene,
@@ -187,15 +193,26 @@ impl Picture {
         self.scene.forget_maps();
     }
 
+    /// Tiles of pixels that have a cone, across and down, where there are any.
+    pub(crate) fn tiles(&self) -> Option<[u32; 2]> {
+        self.scene.tiles()
+    }
+
+    /// Marches the cones again with the next update, though nothing moved.
+    pub(crate) fn forget_cones(&mut self) {
+        self.scene.forget_cones();
+    }
+
     /// Pixels of a side of the cubemap's faces that the scene itself is drawn into, where it is.
     pub(crate) fn capture_side(&mut self) -> u32 {
         self.scene.capture().map_or(0, |capture| capture.side())
     }
 
-    /// Draws everything again with the next update, though nothing moved: shadow maps and the scene's own cubemap too.
+    /// Draws everything again with the next update, though nothing moved: shadow maps, the scene's own cubemap and cones too.
     pub fn forget(&mut self) {
         self.forget_maps();
         self.forget_capture();
+        self.forget_cones();
     }
 
     /// Draws that cubemap again with the next update, though nothing moved.
@@ -290,7 +307,7 @@ impl Picture {
         if !self.scene.has_depth() {
             return None;
         }
-        let before = [Some(&self.scene), self.beside.as_ref()].map(|scene| scene.and_then(|scene| scene.draw_before(&self.gpu, size)));
+        let before = [Some(&self.scene), self.beside.as_ref()].map(|scene| scene.and_then(|scene| scene.draw_before(size)));
         let mut kept = self.depth.lock().unwrap_or_else(PoisonError::into_inner);
         kept.before = before;
         let texture = match kept.texture.take().filter(|t| t.size() == size) {

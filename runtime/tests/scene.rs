@@ -89,7 +89,7 @@ fn a_slider_builds_nothing_and_what_is_the_same_writes_nothing() {
     let compiled = sphere(1.0);
     let mut picture = Picture::prepare(&gpu, &compiled, FORMAT, ViewMode::Normals).unwrap();
     let built = gpu.stats();
-    assert_eq!(built.pipelines, 1);
+    assert_eq!(built.pipelines, 2, "that of the field, and that of its cones");
     let mut live = compiled.live();
     let frame = compiled.frame(&live);
     let mut view = View { camera: frame.cameras[0].1, size: [64.0, 48.0], corner: [0.0, 0.0], sample: 0 };
@@ -110,7 +110,7 @@ fn a_slider_builds_nothing_and_what_is_the_same_writes_nothing() {
     assert_eq!(gpu.stats(), built, "no module and no pipeline for all that");
     // The same scene again is there already.
     Picture::prepare(&gpu, &sphere(1.4), FORMAT, ViewMode::Normals).unwrap();
-    assert_eq!((gpu.stats().pipelines, gpu.stats().reused), (1, 1));
+    assert_eq!((gpu.stats().pipelines, gpu.stats().reused), (2, 2));
 }
 
 #[test]
@@ -308,5 +308,47 @@ fn what_a_scene_does_not_need_is_not_compiled() {
             assert!(!features.shadows && !features.occlusion);
             assert!(!features.wgsl(&compiled).contains("sf_surface"));
         }
+    }
+}
+
+/// Rays that begin where their tile's cone ends meet what they met before: within the tolerance, and none passes through what is thin.
+#[test]
+fn cones_change_no_picture() {
+    let gpu = gpu();
+    let rods = "capsule((-2, 0, 0), (2, 1, -1), 0.004) | capsule((0, -2, 0), (0.3, 2, 0), 0.002) | box(0.4).translate(0.8, -0.5, 0)";
+    let scenes = [
+        // A plane that rays graze, and what is thinner than a pixel.
+        format!("scene = {rods} | plane(y, -0.9)\ncamera {{ eye: (3, -0.8, 5), target: (0, -0.4, 0) }}\n"),
+        // A field whose bound is much less than the distance, seen from outside of the extent.
+        "scene = torus(1, 0.3).twist(y, 2) | sphere(0.2).repeat((0.7, 0, 0.7))\ncamera { eye: (9, 5, 9), target: (0, 0, 0) }\nrender { extent: 4, max_distance: 40 }\n".to_owned(),
+        // Rays side by side, and through a lens.
+        format!("scene = {rods}\ncamera {{ eye: (3, 2, 5), target: (0, 0, 0), projection: orthographic, height: 4 }}\n"),
+        format!("scene = {rods}\ncamera {{ eye: (3, 2, 5), target: (0, 0, 0), lens: 0.05 }}\n"),
+        // The eye in a corner, and in the solid.
+        "scene = box(8) - box(3) | sphere(0.5).translate(1.2, 1.2, 0)\ncamera { eye: (1.49, 0, 1.49), target: (0, 0.4, 0) }\n".to_owned(),
+        "scene = box(3) | sphere(2).translate(3, 0, 0) | torus(2, 0.1)\ncamera { eye: (1, 0, 1), target: (0, 0, 0) }\n".to_owned(),
+    ];
+    for text in scenes {
+        let loader = MemoryLoader::new().with("main.sdf", text.as_str());
+        let outcome = compile(&loader, "main.sdf", &Options::default());
+        let compiled = outcome.compiled.unwrap_or_else(|| panic!("{text}: {:?}", outcome.diagnostics));
+        let features = Features::of(&compiled, ViewMode::Depth);
+        assert!(features.cones, "{text}");
+        // Neither side is a multiple of a tile's.
+        let shot = Shot { mode: ViewMode::Depth, ..Shot::new(531, 301) };
+        let drawn = |features| {
+            let mut picture = Picture::prepare_with(&gpu, &compiled, FORMAT, features).unwrap();
+            headless::render_with(&gpu, &mut picture, &compiled, &compiled.live(), &shot).unwrap()
+        };
+        let (with, without) = (drawn(features), drawn(Features { cones: false, ..features }));
+        let mut seen = 0;
+        for y in 0..shot.height {
+            for x in 0..shot.width {
+                let (a, b) = (with.get(x, y), without.get(x, y));
+                seen += u32::from(b[0] > 0);
+                assert!(a[0].abs_diff(b[0]) <= 1, "{text}: {a:?} and {b:?} at {x}, {y}");
+            }
+        }
+        assert!(seen > 200, "{text}: {seen}");
     }
 }

@@ -12,8 +12,9 @@ use surefoot_compiler::reference::shade::steps_color;
 use surefoot_compiler::reference::{Area, Reference, View, film, rgb8};
 use surefoot_compiler::{compile, diagnostic};
 use surefoot_compiler::sampled::{Grid, Settings};
-use surefoot_runtime::Gpu;
 use surefoot_runtime::headless::{self, Shot};
+use surefoot_runtime::passes::scene::Features;
+use surefoot_runtime::{Gpu, Picture};
 
 const SIZE: (u32, u32) = (160, 90);
 
@@ -54,7 +55,10 @@ fn compare(gpu: &Gpu, path: &Path, modes: &[View], apart: &mut Vec<String>) {
     let reference = Reference::new(&compiled, &live).unwrap();
     for &mode in modes {
         let shot = Shot { mode, ..Shot::new(width, height) };
-        let drawn = headless::render(gpu, &compiled, &live, &shot).unwrap();
+        // The processor's rays begin at the eye: it looks where the GPU looks without cones.
+        let features = Features { cones: false, ..Features::of(&compiled, mode) };
+        let mut picture = Picture::prepare_with(gpu, &compiled, headless::format(&compiled, mode, 1), features).unwrap();
+        let drawn = headless::render_with(gpu, &mut picture, &compiled, &live, &shot).unwrap();
         let area = Area { left: 0, top: 0, width, height };
         let mut pixels = reference.light_at(&frame, &frame.cameras[0].1, SIZE, mode, area, 0);
         if mode == View::Shaded {

@@ -37,7 +37,7 @@ fn scene_look() {
 fn scene_picture(position: vec2f) -> SceneFragment {
     scene_look();
     let direction = scene_direction(position);
-    let pixel = scene_pixel(scene_start(position), direction, scene.max_distance);
+    let pixel = scene_pixel(scene_start(position), direction, 0.0, scene.max_distance);
     let ahead = pixel.t * dot(direction, scene.forward);
     let near = sf_uniforms.view_near;
     let far = sf_uniforms.view_far;

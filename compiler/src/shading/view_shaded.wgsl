@@ -1,6 +1,6 @@
 // The scene in its light.
-fn scene_pixel(start: vec3f, direction: vec3f, reach: f32) -> ScenePixel {
-    let hit = sf_trace(start, direction, 0.0, reach, scene.footprint);
+fn scene_pixel(start: vec3f, direction: vec3f, begin: f32, reach: f32) -> ScenePixel {
+    let hit = sf_trace(start, direction, begin, reach, scene.footprint);
     if !hit.hit {
         return ScenePixel(scene_develop(scene_behind(direction)), -1.0);
     }

@@ -3,6 +3,7 @@
 mod balls;
 mod bloom;
 mod capture;
+mod cones;
 pub mod layers;
 pub mod evaluate;
 mod meshes;

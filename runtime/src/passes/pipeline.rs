@@ -2,6 +2,7 @@
 
 use super::balls::BallsPipeline;
 use super::capture::{self, Capture};
+use super::cones::Cones;
 use super::meshes::MeshesPipeline;
 use super::scene::{Features, SceneUniforms};
 use super::shadows::{Moment, Shadows};
@@ -15,6 +16,7 @@ use surefoot_compiler::images::Images;
 /// A compiled scene as a pipeline. Its uniforms change; it itself does not.
 #[derive(Debug)]
 pub struct ScenePipeline {
+    gpu: Gpu,
     pipeline: wgpu::RenderPipeline,
     module: ModuleGroup,
     scene: SceneGroup,
@@ -25,6 +27,9 @@ pub struct ScenePipeline {
     meshes: Option<MeshesPipeline>,
     shadows: Option<Shadows>,
     capture: Option<Capture>,
+    cones: Option<Cones>,
+    /// The cones' reaches for the field's pass, where it reads nothing else in their group.
+    before: Option<wgpu::BindGroup>,
     /// How many passes are drawn, where not all are.
     first: Option<u32>,
     /// The newest view.
@@ -67,16 +72,28 @@ impl ScenePipeline {
                 true => Some(MeshesPipeline::prepare(gpu, compiled, format, features, lookup)?),
                 false => None,
             };
-            let before_layout = features.meshes_first.then(|| before_layout(gpu));
+            let before_layout = features.reads_before().then(|| before_layout(gpu, features));
             let layouts = [Some(&module_layout), Some(&scene_layout), before_layout.as_ref(), lookup];
-            let count = if lookup.is_some() { 4 } else if features.meshes_first { 3 } else { 2 };
+            let count = if lookup.is_some() { 4 } else if before_layout.is_some() { 3 } else { 2 };
             let layouts = &layouts[..count];
-            let pipeline = gpu.screen_pipeline(label, key, layouts)?;
+            // The driver makes both at the same time.
+            let plain = surroundings::plain_layout(gpu);
+            let (pipeline, cones) = std::thread::scope(|scope| {
+                let cones = || features.cones.then(|| Cones::prepare(gpu, compiled, features.eye(), &module_layout, &plain)).transpose();
+                let beside = std::thread::Builder::new().spawn_scoped(scope, cones);
+                let pipeline = gpu.screen_pipeline(label, key, layouts)?;
+                let cones = match beside {
+                    Ok(thread) => thread.join().unwrap_or_else(|_| Err("the cones' pipeline could not be built".to_owned())),
+                    Err(_) => cones(),
+                };
+                Ok::<_, String>((pipeline, cones?))
+            })?;
             let capture = match features.capture {
                 Some(size) => Some(Capture::new(gpu, compiled, features.of_capture(), size, balls.as_ref(), meshes.as_ref(), lookup)?),
                 None => None,
             };
             let mut new = Self {
+                gpu: gpu.clone(),
                 pipeline,
                 module: ModuleGroup::new(gpu, compiled, &module_layout),
                 scene: SceneGroup::new(gpu, features, scene_layout),
@@ -86,6 +103,8 @@ impl ScenePipeline {
                 meshes,
                 shadows,
                 capture,
+                cones,
+                before: None,
                 first: None,
                 view: None,
             };
@@ -142,6 +161,12 @@ impl ScenePipeline {
             })
         });
         self.view = Some(*view);
+        if let Some(cones) = self.cones.as_mut().filter(|cones| module || scene || cones.is_stale()) {
+            cones.march(&self.gpu, view, self.module.group(), self.scene.plain());
+            if !self.features.meshes_first {
+                self.before = Some(self.group_before(None));
+            }
+        }
         std::mem::take(&mut self.fresh) || module || scene || meshes || shadows || captured
     }
 
@@ -189,6 +214,18 @@ impl ScenePipeline {
         }
     }
 
+    /// Tiles of pixels that have a cone, across and down, where there are any.
+    pub(crate) fn tiles(&self) -> Option<[u32; 2]> {
+        self.cones.as_ref().and_then(Cones::tiles)
+    }
+
+    /// Marches the cones again with the next update.
+    pub(crate) fn forget_cones(&mut self) {
+        if let Some(cones) = &mut self.cones {
+            cones.forget();
+        }
+    }
+
     /// Draws only so many passes from now on: the field, the meshes, the balls, as far as the scene has them.
     pub(crate) fn draw_first(&mut self, passes: Option<u32>) {
         self.first = passes;
@@ -201,9 +238,10 @@ impl ScenePipeline {
 
     /// Draws the depth of the meshes for a target of this size, and answers with what the field's pass is bound to, so that its rays end there.
     /// None where the field is drawn first.
-    pub(crate) fn draw_before(&self, gpu: &Gpu, size: wgpu::Extent3d) -> Option<wgpu::BindGroup> {
+    pub(crate) fn draw_before(&self, size: wgpu::Extent3d) -> Option<wgpu::BindGroup> {
         let meshes = self.meshes.as_ref().filter(|_| self.features.meshes_first)?;
         let view = self.view?;
+        let gpu = &self.gpu;
         let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
             label: Some("surefoot meshes, depth"),
             size,
@@ -230,11 +268,19 @@ impl ScenePipeline {
         meshes.draw_before(&mut pass);
         drop(pass);
         gpu.queue().submit([encoder.finish()]);
-        Some(gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("surefoot meshes, depth"),
-            layout: &before_layout(gpu),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&target) }],
-        }))
+        Some(self.group_before(Some(&target)))
+    }
+
+    /// What the field's pass reads of the passes before it.
+    fn group_before(&self, depth: Option<&wgpu::TextureView>) -> wgpu::BindGroup {
+        let cones = self.cones.as_ref().and_then(Cones::reached);
+        let entries = [(0, depth), (1, cones.as_ref())];
+        let entries = entries.into_iter().filter_map(|(binding, view)| Some(wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view?) }));
+        self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("surefoot before"),
+            layout: &before_layout(&self.gpu, self.features),
+            entries: &entries.collect::<Vec<_>>(),
+        })
     }
 
     /// Draws over the whole of the pass's viewport and scissors. `before` is what [`Self::draw_before`] answered.
@@ -251,11 +297,12 @@ impl ScenePipeline {
         if let Some(shadows) = &self.shadows {
             pass.set_bind_group(3, shadows.group(), &[]);
         }
+        let before = before.or(self.before.as_ref());
         if let Some(before) = before {
             pass.set_bind_group(2, before, &[]);
         }
-        // Without the depth that its rays end at, the field's pass has nothing to be drawn with.
-        if next() && (before.is_some() || !self.features.meshes_first) {
+        // Without the depth that its rays end at, and where they begin, the field's pass has nothing to be drawn with.
+        if next() && (before.is_some() || !self.features.reads_before()) {
             pass.draw(0..3, 0..1);
         }
         let Some(view) = self.view.filter(|_| self.has_depth()) else { return };
@@ -269,20 +316,19 @@ impl ScenePipeline {
     }
 }
 
-/// What the field's pass reads where the depth of meshes was drawn before: group 2.
-fn before_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
+/// What the field's pass reads of those before it: group 2. The depth of meshes, and how far cones reached.
+fn before_layout(gpu: &Gpu, features: Features) -> wgpu::BindGroupLayout {
+    let texture = |binding, sample_type| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture { sample_type, view_dimension: wgpu::TextureViewDimension::D2, multisampled: false },
+        count: None,
+    };
+    let depth = features.meshes_first.then(|| texture(0, DEPTH_AS_READ));
+    let cones = features.cones.then(|| texture(1, wgpu::TextureSampleType::Uint));
     gpu.device().create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("surefoot meshes, depth"),
-        entries: &[wgpu::BindGroupLayoutEntry {
-            binding: 0,
-            visibility: wgpu::ShaderStages::FRAGMENT,
-            ty: wgpu::BindingType::Texture {
-                sample_type: DEPTH_AS_READ,
-                view_dimension: wgpu::TextureViewDimension::D2,
-                multisampled: false,
-            },
-            count: None,
-        }],
+        label: Some("surefoot before"),
+        entries: &depth.into_iter().chain(cones).collect::<Vec<_>>(),
     })
 }
 

@@ -1,7 +1,7 @@
 //! The pass that draws the field: one triangle over the screen. Its text is a list of sections, of which only those stand in the
 //! module that the scene and the view need; its uniforms are filled from a [`Frame`].
 
-use super::{layers, section};
+use super::{cones, layers, section};
 use crate::images::MOST_TEXTURES;
 use crate::sheets::LINEAR;
 use bytemuck::{Pod, Zeroable};
@@ -16,6 +16,9 @@ use surefoot_compiler::shading::{self, Parts, Shading};
 use surefoot_compiler::vector::{scale, sub};
 
 pub use surefoot_compiler::reference::View as ViewMode;
+
+/// Looks of fewer operations of the bound cost no more than to read where a ray begins.
+const WORTH_CONES: usize = 8;
 
 /// What of the pass is compiled. Each combination is a pipeline of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -60,6 +63,8 @@ pub struct Features {
     pub emitters: bool,
     /// How a plane cuts the picture open, where one does.
     pub section: Option<Cut>,
+    /// Whether cones say where rays begin.
+    pub cones: bool,
     /// Whether the depth is written though nothing is rasterised: what is drawn beside it has depth.
     pub deep: bool,
 }
@@ -95,6 +100,8 @@ impl Features {
             bloom: blocks.bloom.is_some_and(|share| shaded && constant(share) != Some(0.0)),
             optics: shading.optics,
             section: None,
+            // Looks are what some views show.
+            cones: !matches!(view, ViewMode::Steps | ViewMode::Operations | ViewMode::Slice(_)) && compiled.module.operations.1 >= WORTH_CONES,
             deep: false,
             field_maps: shaded && !off && blocks.lights.iter().any(|l| l.shadow.0 == Shadow::Map),
         }
@@ -114,7 +121,7 @@ impl Features {
     /// Of what draws the cubemap of a scene that has these: the same light, seen from one place. What is mirrored there is the field and
     /// the sky.
     pub(super) fn of_capture(self) -> Self {
-        Self { capture: None, captures: true, meshes_first: false, section: None, deep: false, ..self }
+        Self { capture: None, captures: true, meshes_first: false, section: None, cones: false, deep: false, ..self }
     }
 
     /// Whether shadows are looked up in maps.
@@ -125,6 +132,11 @@ impl Features {
     /// Whether the depth is written too: something is rasterised, in it or beside it.
     pub fn depth(&self) -> bool {
         self.balls || self.meshes || self.deep
+    }
+
+    /// Whether the field's pass reads of passes before it.
+    pub(super) fn reads_before(&self) -> bool {
+        self.meshes_first || self.cones
     }
 
     /// The functions of the module that the pass calls.
@@ -145,7 +157,7 @@ impl Features {
         if self.occlusion {
             exports.push(Export::Occlusion);
         }
-        if self.capture.is_some() || self.glass || self.emitters {
+        if self.capture.is_some() || self.glass || self.emitters || self.cones {
             exports.push(Export::Bound);
         }
         exports
@@ -238,6 +250,10 @@ impl Features {
         push(match self.section {
             Some(_) => section::pixel(self.view, view).into(),
             None => view.into(),
+        });
+        push(match self.cones {
+            true => cones::begin().into(),
+            false => include_str!("scene/begin.wgsl").into(),
         });
         push(Cow::Borrowed(match self.depth() {
             true if self.meshes_first => include_str!("scene/color_behind.wgsl"),

@@ -24,15 +24,9 @@ pub(super) fn constants(cut: Cut) -> [(&'static str, f64); 2] {
     [("scene_across", across as f64), ("scene_keeps_above", f64::from(u8::from(cut.keeps_above)))]
 }
 
-/// The field's part of the pass: the view's rays, of which each has a beginning, and the pixel that gives it.
+/// The field's part of the pass: the view's rays, and where the plane lets them begin.
 pub(super) fn pixel(view: View, text: &str) -> String {
-    let rays = replaced(
-        text,
-        &[
-            ("fn scene_pixel(start: vec3f, direction: vec3f, reach: f32)", "fn scene_kept(start: vec3f, direction: vec3f, begin: f32, reach: f32)"),
-            ("sf_trace(start, direction, 0.0, reach,", "sf_trace(start, direction, begin, reach,"),
-        ],
-    );
+    let rays = replaced(text, &[("fn scene_pixel(", "fn scene_kept(")]);
     let color = if view == View::Shaded { include_str!("section/color.wgsl") } else { include_str!("section/no_color.wgsl") };
     [&rays, color, include_str!("section/pixel.wgsl")].join("\n")
 }

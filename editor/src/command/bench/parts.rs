@@ -23,9 +23,10 @@ const ROUNDS: usize = 7;
 /// A part of a frame: its name, whether some features have it, and how they are without it.
 struct Part(&'static str, fn(&Features) -> bool, fn(&mut Features));
 
-const PARTS: [Part; 8] = [
+const PARTS: [Part; 9] = [
     Part("meshes", |f| f.meshes, |f| (f.meshes, f.meshes_first) = (false, false)),
     Part("depth first", |f| f.meshes_first, |f| f.meshes_first = false),
+    Part("cones", |f| f.cones, |f| f.cones = false),
     Part("shadows", |f| f.shadows, |f| (f.shadows, f.field_maps) = (false, false)),
     Part("occlusion", |f| f.occlusion, |f| f.occlusion = false),
     Part("reflections", |f| f.reflections > 0, |f| f.reflections = 0),

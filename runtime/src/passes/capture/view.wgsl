@@ -1,7 +1,7 @@
 // The scene in its light, seen from a place that may lie in the solid: then what is beyond the solid is seen.
 
 // Where a ray from the eye leaves the solid that the eye is in.
-fn scene_begin(direction: vec3f) -> f32 {
+fn scene_outside(direction: vec3f) -> f32 {
     var t = 0.0;
     for (var i = 0; i < 128; i += 1) {
         let p = scene.eye + t * direction;
@@ -15,8 +15,8 @@ fn scene_begin(direction: vec3f) -> f32 {
     return t;
 }
 
-fn scene_pixel(start: vec3f, direction: vec3f, reach: f32) -> ScenePixel {
-    let hit = sf_trace(scene.eye, direction, scene_begin(direction), reach, scene.footprint);
+fn scene_pixel(start: vec3f, direction: vec3f, begin: f32, reach: f32) -> ScenePixel {
+    let hit = sf_trace(scene.eye, direction, scene_outside(direction), reach, scene.footprint);
     if !hit.hit {
         return ScenePixel(scene_develop(scene_behind(direction)), -1.0);
     }

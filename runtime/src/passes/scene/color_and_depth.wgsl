@@ -7,7 +7,7 @@ struct SceneFragment {
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> SceneFragment {
     let direction = scene_direction(position.xy);
-    let pixel = scene_pixel(scene_start(position.xy), direction, scene.max_distance);
+    let pixel = scene_pixel(scene_start(position.xy), direction, scene_begin(position.xy), scene.max_distance);
     var depth = 0.0;
     if pixel.t >= 0.0 {
         depth = scene_depth(pixel.t * dot(direction, scene.forward));

@@ -15,7 +15,7 @@ fn fragment(@builtin(position) position: vec4f) -> SceneFragment {
     if before > 0.0 {
         reach = min(reach, scene_ahead(before) / ahead);
     }
-    let pixel = scene_pixel(scene_start(position.xy), direction, reach);
+    let pixel = scene_pixel(scene_start(position.xy), direction, scene_begin(position.xy), reach);
     var depth = before;
     if pixel.t >= 0.0 {
         depth = max(before, scene_depth(pixel.t * ahead));

@@ -1,6 +1,6 @@
 // How far the surface is: white at the eye, falling with the logarithm, black at the far end and where there is nothing.
-fn scene_pixel(start: vec3f, direction: vec3f, reach: f32) -> ScenePixel {
-    let hit = sf_trace(start, direction, 0.0, reach, scene.footprint);
+fn scene_pixel(start: vec3f, direction: vec3f, begin: f32, reach: f32) -> ScenePixel {
+    let hit = sf_trace(start, direction, begin, reach, scene.footprint);
     if !hit.hit {
         return ScenePixel(vec3f(0.0), -1.0);
     }

@@ -1,7 +1,7 @@
 // What of the distance a ray may go right above the surface: grey where it is all of it, and darker and redder the less it is, black at an eighth. Asked
 // four pixels above the surface, where in a corner another surface may be nearer, or that place within it.
-fn scene_pixel(start: vec3f, direction: vec3f, reach: f32) -> ScenePixel {
-    let hit = sf_trace(start, direction, 0.0, reach, scene.footprint);
+fn scene_pixel(start: vec3f, direction: vec3f, begin: f32, reach: f32) -> ScenePixel {
+    let hit = sf_trace(start, direction, begin, reach, scene.footprint);
     if !hit.hit {
         return ScenePixel(vec3f(0.12), -1.0);
     }

@@ -1,6 +1,6 @@
 // How much of the lights arrives that shine on the front of the surface: white all of it, black nothing; blue-grey where none of them shines on it.
-fn scene_pixel(start: vec3f, direction: vec3f, reach: f32) -> ScenePixel {
-    let hit = sf_trace(start, direction, 0.0, reach, scene.footprint);
+fn scene_pixel(start: vec3f, direction: vec3f, begin: f32, reach: f32) -> ScenePixel {
+    let hit = sf_trace(start, direction, begin, reach, scene.footprint);
     if !hit.hit {
         return ScenePixel(vec3f(0.12), -1.0);
     }

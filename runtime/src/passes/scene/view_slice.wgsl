@@ -22,11 +22,11 @@ fn scene_plane(start: vec3f, direction: vec3f) -> f32 {
     return select((scene.slice + scene.center[scene_axis] - start[scene_axis]) / select(ahead, 1.0, flat), -1.0, flat);
 }
 
-fn scene_pixel(start: vec3f, direction: vec3f, reach: f32) -> ScenePixel {
+fn scene_pixel(start: vec3f, direction: vec3f, begin: f32, reach: f32) -> ScenePixel {
     let plane = scene_plane(start, direction);
     let cuts = (plane > 0.0) & (plane < reach) & (length(start + plane * direction - scene.center) < scene.extent);
     var behind = ScenePixel(vec3f(0.12), -1.0);
-    let hit = sf_trace(start, direction, select(0.0, plane, cuts), reach, scene.footprint);
+    let hit = sf_trace(start, direction, select(begin, plane, cuts), reach, scene.footprint);
     if hit.hit {
         let n = scene_normal(start + hit.t * direction, direction);
         behind = ScenePixel(vec3f(0.25 + 0.55 * clamp(-dot(n, direction), 0.0, 1.0)), hit.t);
