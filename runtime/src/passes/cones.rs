@@ -31,6 +31,12 @@ impl Cones {
     /// Builds what marches the cones of a scene. `eye` is the text of its camera's rays, `module` and `scene` are the layouts of the first two groups.
     pub(super) fn prepare(gpu: &Gpu, compiled: &Compiled, eye: &str, module: &wgpu::BindGroupLayout, scene: &wgpu::BindGroupLayout) -> Result<Self, String> {
         let constants = format!("const SCENE_TILE: f32 = {TILE}.0;\nconst SCENE_LOOKS: u32 = {LOOKS}u;");
+        let ahead = &compiled.functions.ahead;
+        let free = match (ahead.region.is_some(), ahead.planes.is_some()) {
+            (false, _) => include_str!("cones/free.wgsl"),
+            (true, false) => include_str!("cones/free_boxed.wgsl"),
+            (true, true) => include_str!("cones/free_planes.wgsl"),
+        };
         let text = [
             compiled.module.code(),
             shading::BASE,
@@ -38,6 +44,7 @@ impl Cones {
             eye,
             shading::TRIANGLE,
             &constants,
+            free,
             include_str!("cones/march.wgsl"),
         ];
         let key = PipelineKey {

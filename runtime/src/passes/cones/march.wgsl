@@ -31,7 +31,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4u {
         let rounding = 1e-6 * (length(p - scene.rounding * scene.center) + t + scene.unit);
         // Beyond the extent there is nothing, and nothing is proven of the bound.
         let outside = length(p - scene.center) - scene.extent;
-        let free = select(sf_bound(p), outside, outside > 0.0);
+        let free = select(scene_free(p), outside, outside > 0.0);
         // As far along as all rays are within the sphere that is empty.
         let next = (t + free - cone.wide - rounding) / (1.0 + cone.spread);
         let on = next - t;
