@@ -54,8 +54,8 @@ const OTHERS: [&str; 3] = [
     include_str!("../../runtime/src/passes/scene/view_depth.wgsl"),
 ];
 const OUTPUT: [&str; 2] = [
-    include_str!("../../runtime/src/passes/scene/color.wgsl"),
-    include_str!("../../runtime/src/passes/scene/color_and_depth.wgsl"),
+    concat!(include_str!("../../runtime/src/passes/scene/begin.wgsl"), include_str!("../../runtime/src/passes/scene/color.wgsl")),
+    concat!(include_str!("../../runtime/src/passes/scene/begin.wgsl"), include_str!("../../runtime/src/passes/scene/color_and_depth.wgsl")),
 ];
 
 fn validate(sections: &[&str]) {
