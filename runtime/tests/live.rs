@@ -413,7 +413,7 @@ fn pipelines_are_built_behind_and_only_where_something_changed() {
     let update = next(&live);
     assert!(update.times.pipeline > Duration::ZERO && update.times.total >= update.times.pipeline);
     stage.put(update.ready.unwrap());
-    assert_eq!(gpu.stats().pipelines, 1);
+    assert_eq!(gpu.stats().pipelines, 2, "that of the field, and that of its cones");
     let camera = stage.scene().unwrap().frame(stage.live().unwrap()).cameras[0].1;
     let view = View { camera, size: [32.0, 32.0], corner: [0.0; 2], sample: 0 };
     assert!(stage.update(gpu.queue(), &view), "a new scene is to be drawn");
@@ -429,7 +429,7 @@ fn pipelines_are_built_behind_and_only_where_something_changed() {
     fs::write(&path, "radius 1.25").unwrap();
     let update = next(&live);
     stage.put(update.ready.unwrap());
-    assert_eq!(gpu.stats().pipelines, 1);
+    assert_eq!(gpu.stats().pipelines, 2, "that of the field, and that of its cones");
     assert_eq!(stage.live().unwrap().components, [1.25]);
     assert_eq!(stage.time(), 1.0);
     assert!(stage.update(gpu.queue(), &view));
@@ -445,7 +445,7 @@ fn pipelines_are_built_behind_and_only_where_something_changed() {
     assert_eq!(ready.picture.as_ref().unwrap().mode(), ViewMode::Steps);
     assert_eq!(ready.compiled.parameters[0].default, [1.25]);
     assert_eq!(live.report().compilations, compilations);
-    assert_eq!(gpu.stats().pipelines, 2);
+    assert_eq!(gpu.stats().pipelines, 3, "a view of looks has no cones");
     stage.put(ready);
     assert_eq!(stage.live().unwrap().components, [1.75]);
     drop(live);
