@@ -311,6 +311,18 @@ fn what_a_scene_does_not_need_is_not_compiled() {
     }
 }
 
+/// A look of few operations costs no more than to read where a ray begins; and some views show looks.
+#[test]
+fn cones_are_left_out_where_they_do_not_pay() {
+    let cones = |text: &str, view| {
+        let compiled = compile(&MemoryLoader::new().with("main.sdf", text), "main.sdf", &Options::default()).compiled.unwrap();
+        Features::of(&compiled, view).cones
+    };
+    assert!(!cones("scene = plane(y)", ViewMode::Shaded));
+    let boxes = "scene = box(1) | box(1).translate(2, 0, 0)";
+    assert!(cones(boxes, ViewMode::Shaded) && !cones(boxes, ViewMode::Steps) && !cones(boxes, ViewMode::Slice(0)));
+}
+
 /// Rays that begin where their tile's cone ends meet what they met before: within the tolerance, and none passes through what is thin.
 #[test]
 fn cones_change_no_picture() {

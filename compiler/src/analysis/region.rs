@@ -43,7 +43,7 @@ pub const WORLD_SIDE: f64 = 1e5;
 pub(super) const FARTHEST: f64 = 1e6;
 /// What is known no better than to lie within this is looked at more closely where that costs little.
 pub(super) const FAR: f64 = 1e4;
-/// Bytes of stack that [`DEEPEST`] steps take at most, in a build without optimisation.
+/// Bytes of stack for [`DEEPEST`] steps: several times what they take in a build that is hardly optimised.
 const WALK_STACK: usize = 4 << 20;
 /// See [`FARTHEST`].
 pub(super) const MOVES: usize = 70;

@@ -16,26 +16,30 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 #[derive(Debug)]
 pub(super) struct Cones {
     pipeline: wgpu::RenderPipeline,
-    /// Those of the newest size.
+    /// Those of the newest view; none where they have to be marched though nothing moved.
     reached: Option<wgpu::Texture>,
-    /// Whether they are marched though nothing moved.
-    is_stale: bool,
+}
+
+/// What both passes know of tiles.
+fn tile() -> String {
+    format!("const SCENE_TILE: f32 = {TILE}.0;")
 }
 
 /// What the field's pass has of it.
 pub(super) fn begin() -> String {
-    format!("const SCENE_TILE: f32 = {TILE}.0;\n{}", include_str!("cones/begin.wgsl"))
+    [&tile(), include_str!("cones/begin.wgsl")].join("\n")
 }
 
 impl Cones {
-    /// Builds what marches the cones of a scene. `eye` is the text of its camera's rays, `module` and `scene` are the layouts of the first two groups.
+    /// Builds what marches the cones of a scene. `eye` is the text of its camera's rays; `module` and `scene` are the layouts of the
+    /// first two groups.
     pub(super) fn prepare(gpu: &Gpu, compiled: &Compiled, eye: &str, module: &wgpu::BindGroupLayout, scene: &wgpu::BindGroupLayout) -> Result<Self, String> {
-        let constants = format!("const SCENE_TILE: f32 = {TILE}.0;\nconst SCENE_LOOKS: u32 = {LOOKS}u;");
+        let constants = format!("{}\nconst SCENE_LOOKS: u32 = {LOOKS}u;", tile());
         let ahead = &compiled.functions.ahead;
         let free = match (ahead.region.is_some(), ahead.planes.is_some()) {
-            (false, _) => include_str!("cones/free.wgsl"),
-            (true, false) => include_str!("cones/free_boxed.wgsl"),
-            (true, true) => include_str!("cones/free_planes.wgsl"),
+            (false, _) => ["", include_str!("cones/free.wgsl")],
+            (true, false) => [include_str!("cones/box.wgsl"), include_str!("cones/free_boxed.wgsl")],
+            (true, true) => [include_str!("cones/box.wgsl"), include_str!("cones/free_planes.wgsl")],
         };
         let text = [
             compiled.module.code(),
@@ -44,7 +48,8 @@ impl Cones {
             eye,
             shading::TRIANGLE,
             &constants,
-            free,
+            free[0],
+            free[1],
             include_str!("cones/march.wgsl"),
         ];
         let key = PipelineKey {
@@ -56,7 +61,7 @@ impl Cones {
             corners: None,
         };
         let pipeline = gpu.screen_pipeline("surefoot cones", key, &[Some(module), Some(scene)])?;
-        Ok(Self { pipeline, reached: None, is_stale: true })
+        Ok(Self { pipeline, reached: None })
     }
 
     /// Marches the cones of a view, with these first two groups.
@@ -97,17 +102,16 @@ impl Cones {
         drop(pass);
         gpu.queue().submit([encoder.finish()]);
         self.reached = Some(reached);
-        self.is_stale = false;
     }
 
     /// Whether they have to be marched though nothing moved.
     pub(super) fn is_stale(&self) -> bool {
-        self.is_stale
+        self.reached.is_none()
     }
 
     /// Marches them again with the next update.
     pub(super) fn forget(&mut self) {
-        self.is_stale = true;
+        self.reached = None;
     }
 
     /// How many there are, across and down, once they were marched.
