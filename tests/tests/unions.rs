@@ -341,3 +341,17 @@ fn a_blend_of_a_users_own_is_written_out() {
 scene = for i in 0..40 by sticky(0.02) { sphere(0.1).translate(2 * hash(i, 0) - 1, 2 * hash(i, 1) - 1, 2 * hash(i, 2) - 1) }";
     assert!(scene(text).module.tables.is_none());
 }
+
+/// Blends of blends stand out farther than a chain of them: of operands that all but coincide by as much as the tree is deep.
+#[test]
+fn a_tree_of_blends_stands_out_as_far_as_it_is_deep() {
+    fn tree(depth: u32, next: &mut u32) -> String {
+        if depth == 0 {
+            *next += 1;
+            return format!("sphere(1).translate({}, {}, 0)", 0.001 * f64::from(*next), 0.0007 * f64::from(*next * 7 % 13));
+        }
+        let [a, b] = [tree(depth - 1, next), tree(depth - 1, next)];
+        format!("smooth_union({a}, {b}, 0.4)")
+    }
+    agrees(&gpu(), &scene(&format!("scene = {}", tree(6, &mut 0))), 2.0);
+}

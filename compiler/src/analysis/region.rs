@@ -32,6 +32,8 @@ const UNIONS: u32 = 3;
 const LOOKS: u32 = 1000;
 /// How many regions may be found in those looks: of a chain of blends each look is as long as the chain.
 const LOOKED: u32 = 20_000;
+/// Of a blend of so many operands each is looked at by itself.
+const MANY: usize = 24;
 /// How many shapes one contraction may enter, shared ones counted each time.
 const ENTRIES: u32 = 400;
 /// How many steps one contraction may visit, shared steps counted each time.
@@ -204,10 +206,23 @@ impl Facts {
                 // A box about a turned box is wider than one about what is in it.
                 if placed.turns() { moved.intersect(&self.rough_region(graph, node, &Domain::of(Box3::cube(FARTHEST)))) } else { moved }
             }
-            _ => self.rough_region(graph, node, &Domain::of(Box3::cube(FARTHEST))),
+            _ => self.outline_of_blends(graph, node),
         };
         self.outlines.insert(node, outline);
         outline
+    }
+
+    /// The same of what may be a blend of many, whose operands are asked each by itself: through all of them at once nothing would be seen.
+    fn outline_of_blends(&mut self, graph: &Graph, node: NodeId) -> Box3 {
+        let joined = graph.joined(node);
+        if joined.operands.len() < MANY {
+            return self.rough_region(graph, node, &Domain::of(Box3::cube(FARTHEST)));
+        }
+        let mut hull = Box3::EMPTY;
+        for operand in joined.operands {
+            hull = hull.hull(&self.rough_region_at(graph, operand, &Domain::of(Box3::cube(FARTHEST)), joined.level));
+        }
+        hull
     }
 
     /// Whether a node is above zero all over a domain, as far as that is seen at once. Of a union one operand that is not is enough.

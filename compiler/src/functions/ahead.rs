@@ -55,6 +55,8 @@ impl Builder<'_> {
         let is_nothing = solid.is_none();
         let (solid, home) = solid.map_or((None, None), |solid| self.where_solid(solid));
         let region = if is_nothing { Some(Box3::cube(ROOM)) } else { solid.map(with_room) };
+        // The bound of a table tells of its box by itself, and the text stays as it is when a number of the table changes.
+        let region = region.filter(|_| !self.is_all_table());
         let Some(&first) = planes.first() else { return Ahead { planes: None, solid, region, home } };
         let (rest_bound, rest_distance) = (self.without(bound, &planes), self.without(distance, &planes));
         let mut distance = first;
@@ -84,6 +86,18 @@ impl Builder<'_> {
             (!home.is_empty()).then(|| reach(home)).filter(known)
         })?;
         (LEAST * reach > self.scene.extent).then_some(AMPLE * reach)
+    }
+
+    /// Whether the scene is a union that is a table, wherever that stands, and nothing else.
+    fn is_all_table(&self) -> bool {
+        let mut of = (self.root, Function::Field);
+        while !self.built.unions.contains_key(&of) {
+            match self.built.formulas.get(&of).map(|formula| self.graph.node(*formula)) {
+                Some(Node::Call(shape, function, _)) => of = (*shape, *function),
+                _ => return false,
+            }
+        }
+        true
     }
 
     /// The formula of a shape's function; the field's is known before any are built.

@@ -1,7 +1,7 @@
 //! A union of many operands, as a list of steps.
 
 use crate::analysis::Box3;
-use crate::graph::joint::Of;
+use crate::graph::joint::{Of, lowest_blend};
 use crate::graph::kernel::Op;
 use crate::graph::{FAR, Function, NodeId};
 
@@ -30,6 +30,28 @@ impl Union {
             Step::Operand(_, Join::Fold(op)) => Some(*op),
             _ => None,
         })
+    }
+
+    /// No solid is where all operands are over this level. Blends fall with neither of their operands, so none of their values is less than where all
+    /// operands are zero.
+    pub fn stands_out(&self) -> f64 {
+        let reach = 0.25 * self.reach;
+        let joined = |older: f64, newer: f64, join: &Join| match join {
+            Join::Blend { .. } => lowest_blend(older, newer, reach),
+            Join::Least | Join::Fold(_) => older.min(newer),
+        };
+        let (mut aside, mut value) = (Vec::new(), f64::INFINITY);
+        for step in &self.steps {
+            value = match step {
+                Step::Push => {
+                    aside.push(value);
+                    f64::INFINITY
+                }
+                Step::Operand(_, join) => joined(value, 0.0, join),
+                Step::Pop(join) => joined(aside.pop().unwrap_or(f64::INFINITY), value, join),
+            };
+        }
+        (-value).max(0.0)
     }
 
     /// The value before anything is joined with it.

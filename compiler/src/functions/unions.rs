@@ -338,10 +338,10 @@ impl Finder<'_> {
         Some(union)
     }
 
-    /// The solid of a chain of blends lies where one of its operands is at most the reach of the widest of them, a quarter of [`Union::reach`]. That is
-    /// a level and no length: what is flatter than a distance gets there farther out.
+    /// The solid of blends lies where one of their operands is at most a level ([`Union::stands_out`]). That is no length: what is flatter than a distance
+    /// gets there farther out.
     fn let_blends_stand_out(&self, union: &mut Union, facts: &mut Facts) {
-        let level = 0.25 * union.reach;
+        let level = union.stands_out();
         if level <= 0.0 {
             return;
         }

@@ -4,6 +4,7 @@ use super::algebra::Algebra;
 use super::interval::Interval;
 use super::kernel::{self, Op};
 use super::{Claim, FAR, Function, Graph, Leaf, Node, NodeId, ShapeId};
+use rustc_hash::FxHashMap;
 
 /// A function of a shape.
 pub type Of = (ShapeId, Function);
@@ -36,7 +37,74 @@ impl Joint {
     }
 }
 
+/// What a formula joins, and what that joins, down to what is no joint.
+#[derive(Clone, Debug)]
+pub struct Joined {
+    /// The formulas of the operands, each once.
+    pub operands: Vec<NodeId>,
+    /// No solid is where all of them are over this level: blends stand out of their operands.
+    pub level: f64,
+}
+
+/// The least that a blend of the prelude is of two values where it reaches so far: a smooth union falls below both by a quarter of its reach at most, one by
+/// stairs by half of what the reach is over their difference. Neither falls as one of the values grows.
+pub fn lowest_blend(a: f64, b: f64, reach: f64) -> f64 {
+    let least = a.min(b);
+    // Nothing is joined with nothing.
+    if least.is_infinite() { least } else { least - 0.5 * (reach - (a - b).abs()).max(0.0) }
+}
+
 impl Graph {
+    /// All that a formula joins where it stands.
+    pub fn joined(&self, formula: NodeId) -> Joined {
+        let mut operands = Vec::new();
+        // The least of each formula where all operands are zero.
+        let mut lowest: FxHashMap<NodeId, f64> = FxHashMap::default();
+        let mut open = vec![(formula, None)];
+        while let Some((node, opened)) = open.pop() {
+            if lowest.contains_key(&node) {
+                continue;
+            }
+            let (reach, inner): (f64, Vec<NodeId>) = match opened {
+                Some(opened) => opened,
+                None => match self.inner_fields(node) {
+                    Some((reach, inner)) => {
+                        open.push((node, Some((reach, inner.clone()))));
+                        open.extend(inner.into_iter().map(|inner| (inner, None)));
+                        continue;
+                    }
+                    None => {
+                        operands.push(node);
+                        lowest.insert(node, 0.0);
+                        continue;
+                    }
+                },
+            };
+            let values = inner.iter().map(|inner| lowest.get(inner).copied().unwrap_or(0.0));
+            let value = values.reduce(|a, b| lowest_blend(a, b, reach)).unwrap_or(0.0);
+            lowest.insert(node, value);
+        }
+        let level = lowest.get(&formula).map_or(0.0, |value| -value);
+        Joined { operands, level }
+    }
+
+    /// The formulas of the fields that a formula joins, or the one that it is; and how far the blend reaches that it may be.
+    fn inner_fields(&self, node: NodeId) -> Option<(f64, Vec<NodeId>)> {
+        let (reach, called) = match (self.node(node), self.joint(node)) {
+            (_, Some(joint)) => match joint {
+                Joint::Blend(two, reach) => (reach, two.to_vec()),
+                _ => (0.0, joint.operands().to_vec()),
+            },
+            (Node::Call(shape, function, args), None) if self.is_here(args) => (0.0, vec![(*shape, *function)]),
+            _ => return None,
+        };
+        let formulas = called.iter().map(|(shape, function)| match function {
+            Function::Field => self.shape(*shape).map(|shape| shape.value),
+            _ => None,
+        });
+        Some((reach, formulas.collect::<Option<_>>()?))
+    }
+
     /// What a formula joins, if it does nothing else.
     pub fn joint(&self, formula: NodeId) -> Option<Joint> {
         self.least(formula).or_else(|| self.present(formula)).or_else(|| self.blend(formula))

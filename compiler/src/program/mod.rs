@@ -65,9 +65,9 @@ use std::sync::Arc;
 use value::{Bound, Value};
 
 /// How many nodes a program may make.
-pub const NODE_LIMIT: usize = 400_000;
+pub const NODE_LIMIT: usize = 1_000_000;
 /// How many expressions may be evaluated.
-const STEP_LIMIT: u64 = 1_000_000;
+const STEP_LIMIT: u64 = 4_000_000;
 /// How deep expressions may nest, calls counted in. In WebAssembly the stack is the host's, mostly of 1 MiB, and can't grow.
 const NESTING_LIMIT: usize = if cfg!(target_family = "wasm") { 128 } else { 4000 };
 /// How deep calls may nest.
