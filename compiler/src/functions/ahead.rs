@@ -26,6 +26,8 @@ const LEAST: f64 = 1.5;
 pub(super) const AMPLE: f64 = 5.0;
 /// A box is wider than what is solid by so much of its widest side, so that a ray has looked twice before it is there.
 const ROOM: f64 = 0.01;
+/// The sides of a box of few numbers are moved by so much of its widest side at most.
+const FEW: f64 = 1.0 / 16.0;
 
 /// The extent that a scene should have of which the text says none, where that is known and more than it has: five times as far as what is
 /// solid but its planes.
@@ -37,6 +39,17 @@ pub fn ample_extent(graph: &mut Graph, facts: &mut Facts, root: ShapeId, blocks:
 fn with_room(solid: Box3) -> Box3 {
     let widest = solid.0.iter().map(|side| side.width()).fold(0.0, f64::max);
     solid.grow(ROOM * widest)
+}
+
+/// A box about another one that stays the same when that changes little: the text of a table does not change with its numbers, and so the pipeline is
+/// not built anew.
+fn of_few_numbers(region: Box3) -> Box3 {
+    let widest = region.0.iter().map(|side| side.width()).fold(0.0, f64::max);
+    if !widest.is_normal() {
+        return region;
+    }
+    let step = (widest * FEW).log2().floor().exp2();
+    Box3(region.0.map(|side| Interval::new((side.lo / step).floor() * step, (side.hi / step).ceil() * step)))
 }
 
 impl Builder<'_> {
@@ -55,8 +68,7 @@ impl Builder<'_> {
         let is_nothing = solid.is_none();
         let (solid, home) = solid.map_or((None, None), |solid| self.where_solid(solid));
         let region = if is_nothing { Some(Box3::cube(ROOM)) } else { solid.map(with_room) };
-        // The bound of a table tells of its box by itself, and the text stays as it is when a number of the table changes.
-        let region = region.filter(|_| !self.is_all_table());
+        let region = if self.is_all_table() { region.map(of_few_numbers) } else { region };
         let Some(&first) = planes.first() else { return Ahead { planes: None, solid, region, home } };
         let (rest_bound, rest_distance) = (self.without(bound, &planes), self.without(distance, &planes));
         let mut distance = first;
