@@ -212,7 +212,7 @@ impl Facts {
         outline
     }
 
-    /// The same of what may be a blend of many, whose operands are asked each by itself: through all of them at once nothing would be seen.
+    /// The outline of what may be a blend of many. Each operand is looked at by itself: a look through all of them at once finds nothing.
     fn outline_of_blends(&mut self, graph: &Graph, node: NodeId) -> Box3 {
         let joined = graph.joined(node);
         if joined.operands.len() < MANY {

@@ -26,7 +26,7 @@ const LEAST: f64 = 1.5;
 pub(super) const AMPLE: f64 = 5.0;
 /// A box is wider than what is solid by so much of its widest side, so that a ray has looked twice before it is there.
 const ROOM: f64 = 0.01;
-/// The sides of a box of few numbers are moved by so much of its widest side at most.
+/// Cells of that grid, as a share of the box's widest side, at most.
 const FEW: f64 = 1.0 / 16.0;
 
 /// The extent that a scene should have of which the text says none, where that is known and more than it has: five times as far as what is
@@ -41,8 +41,9 @@ fn with_room(solid: Box3) -> Box3 {
     solid.grow(ROOM * widest)
 }
 
-/// A box about another one that stays the same when that changes little: the text of a table does not change with its numbers, and so the pipeline is
-/// not built anew.
+/// A box about another one, on a coarse grid, so that it mostly stays the same when that one changes a little.
+///
+/// It stands in the text of the module. The numbers of a table do not, so an edited one needs no new pipeline.
 fn of_few_numbers(region: Box3) -> Box3 {
     let widest = region.0.iter().map(|side| side.width()).fold(0.0, f64::max);
     if !widest.is_normal() {

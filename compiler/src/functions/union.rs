@@ -15,7 +15,7 @@ pub struct Union {
     pub steps: Vec<Step>,
     /// An operand does not matter where another one is smaller by more than this: four times the reach of the widest blend. A blend's slope by the
     /// operand that is larger by a share s of its reach is (1 - s) / 2 at most, so a chain of them that leads over four reaches passes on
-    /// less than 2e-5 of a change.
+    /// less than 2e-5 of a change. That is not proven of `stairs_union`: its slope is 0 or 1 there.
     pub reach: f64,
     /// How many values are set aside at once.
     pub depth: usize,
@@ -32,8 +32,9 @@ impl Union {
         })
     }
 
-    /// No solid is where all operands are over this level. Blends fall with neither of their operands, so none of their values is less than where all
-    /// operands are zero.
+    /// Where all operands are over this level there is no solid.
+    ///
+    /// No blend falls as an operand grows. So the level is minus the union's value where all operands are zero.
     pub fn stands_out(&self) -> f64 {
         let reach = 0.25 * self.reach;
         let joined = |older: f64, newer: f64, join: &Join| match join {

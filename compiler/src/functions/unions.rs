@@ -338,8 +338,8 @@ impl Finder<'_> {
         Some(union)
     }
 
-    /// The solid of blends lies where one of their operands is at most a level ([`Union::stands_out`]). That is no length: what is flatter than a distance
-    /// gets there farther out.
+    /// The solid lies where an operand is at most the level [`Union::stands_out`]. A level is no length: a field that is flatter than a distance reaches
+    /// it farther out.
     fn let_blends_stand_out(&self, union: &mut Union, facts: &mut Facts) {
         let level = union.stands_out();
         if level <= 0.0 {

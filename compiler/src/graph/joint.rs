@@ -46,8 +46,9 @@ pub struct Joined {
     pub level: f64,
 }
 
-/// The least that a blend of the prelude is of two values where it reaches so far: a smooth union falls below both by a quarter of its reach at most, one by
-/// stairs by half of what the reach is over their difference. Neither falls as one of the values grows.
+/// A lower bound of what a blend of the prelude makes of two values, by its reach.
+///
+/// A union by stairs is below the lesser by half of the reach less their difference at most, and a smooth union by less. Neither falls as a value grows.
 pub fn lowest_blend(a: f64, b: f64, reach: f64) -> f64 {
     let least = a.min(b);
     // Nothing is joined with nothing.
