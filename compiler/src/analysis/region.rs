@@ -9,6 +9,7 @@ use super::formula::Formula;
 use super::hc4_projections::Walk;
 use super::rigid_transform::Placed;
 use crate::graph::interval::Interval;
+use crate::graph::joint::MANY;
 use crate::graph::kernel::Op;
 use crate::graph::{Claim, Exactness, Function, Graph, Leaf, Node, NodeId, ShapeId};
 use crate::rules::Rule;
@@ -32,8 +33,6 @@ const UNIONS: u32 = 3;
 const LOOKS: u32 = 1000;
 /// How many regions may be found in those looks: of a chain of blends each look is as long as the chain.
 const LOOKED: u32 = 20_000;
-/// Of a blend of so many operands each is looked at by itself.
-const MANY: usize = 24;
 /// How many shapes one contraction may enter, shared ones counted each time.
 const ENTRIES: u32 = 400;
 /// How many steps one contraction may visit, shared steps counted each time.

@@ -11,12 +11,10 @@ use crate::graph::{Function, Graph, Node, NodeId, ShapeId};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 pub use crate::functions::union::{Join, Operand, Step, Union, When};
-pub use crate::graph::joint::Of;
+pub use crate::graph::joint::{MANY, Of};
 
-/// A union of fewer operands is written out.
-pub const MANY: usize = 24;
-
-/// But for one of so many drawings, as the strokes of letters are, that are so many steps together: they are longer than they look, and drivers write out each of them several times.
+/// A union of fewer than [`MANY`] operands is written out. But drawings are a table from so many on, where they are so many steps together. The strokes of
+/// letters are longer than they look, and drivers write out each of them several times.
 const STROKES: usize = 8;
 /// See [`STROKES`].
 const LONG_STROKES: usize = 1000;

@@ -12,6 +12,9 @@ pub type Of = (ShapeId, Function);
 /// No formula is the least of more, and no union has more operands.
 pub const MOST: usize = 1 << 20;
 
+/// From so many operands on each is looked at by itself, and they are worth a table.
+pub const MANY: usize = 24;
+
 /// Intervals are rounded outward.
 const WIDER: f64 = 1.0 + 1e-9;
 
