@@ -65,9 +65,11 @@ use std::sync::Arc;
 use value::{Bound, Value};
 
 /// How many nodes a program may make.
-pub const NODE_LIMIT: usize = 1_000_000;
+pub const NODE_LIMIT: usize = 400_000;
 /// How many expressions may be evaluated.
-const STEP_LIMIT: u64 = 4_000_000;
+const STEP_LIMIT: u64 = 1_000_000;
+/// How many for one declaration that nothing calls: it is tried for its errors alone. All of them together may take `STEP_LIMIT`.
+const TRIAL_LIMIT: u64 = 100_000;
 /// How deep expressions may nest, calls counted in. In WebAssembly the stack is the host's, mostly of 1 MiB, and can't grow.
 const NESTING_LIMIT: usize = if cfg!(target_family = "wasm") { 128 } else { 4000 };
 /// How deep calls may nest.
@@ -104,6 +106,8 @@ pub struct Elaborator<'a> {
     materials: Vec<ItemRef>,
     nesting: usize,
     steps: u64,
+    /// How many it may become.
+    step_limit: u64,
     /// Calls went too deep: nothing is evaluated until the outermost one has ended.
     endless: bool,
     /// The outermost call or loop that is being unfolded.
@@ -187,6 +191,7 @@ fn elaborate_reading(
         materials: Vec::new(),
         nesting: 0,
         steps: 0,
+        step_limit: STEP_LIMIT,
         endless: false,
         full: false,
         unfolding: None,
@@ -312,7 +317,7 @@ impl Elaborator<'_> {
             return Err(Stop);
         }
         self.steps += count as u64;
-        if self.steps > STEP_LIMIT || self.graph.len() > NODE_LIMIT {
+        if self.steps > self.step_limit || self.graph.len() > NODE_LIMIT {
             self.full = true;
             return Err(self.error(
                 Code::TooLarge,
@@ -395,11 +400,12 @@ impl Elaborator<'_> {
     /// Tries every declaration of a text that nothing called, with stand-in arguments, for its errors.
     fn try_uncalled(&mut self, module: usize) {
         self.trial = true;
+        self.steps = 0;
         for (item_ref, item) in self.modules.items(module) {
             if self.called.contains(&item_ref) {
                 continue;
             }
-            self.steps = 0;
+            self.step_limit = STEP_LIMIT.min(self.steps + TRIAL_LIMIT);
             self.full = false;
             match &item.kind {
                 ItemKind::Function(function) => {
