@@ -12,6 +12,7 @@ use crate::kept::Data;
 use crate::emit::table::{Action, CLASS_SHIFT, Class, Grid, HEAD, ModuleTables, Number, PUSH, Table, Tables};
 use crate::graph::{ANY_TIME, narrow};
 use crate::graph::interval::Interval;
+use crate::graph::joint::lowest_blend;
 use crate::graph::kernel::{self, Op};
 use crate::spread::spread;
 use rustc_hash::FxHashMap;
@@ -231,42 +232,88 @@ impl Finder<'_, '_> {
     /// The steps that matter in a ball.
     fn matter(&mut self, steps: &[u32], center: [f64; 3], radius: f64, slack: f64) -> Vec<u32> {
         let values = self.evaluator.values(steps, center);
-        let steep = |step: u32| steepness(self.table, step);
-        let mut least = f64::INFINITY;
-        for (&step, value) in steps.iter().zip(&values) {
-            least = least.min(value.hi + steep(step) * radius);
-        }
+        let range = |step: u32, value: Interval| value.add(Interval::new(-1.0, 1.0).mul(Interval::point(steepness(self.table, step) * radius)));
+        let least = steps.iter().zip(&values).map(|(&step, value)| range(step, *value).hi).fold(f64::INFINITY, f64::min);
         let limit = least + self.table.reach + slack;
-        let mut kept: Vec<u32> = Vec::new();
-        // For each value set aside: where it was, and whether it is nothing, so that it need not be set aside.
-        let mut aside: Vec<(usize, bool)> = Vec::new();
-        let mut fresh = true;
+        let mut kept = Kept { steps: Vec::new(), joined: vec![Part::default()], reach: 0.25 * self.table.reach + slack };
         for (&step, value) in steps.iter().zip(&values) {
             let class = self.table.entries.get(step as usize).map_or(PUSH, |e| e >> CLASS_SHIFT);
             if class == PUSH {
-                aside.push((kept.len(), fresh));
-                if !fresh {
-                    kept.push(step);
-                }
-                fresh = true;
+                kept.begin(step);
             } else if self.table.classes.get(class as usize).is_some_and(|c| c.pops) {
-                let Some((at, nothing)) = aside.pop() else { continue };
-                if nothing {
-                    continue;
+                kept.end(step);
+            } else {
+                let range = if value.is_finite() { range(step, *value) } else { Interval::ALL };
+                if range.lo <= limit {
+                    kept.operand(step, range);
                 }
-                // What came of it: nothing, or something to join.
-                if fresh {
-                    kept.truncate(at);
-                } else {
-                    kept.push(step);
-                }
-                fresh = false;
-            } else if value.lo - steep(step) * radius <= limit || !value.is_finite() {
-                kept.push(step);
-                fresh = false;
             }
         }
-        kept
+        kept.steps
+    }
+}
+
+/// The steps of a union that are kept where all values are known roughly. A blend is the lesser of two values that differ by more than its reach, so
+/// the larger one is left out there, and all that came of it alone.
+struct Kept {
+    steps: Vec<u32>,
+    /// The value, and before it those that are set aside.
+    joined: Vec<Part>,
+    reach: f64,
+}
+
+/// What some of the steps make.
+#[derive(Clone, Copy, Default)]
+struct Part {
+    /// Where those that are kept begin.
+    first: usize,
+    /// None as long as it is "no solid here".
+    range: Option<Interval>,
+}
+
+impl Kept {
+    /// Joins the value with an operand.
+    fn operand(&mut self, step: u32, range: Interval) {
+        let at = self.steps.len();
+        self.steps.push(step);
+        self.join(at, at, range);
+    }
+
+    /// Sets the value aside.
+    fn begin(&mut self, step: u32) {
+        self.steps.push(step);
+        self.joined.push(Part { first: self.steps.len(), range: None });
+    }
+
+    /// Joins what was set aside with the value.
+    fn end(&mut self, step: u32) {
+        let Some(Part { first, range }) = self.joined.pop() else { return };
+        let begins = first.saturating_sub(1);
+        match range {
+            None => self.steps.truncate(begins),
+            Some(range) => {
+                self.steps.push(step);
+                self.join(begins, first, range);
+            }
+        }
+    }
+
+    /// Joins the value with what the steps from `at` on make. Between `at` and `alone` is the step that sets a value aside, and last then the one that joins it.
+    fn join(&mut self, at: usize, alone: usize, range: Interval) {
+        let Some(older) = self.joined.last_mut() else { return };
+        let replaces = match older.range {
+            None => true,
+            Some(known) if range.lo >= known.hi + self.reach => return self.steps.truncate(at),
+            Some(known) => range.hi + self.reach <= known.lo,
+        };
+        if replaces {
+            if alone > at {
+                self.steps.pop();
+            }
+            self.steps.drain(older.first..alone);
+        }
+        let joined = |known: Interval| Interval::new(lowest_blend(known.lo, range.lo, self.reach), known.hi.min(range.hi));
+        older.range = Some(older.range.filter(|_| !replaces).map_or(range, joined));
     }
 }
 
@@ -534,6 +581,8 @@ fn lanes(op: Op, out: &mut [f64; LANES], [a, b, c, d]: [&[f64; LANES]; 4]) {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::indexing_slicing)]
 mod tests {
+    use super::{Interval, Kept, Part};
+    use crate::random::Random;
     use crate::{MemoryLoader, Options, compile};
 
     /// How many levels of cells the first table of a scene has.
@@ -548,5 +597,67 @@ mod tests {
         let fragments = |moved: &str| format!("let t = time\nscene = for i in 0..40 {{ box(0.2).rotate(normalize(hash3(i, 5) - 0.5), {moved} * hash(i, 9)).translate(3 * (hash3(i) - 0.5) * {moved}) }}");
         assert!(levels(&fragments("4")) > 0);
         assert_eq!(levels(&fragments("(1 + 3 * smoothstep(0, 3, t))")), 0);
+    }
+    /// What a step of a made-up union does.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    enum Does {
+        Operand(Interval),
+        Begins,
+        Ends,
+    }
+
+    /// A tree of so many levels.
+    fn tree(depth: u32, random: &mut Random, steps: &mut Vec<Does>) {
+        for _ in 0..1 + (4.0 * random.next()) as u32 {
+            if depth > 0 && random.next() < 0.5 {
+                steps.push(Does::Begins);
+                tree(depth - 1, random, steps);
+                steps.push(Does::Ends);
+            } else {
+                let middle = 6.0 * random.next();
+                steps.push(Does::Operand(Interval::new(middle - 0.3, middle + 0.3)));
+            }
+        }
+    }
+
+    /// The value of some of the steps, each joined by a smooth union of reach 1; of an operand, where it lies between its ends.
+    fn value(steps: &[Does], kept: impl IntoIterator<Item = u32>, shares: &[f64]) -> f64 {
+        let smooth = |a: f64, b: f64| if a.min(b).is_infinite() { a.min(b) } else { a.min(b) - 0.25 * (1.0 - (a - b).abs()).max(0.0).powi(2) };
+        let (mut aside, mut value) = (Vec::new(), f64::INFINITY);
+        for step in kept {
+            match steps[step as usize] {
+                Does::Operand(range) => value = smooth(value, range.lo + shares[step as usize] * (range.hi - range.lo)),
+                Does::Begins => aside.push(std::mem::replace(&mut value, f64::INFINITY)),
+                Does::Ends => value = smooth(aside.pop().unwrap(), value),
+            }
+        }
+        assert!(aside.is_empty());
+        value
+    }
+
+    #[test]
+    fn what_a_blend_does_not_reach_is_left_out_and_no_value_changes() {
+        let mut random = Random(7);
+        let (mut all, mut left) = (0, 0);
+        for _ in 0..3000 {
+            let mut steps = Vec::new();
+            tree(3, &mut random, &mut steps);
+            let mut kept = Kept { steps: Vec::new(), joined: vec![Part::default()], reach: 1.0 };
+            for (step, does) in (0..).zip(&steps) {
+                match does {
+                    Does::Operand(range) => kept.operand(step, *range),
+                    Does::Begins => kept.begin(step),
+                    Does::Ends => kept.end(step),
+                }
+            }
+            all += steps.len();
+            left += kept.steps.len();
+            for _ in 0..10 {
+                let shares: Vec<f64> = steps.iter().map(|_| random.next()).collect();
+                let [whole, part] = [value(&steps, 0..steps.len() as u32, &shares), value(&steps, kept.steps.iter().copied(), &shares)];
+                assert!(whole == part, "{whole} and {part}: {steps:?}, of which {:?}", kept.steps);
+            }
+        }
+        assert!(2 * left < all, "{left} of {all} are kept");
     }
 }

@@ -3,13 +3,13 @@
 use crate::functions::unions::Operand;
 
 /// Cells for each operand in the innermost box.
-const CELLS: f64 = 32.0;
+const CELLS: f64 = 64.0;
 /// So many where that makes no more of them than [`FEW_CELLS`]: operands that are few are large, and cells as large as they are hold most of them.
 const FINE_CELLS: f64 = 128.0;
 /// See [`FINE_CELLS`].
-const FEW_CELLS: f64 = 32_768.0;
+const FEW_CELLS: f64 = 65_536.0;
 /// Cells in the innermost box.
-const MOST_CELLS: f64 = 262_144.0;
+const MOST_CELLS: f64 = 524_288.0;
 /// Cells along an axis of the innermost box.
 const MOST_ALONG: f64 = 128.0;
 /// How far the innermost box reaches beyond the solid, for each unit of its size: a ray that is outside makes steps of that size at least.
