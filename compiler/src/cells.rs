@@ -231,22 +231,23 @@ impl Finder<'_, '_> {
 
     /// The steps that matter in a ball.
     fn matter(&mut self, steps: &[u32], center: [f64; 3], radius: f64, slack: f64) -> Vec<u32> {
-        let values = self.evaluator.values(steps, center);
-        let range = |step: u32, value: Interval| value.add(Interval::new(-1.0, 1.0).mul(Interval::point(steepness(self.table, step) * radius)));
-        let least = steps.iter().zip(&values).map(|(&step, value)| range(step, *value).hi).fold(f64::INFINITY, f64::min);
+        let mut ranges = self.evaluator.values(steps, center);
+        let mut least = f64::INFINITY;
+        for (&step, range) in steps.iter().zip(&mut ranges) {
+            let change = radius * steepness(self.table, step);
+            *range = if range.is_finite() { Interval::new(range.lo - change, range.hi + change) } else { Interval::ALL };
+            least = least.min(range.hi);
+        }
         let limit = least + self.table.reach + slack;
         let mut kept = Kept { steps: Vec::new(), joined: vec![Part::default()], reach: 0.25 * self.table.reach + slack };
-        for (&step, value) in steps.iter().zip(&values) {
+        for (&step, range) in steps.iter().zip(&ranges) {
             let class = self.table.entries.get(step as usize).map_or(PUSH, |e| e >> CLASS_SHIFT);
             if class == PUSH {
                 kept.begin(step);
             } else if self.table.classes.get(class as usize).is_some_and(|c| c.pops) {
                 kept.end(step);
-            } else {
-                let range = if value.is_finite() { range(step, *value) } else { Interval::ALL };
-                if range.lo <= limit {
-                    kept.operand(step, range);
-                }
+            } else if range.lo <= limit {
+                kept.operand(step, *range);
             }
         }
         kept.steps
