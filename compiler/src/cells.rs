@@ -1,9 +1,10 @@
 //! Which operands of a large union matter where: space is cut into cells, and each has a list of its own.
 //!
-//! In a cell of radius R about c an operand of Lipschitz constant L has values between f(c) - L R and f(c) + L R. One whose least value is above
-//! the least of all greatest values, by more than blends reach, does not matter there. Where it reads parameters or the time, its values are
-//! those over the parameters' ranges and at any time, so a list holds wherever a slider stands. Lists are found from those of the block
-//! around, so most of a thousand operands are looked at in few blocks. The field that a list gives is the field that the whole list gives.
+//! In a cell of radius R about c an operand of Lipschitz constant L has values between f(c) - L R and f(c) + L R. Where it reads parameters or the
+//! time, its values are those over the parameters' ranges and at any time. So a list holds wherever a slider stands. The union's steps are
+//! followed with these ranges, and what no blend reaches is left out (`Kept`). The field that such a list gives is that of the whole list.
+//! Of smooth unions also those operands are left out whose influence is less than rounding's (`Union::influence`). Lists are found from those
+//! of the block around, so most of a thousand operands are looked at in few blocks.
 //!
 //! Of a fold that is no union a list leaves out what changes nothing: of the least or the greatest of many what surely is neither, and of a sum or a product what is nought or one all over the
 //! cell, by intervals.
@@ -238,8 +239,8 @@ impl Finder<'_, '_> {
             *range = if range.is_finite() { Interval::new(range.lo - change, range.hi + change) } else { Interval::ALL };
             least = least.min(range.hi);
         }
-        let limit = least + self.table.reach + slack;
-        let mut kept = Kept { steps: Vec::new(), joined: vec![Part::default()], reach: 0.25 * self.table.reach + slack };
+        let limit = least + self.table.influence + slack;
+        let mut kept = Kept { steps: Vec::new(), groups: vec![Group::default()], reach: self.table.reach + slack };
         for (&step, range) in steps.iter().zip(&ranges) {
             let class = self.table.entries.get(step as usize).map_or(PUSH, |e| e >> CLASS_SHIFT);
             if class == PUSH {
@@ -254,41 +255,42 @@ impl Finder<'_, '_> {
     }
 }
 
-/// The steps of a union that are kept where all values are known roughly. A blend is the lesser of two values that differ by more than its reach, so
-/// the larger one is left out there, and all that came of it alone.
+/// The steps of a union that are kept, where the values of operands are known as ranges. Where two values differ by more than a blend's reach, the
+/// blend is the lesser. So the larger one and its steps are left out.
 struct Kept {
     steps: Vec<u32>,
-    /// The value, and before it those that are set aside.
-    joined: Vec<Part>,
+    /// The group that is being joined, and before it those whose values are set aside.
+    groups: Vec<Group>,
+    /// That of the widest blend.
     reach: f64,
 }
 
-/// What some of the steps make.
+/// What is joined between two steps.
 #[derive(Clone, Copy, Default)]
-struct Part {
-    /// Where those that are kept begin.
+struct Group {
+    /// Its first kept step.
     first: usize,
-    /// None as long as it is "no solid here".
+    /// The values that it may have; none while nothing is joined.
     range: Option<Interval>,
 }
 
 impl Kept {
-    /// Joins the value with an operand.
+    /// Joins the group's value with an operand.
     fn operand(&mut self, step: u32, range: Interval) {
         let at = self.steps.len();
         self.steps.push(step);
         self.join(at, at, range);
     }
 
-    /// Sets the value aside.
+    /// Begins a group: `step` sets aside the value before it.
     fn begin(&mut self, step: u32) {
         self.steps.push(step);
-        self.joined.push(Part { first: self.steps.len(), range: None });
+        self.groups.push(Group { first: self.steps.len(), range: None });
     }
 
-    /// Joins what was set aside with the value.
+    /// Ends a group: `step` joins its value with what was set aside.
     fn end(&mut self, step: u32) {
-        let Some(Part { first, range }) = self.joined.pop() else { return };
+        let Some(Group { first, range }) = self.groups.pop() else { return };
         let begins = first.saturating_sub(1);
         match range {
             None => self.steps.truncate(begins),
@@ -299,22 +301,23 @@ impl Kept {
         }
     }
 
-    /// Joins the value with what the steps from `at` on make. Between `at` and `alone` is the step that sets a value aside, and last then the one that joins it.
-    fn join(&mut self, at: usize, alone: usize, range: Interval) {
-        let Some(older) = self.joined.last_mut() else { return };
-        let replaces = match older.range {
+    /// Joins the group's value with that of the steps from `first` on. Those before them, from `begins` on, set the group's value aside; the last step
+    /// then joins both. An operand has no such steps.
+    fn join(&mut self, begins: usize, first: usize, range: Interval) {
+        let Some(group) = self.groups.last_mut() else { return };
+        let replaces = match group.range {
             None => true,
-            Some(known) if range.lo >= known.hi + self.reach => return self.steps.truncate(at),
+            Some(known) if range.lo >= known.hi + self.reach => return self.steps.truncate(begins),
             Some(known) => range.hi + self.reach <= known.lo,
         };
         if replaces {
-            if alone > at {
+            if first > begins {
                 self.steps.pop();
             }
-            self.steps.drain(older.first..alone);
+            self.steps.drain(group.first..first);
         }
         let joined = |known: Interval| Interval::new(lowest_blend(known.lo, range.lo, self.reach), known.hi.min(range.hi));
-        older.range = Some(older.range.filter(|_| !replaces).map_or(range, joined));
+        group.range = Some(group.range.filter(|_| !replaces).map_or(range, joined));
     }
 }
 
@@ -582,7 +585,7 @@ fn lanes(op: Op, out: &mut [f64; LANES], [a, b, c, d]: [&[f64; LANES]; 4]) {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::indexing_slicing)]
 mod tests {
-    use super::{Interval, Kept, Part};
+    use super::{Group, Interval, Kept, lowest_blend};
     use crate::random::Random;
     use crate::{MemoryLoader, Options, compile};
 
@@ -599,6 +602,7 @@ mod tests {
         assert!(levels(&fragments("4")) > 0);
         assert_eq!(levels(&fragments("(1 + 3 * smoothstep(0, 3, t))")), 0);
     }
+
     /// What a step of a made-up union does.
     #[derive(Clone, Copy, Debug, PartialEq)]
     enum Does {
@@ -621,15 +625,17 @@ mod tests {
         }
     }
 
-    /// The value of some of the steps, each joined by a smooth union of reach 1; of an operand, where it lies between its ends.
-    fn value(steps: &[Does], kept: impl IntoIterator<Item = u32>, shares: &[f64]) -> f64 {
-        let smooth = |a: f64, b: f64| if a.min(b).is_infinite() { a.min(b) } else { a.min(b) - 0.25 * (1.0 - (a - b).abs()).max(0.0).powi(2) };
+    /// The value of some of the steps, joined by smooth unions of reach 1 or by the deepest blend of that reach. `shares` says where each operand lies in
+    /// its range.
+    fn value(steps: &[Does], kept: impl IntoIterator<Item = u32>, shares: &[f64], deep: bool) -> f64 {
+        let smooth = |a: f64, b: f64| a.min(b) - 0.25 * (1.0 - (a - b).abs()).max(0.0).powi(2);
+        let join = |a: f64, b: f64| if deep || a.min(b).is_infinite() || a.max(b).is_infinite() { lowest_blend(a, b, 1.0) } else { smooth(a, b) };
         let (mut aside, mut value) = (Vec::new(), f64::INFINITY);
         for step in kept {
             match steps[step as usize] {
-                Does::Operand(range) => value = smooth(value, range.lo + shares[step as usize] * (range.hi - range.lo)),
+                Does::Operand(range) => value = join(value, range.lo + shares[step as usize] * (range.hi - range.lo)),
                 Does::Begins => aside.push(std::mem::replace(&mut value, f64::INFINITY)),
-                Does::Ends => value = smooth(aside.pop().unwrap(), value),
+                Does::Ends => value = join(aside.pop().unwrap(), value),
             }
         }
         assert!(aside.is_empty());
@@ -643,7 +649,7 @@ mod tests {
         for _ in 0..3000 {
             let mut steps = Vec::new();
             tree(3, &mut random, &mut steps);
-            let mut kept = Kept { steps: Vec::new(), joined: vec![Part::default()], reach: 1.0 };
+            let mut kept = Kept { steps: Vec::new(), groups: vec![Group::default()], reach: 1.0 };
             for (step, does) in (0..).zip(&steps) {
                 match does {
                     Does::Operand(range) => kept.operand(step, *range),
@@ -653,9 +659,9 @@ mod tests {
             }
             all += steps.len();
             left += kept.steps.len();
-            for _ in 0..10 {
+            for i in 0..10 {
                 let shares: Vec<f64> = steps.iter().map(|_| random.next()).collect();
-                let [whole, part] = [value(&steps, 0..steps.len() as u32, &shares), value(&steps, kept.steps.iter().copied(), &shares)];
+                let [whole, part] = [value(&steps, 0..steps.len() as u32, &shares, i % 2 == 0), value(&steps, kept.steps.iter().copied(), &shares, i % 2 == 0)];
                 assert!(whole == part, "{whole} and {part}: {steps:?}, of which {:?}", kept.steps);
             }
         }

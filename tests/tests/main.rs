@@ -9,7 +9,6 @@ mod capture;
 mod common;
 mod corpus;
 mod draw;
-mod examples;
 mod figures;
 mod house;
 mod imports;

@@ -340,6 +340,22 @@ fn a_blend_of_a_users_own_is_written_out() {
     let text = "blend sticky(a, b, k: field) = min(a, b) - 10 * max(k - abs(a - b), 0)
 scene = for i in 0..40 by sticky(0.02) { sphere(0.1).translate(2 * hash(i, 0) - 1, 2 * hash(i, 1) - 1, 2 * hash(i, 2) - 1) }";
     assert!(scene(text).module.tables.is_none());
+    // So does one that hands on more than its operands to a blend of the prelude.
+    for sticky in ["smooth_union(a - 10 * max(k - abs(a - b), 0), b, k)", "smooth_union(a, b, 10 * max(k - abs(a - b), 0))"] {
+        let text = text.replace("min(a, b) - 10 * max(k - abs(a - b), 0)", sticky);
+        assert!(scene(&text).module.tables.is_none(), "{sticky}");
+    }
+}
+
+/// A change passes along all of a staircase: each step has slope one.
+#[test]
+fn what_is_many_reaches_off_counts_where_stairs_lead_to_it() {
+    let mut shapes: Vec<String> = [1.0, 1.3].into_iter().chain((0..9).map(|i| 1.71 + 0.41 * f64::from(i))).map(|r| format!("sphere({r})")).collect();
+    shapes.extend((0..20).map(|i| format!("sphere(0.1).translate({}, 0, 0)", 0.02 * f64::from(i))));
+    let text = format!("scene = {}", shapes.into_iter().reduce(|all, next| format!("stairs_union({all}, {next}, 0.5, 4)")).unwrap());
+    let scene = scene(&text);
+    assert!(scene.module.tables.is_some());
+    agrees(&gpu(), &scene, 5.5);
 }
 
 /// Blends of blends stand out farther than a chain of them: of operands that all but coincide by as much as the tree is deep.

@@ -84,13 +84,8 @@ impl Search {
         found.get(found.len() / 2).map_or(1.0, |(_, slope)| *slope)
     }
 
-    /// The magnitude that a value has at half of so many places at most, of those where it is finite. None where it takes too long to look at them.
+    /// The magnitude that a value has at half of so many places at most, of those where it is finite.
     pub fn usual_size(&self, graph: &Graph, samples: usize) -> Option<f64> {
-        if let Target::Value(node) = self.target
-            && Facts::default().weight(graph, node).saturating_mul(samples) > MOST_SIZED
-        {
-            return None;
-        }
         let mut sizes: Vec<f64> = (0..samples).map(|i| self.size(graph, &self.place(graph, i))).filter(|size| size.is_finite()).collect();
         sizes.sort_by(f64::total_cmp);
         sizes.get(sizes.len() / 2).copied()
@@ -192,7 +187,5 @@ const ROUNDS: usize = 32;
 const SLANTED: usize = 6;
 /// How many steps of a formula a box may cost before it counts as more than one.
 const STEPS_A_BOX: usize = 100;
-/// How many steps of formulas the usual size of a value may cost.
-const MOST_SIZED: usize = 50_000_000;
 /// What the search itself may be off by.
 pub const ROUNDING: f64 = 1e-9;

@@ -13,10 +13,12 @@ pub(super) const MOST_CONDITIONS: usize = 4;
 pub struct Union {
     /// What is done, in order.
     pub steps: Vec<Step>,
-    /// An operand does not matter where another one is smaller by more than this: four times the reach of the widest blend. A blend's slope by the
-    /// operand that is larger by a share s of its reach is (1 - s) / 2 at most, so a chain of them that leads over four reaches passes on
-    /// less than 2e-5 of a change. That is not proven of `stairs_union`: its slope is 0 or 1 there.
+    /// The reach of its widest blend.
     pub reach: f64,
+    /// An operand does not matter where another one is smaller by more than this: four times the reach of the widest smooth union. A smooth union's
+    /// slope by the operand that is larger by a share s of its reach is (1 - s) / 2 at most. So a chain of them that leads over four reaches
+    /// passes on less than 2e-5 of a change. Infinite with other blends: the slope of `stairs_union` is 0 or 1.
+    pub influence: f64,
     /// How many values are set aside at once.
     pub depth: usize,
     /// Another function of the shape that is the same; then nothing else is here.
@@ -36,9 +38,8 @@ impl Union {
     ///
     /// No blend falls as an operand grows. So the level is minus the union's value where all operands are zero.
     pub fn stands_out(&self) -> f64 {
-        let reach = 0.25 * self.reach;
         let joined = |older: f64, newer: f64, join: &Join| match join {
-            Join::Blend { .. } => lowest_blend(older, newer, reach),
+            Join::Blend { .. } => lowest_blend(older, newer, self.reach),
             Join::Least | Join::Fold(_) => older.min(newer),
         };
         let (mut aside, mut value) = (Vec::new(), f64::INFINITY);

@@ -178,6 +178,11 @@ impl Finder<'_> {
         found
     }
 
+    /// Whether a blend is a smooth union.
+    fn is_smooth(&self, of: Of) -> bool {
+        self.formula(of).is_some_and(|formula| self.graph.smooth_union(formula).is_some())
+    }
+
     /// The unions that a tree of joints is cut into: all of it, or its parts of many operands where what is beside them is better alone, and
     /// few are lost by that; not into more than [`MOST_PARTS`].
     fn roots(&mut self, mut root: Of, facts: &mut Facts) -> Vec<Of> {
@@ -320,7 +325,8 @@ impl Finder<'_> {
                         }
                         let join = match (&joint, &operands[..]) {
                             (Joint::Blend(_, reach), [first, second]) => {
-                                union.reach = union.reach.max(4.0 * reach);
+                                union.reach = union.reach.max(*reach);
+                                union.influence = union.influence.max(if self.is_smooth(of) { 4.0 * reach } else { f64::INFINITY });
                                 Join::Blend { of: self.first(of), operands: [*first, *second] }
                             }
                             _ => Join::Least,

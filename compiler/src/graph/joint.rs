@@ -176,7 +176,10 @@ impl Graph {
     /// Only a blend of the prelude, which makes a claim: how far the union stands out, and how little passes along a chain of blends, is
     /// known of those. A user's own may dip as deep as it likes, and is written out.
     fn blend(&self, formula: NodeId) -> Option<Joint> {
-        if !matches!(self.node(formula), Node::Claim(_, Claim::Lipschitz(..))) {
+        let Node::Claim(claimed, Claim::Lipschitz(..)) = self.node(formula) else { return None };
+        let is_call = |id: NodeId| matches!(self.node(id), Node::Call(..));
+        // What the prelude blends is the operands themselves, and its other arguments are numbers.
+        if !claimed.iter().skip(1).all(|&id| is_call(id) || !self.reads(id).shapes) {
             return None;
         }
         let mut called: Vec<Of> = Vec::new();

@@ -88,8 +88,10 @@ pub struct Table {
     pub variables: usize,
     /// The loops that count its numbers; none where they stand in rows.
     pub turns: Option<Turns>,
-    /// An operand does not matter where another one is smaller by more.
+    /// As of the [`Union`].
     pub reach: f64,
+    /// As of the [`Union`].
+    pub influence: f64,
     /// What each step joins; none where that is no operand.
     pub operands: Vec<Option<Operand>>,
     /// Which of all tables it is.
@@ -267,8 +269,8 @@ impl Tables {
         };
         let entries = places.iter().map(entry).collect::<Option<Vec<u32>>>()?;
         let classes = classes.into_iter().map(|(class, _)| class).collect();
-        let (start, fold, reach, depth) = (union.start(), union.fold(), union.reach, union.depth);
-        Some(Table { classes, entries, gradient, depth, start, fold, dimensions: 3, variables: variables.len(), turns, reach, operands, index: 0, region: None })
+        let (start, fold, &Union { reach, influence, depth, .. }) = (union.start(), union.fold(), union);
+        Some(Table { classes, entries, gradient, depth, start, fold, dimensions: 3, variables: variables.len(), turns, reach, influence, operands, index: 0, region: None })
     }
 
     /// Where the solid of a union of solids lies, and the row that says so.
