@@ -323,7 +323,7 @@ impl Elaborator<'_> {
                 Code::TooLarge,
                 self.unfolding.unwrap_or(span),
                 "this unfolds to more than the compiler takes",
-                "use fewer turns or copies, or `grid` and `repeat` for many copies of one shape",
+                "use fewer turns or copies (some 10,000 of a simple shape fit), or `grid` and `repeat` for many copies of one shape",
             ));
         }
         Ok(())
