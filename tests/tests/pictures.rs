@@ -93,7 +93,7 @@ fn gpu_and_cpu_draw_the_same() {
             if colors < least {
                 wrong.push(format!("{name}, {view}: {colors} colours"));
             }
-            // Rays of the processor begin at the eye and not at the end of a cone, and so take more of them.
+            // A ray of the processor begins at the eye and not where a cone ended. So it takes more steps.
             if mode == ViewMode::Steps {
                 continue;
             }

@@ -347,7 +347,7 @@ scene = for i in 0..40 by sticky(0.02) { sphere(0.1).translate(2 * hash(i, 0) - 
     }
 }
 
-/// A change passes along all of a staircase: each step has slope one.
+/// Unions by stairs may hand on all of a change: their slope is 0 or 1. So an operand counts though it is many reaches larger than the least.
 #[test]
 fn what_is_many_reaches_off_counts_where_stairs_lead_to_it() {
     let mut shapes: Vec<String> = [1.0, 1.3].into_iter().chain((0..9).map(|i| 1.71 + 0.41 * f64::from(i))).map(|r| format!("sphere({r})")).collect();

@@ -68,7 +68,7 @@ use value::{Bound, Value};
 pub const NODE_LIMIT: usize = 400_000;
 /// How many expressions may be evaluated.
 const STEP_LIMIT: u64 = 1_000_000;
-/// How many for one declaration that nothing calls: it is tried for its errors alone. All of them together may take `STEP_LIMIT`.
+/// How many expressions may be evaluated to find the errors of one declaration that nothing calls. All of them together may take `STEP_LIMIT`.
 const TRIAL_LIMIT: u64 = 100_000;
 /// How deep expressions may nest, calls counted in. In WebAssembly the stack is the host's, mostly of 1 MiB, and can't grow.
 const NESTING_LIMIT: usize = if cfg!(target_family = "wasm") { 128 } else { 4000 };
@@ -106,7 +106,7 @@ pub struct Elaborator<'a> {
     materials: Vec<ItemRef>,
     nesting: usize,
     steps: u64,
-    /// How many it may become.
+    /// The most that `steps` may become.
     step_limit: u64,
     /// Calls went too deep: nothing is evaluated until the outermost one has ended.
     endless: bool,

@@ -88,9 +88,9 @@ pub struct Table {
     pub variables: usize,
     /// The loops that count its numbers; none where they stand in rows.
     pub turns: Option<Turns>,
-    /// As of the [`Union`].
+    /// That of the [`Union`].
     pub reach: f64,
-    /// As of the [`Union`].
+    /// That of the [`Union`].
     pub influence: f64,
     /// What each step joins; none where that is no operand.
     pub operands: Vec<Option<Operand>>,
